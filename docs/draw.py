@@ -37,8 +37,8 @@ from presswear.scene.settings import changed
 from presswear.show.figures.style import LINES, SETTINGS, WIDTH
 from presswear.tools.arrays import Array
 from presswear.tools.workers import Workers
-from presswear.validation.verify import references
-from presswear.validation.verify.verify import delivered
+from presswear.validation import reference_problems as references
+from presswear.validation.reference_checks import delivered
 
 matplotlib.use("agg")
 COLOURS = [colour for colour, _ in LINES]

@@ -6,7 +6,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynTree, InHouse
 from presswear.scene.scene import Scene
-from presswear.validation.runs import contacts_of
+from presswear.validation.cases import contacts_of
 
 TOUCHES = 10
 

@@ -35,7 +35,7 @@ def add(commands: Any) -> None:
         "benchmark",
         description="Runs every engine and integrator over its steps or tolerances on the ideal "
         "mechanism, Andrews' squeezer, one impact, and a scene with clearance, and compares each "
-        "with a reference. Wall times are medians of interleaved repeats without compiling. "
+        "with a reference. Wall times are the least of interleaved repeats, without compiling. "
         "Methods that fail are listed, among them the setting of the paper, RK4 at 1e-4 s. With "
         "--features: times the scene with each feature of the model on and off. Let the machine "
         "do nothing else meanwhile. Below 10 minutes, with --quick one or two.",

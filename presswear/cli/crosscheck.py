@@ -91,14 +91,14 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
         )
     folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
     from presswear.show.figures import save
-    from presswear.validation.crosscheck.check import check_engines
-    from presswear.validation.crosscheck.figure import draw_differences
-    from presswear.validation.stored import write_document
+    from presswear.tools.documents import write_json
+    from presswear.validation.crosscheck import check_engines, draw_differences
 
     with only_writer(folder):
-        with telling(console, "start") as told:
-            outcome = check_engines(scene, arguments.duration, told)
-        write_document(folder, "crosscheck.json", 1, outcome)
+        with telling(console, "start") as report:
+            outcome = check_engines(scene, arguments.duration, report)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
         save(draw_differences(outcome), folder)
         how = "where trajectories part" if outcome.parted else "the end; trajectories did not part"
         console.print(f"compared up to {outcome.horizon:.4g} s, {how}", highlight=False)

@@ -1,88 +1,79 @@
-"""``presswear verify``: both engines against reference problems, and where it is hard."""
+"""``presswear verify``: both engines against reference problems and on hard cases."""
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.markup import escape
 
 from presswear.cli.terminal import print_table, progress_bar, verdict
-from presswear.cli.trials import telling
 from presswear.tools.errors import InputError
+
+if TYPE_CHECKING:
+    from presswear.validation.cases import Outcome
 
 
 def add(commands: Any) -> None:
     """Add the parser of ``verify``."""
     verify = commands.add_parser(
         "verify",
-        description="Without --hard: published references and closed forms. With --hard: cases "
-        "in which a run could hang, break or be wrong without a word, at the ends of all ranges; "
-        "each has its energy add up within a bound, or is refused by name, value and range.",
+        description="Without --hard: published solutions and closed forms. With --hard: cases "
+        "in which a run could hang, fail, or be wrong without a message, at the ends of all "
+        "ranges; in each the energy adds up within a bound, or the case is refused by name, value "
+        "and range.",
         epilog="example: presswear verify; presswear verify --hard",
     )
     verify.add_argument("--hard", action="store_true", help="the hard cases, some minutes")
     verify.add_argument(
-        "--long", action="store_true", help="with --hard: those that take minutes each, too"
+        "--long", action="store_true", help="with --hard: also cases that take minutes each"
     )
     verify.set_defaults(run=_verify)
 
 
 def _verify(arguments: argparse.Namespace, console: Console) -> int:
-    if arguments.hard:
-        return _hard(console, long=arguments.long)
-    if arguments.long:
+    if arguments.long and not arguments.hard:
         raise InputError("--long goes only with --hard; see presswear verify --help")
-    from presswear.validation.verify.verify import verify
+    from presswear.validation import cases, hard_cases, reference_checks
 
-    with telling(console, "verify") as told:
-        rows = verify(told)
-    print_table(
-        console,
-        ("problem",),
-        ("reference", "ours", "error", "bound"),
-        [[*row.cells, verdict(row.passed)] for row in rows],
-        ("",),
-    )
-    missed = sum(not row.passed for row in rows)
-    console.print(f"{len(rows) - missed} of {len(rows)} within their bounds", highlight=False)
-    return 1 if missed else 0
-
-
-def _hard(console: Console, *, long: bool) -> int:
-    """Run the hard cases, print what came of them; 1 on a miss."""
-    from presswear.validation.hard import hard_cases
-    from presswear.validation.hard.case import HardOutcome, outcomes
-
-    cases = [case for case in hard_cases() if long or not case.long]
-    found: list[HardOutcome] = []
+    chosen = reference_checks.reference_cases()
+    if arguments.hard:
+        chosen = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
+    outcomes: list[Outcome] = []
     with progress_bar(console) as bar:
-        task = bar.add_task("hard cases", total=float(len(cases)))
-        for case in cases:
+        task = bar.add_task("verify", total=float(len(chosen)))
+        for case in chosen:
             bar.update(task, description=f"{case.name}, {case.engine}")
-            found.extend(outcomes(case))
+            outcomes.extend(cases.outcomes(case))
             bar.advance(task)
-    print_table(
-        console,
-        ("case",),
-        ("figure", "bound", "s"),
-        [
-            [
-                outcome.case.name,
-                *outcome.numbers,
-                f"{outcome.seconds:.1f}",
-                outcome.case.engine,
-                escape(outcome.checked),
-                outcome.verdict if outcome.verdict != "MISS" else verdict(False),
-            ]
-            for outcome in found
-        ],
-        ("engine", "checked", ""),
-    )
-    missed = sum(outcome.verdict == "MISS" for outcome in found)
-    refused = sum(outcome.verdict == "refused" for outcome in found)
-    console.print(
-        f"{len(found) - missed - refused} of {len(found)} within their bounds, {refused} refused "
-        f"by name, {missed} missed",
-        highlight=False,
-    )
+    (_print_hard if arguments.hard else _print_references)(console, outcomes)
+    missed = sum(outcome.verdict == "MISS" for outcome in outcomes)
+    refused = sum(outcome.verdict == "refused" for outcome in outcomes)
+    refusals = f", {refused} refused by name, {missed} missed" if arguments.hard else ""
+    passed = len(outcomes) - missed - refused
+    console.print(f"{passed} of {len(outcomes)} within their bounds{refusals}", highlight=False)
     return 1 if missed else 0
+
+
+def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
+    rows = []
+    for outcome in outcomes:
+        check, cells = outcome.check, ["", "", "", ""]
+        if check is not None and check.reference is not None:
+            cells = [f"{check.reference:.9g}", f"{check.reference + check.value:.9g}"]
+            cells += [f"{abs(check.value):.1e}", f"{check.bound:.0e}"]
+        rows.append([outcome.label, *cells, verdict(outcome.verdict == "pass")])
+    numbers = ("reference", "computed", "error", "bound")
+    print_table(console, ("quantity",), numbers, rows, ("",))
+
+
+def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
+    rows = []
+    for outcome in outcomes:
+        case, check, numbers = outcome.case, outcome.check, ["", ""]
+        if check is not None:
+            numbers = [f"{check.value:.1e}", f"{check.bound:.0e}"]
+        mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)
+        cells = [f"{outcome.seconds:.1f}", case.engine, escape(outcome.label), mark]
+        rows.append([case.name, *numbers, *cells])
+    names = ("engine", "checked", "")
+    print_table(console, ("case",), ("value", "bound", "s"), rows, names)

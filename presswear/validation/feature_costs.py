@@ -9,6 +9,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_bytes
-from presswear.validation.runs import Progress, part_of
+from presswear.validation.cases import Progress, part_of
 from presswear.validation.timing import TimedRun, Timing, time_runs
 
 Array = NDArray[np.float64]
@@ -169,12 +170,12 @@ def write_csv(costs: Sequence[FeatureCost], file: Path) -> None:
     """Write one row for each feature and state."""
     text = io.StringIO()
     writer = csv.writer(text)
-    columns = "engine,feature,state,model,simulated_s,steps,rejected_steps,wall_s,wall_min_s"
+    columns = "engine,feature,state,model,simulated_s,steps,rejected_steps,wall_s,wall_median_s"
     columns += ",wall_max_s,ratio_per_step,ratio_per_simulated_second"
     writer.writerow(columns.split(","))
     for cost in costs:
         timing = cost.timing
-        walls = timing.wall, min(timing.walls), max(timing.walls)
+        walls = timing.wall, median(timing.walls), max(timing.walls)
         steps = timing.simulated, timing.steps, timing.rejected
         row = [cost.engine, cost.feature, cost.state, timing.model, *steps, *walls]
         writer.writerow([*row, cost.step_ratio, cost.wall_ratio])

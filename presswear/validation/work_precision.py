@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.replicates import disturbed, start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import (
     LEAST_STEPS,
@@ -38,16 +39,8 @@ from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_bytes
-from presswear.validation.crosscheck.check import DISTURBANCE, FIRST_TOUCHDOWNS, GROWTH
-from presswear.validation.crosscheck.check import PARTS as SEARCH_PARTS
-from presswear.validation.crosscheck.traces import (
-    parting_time,
-    slider_at_end,
-    touchdown_differences,
-    touchdowns_of,
-    trace_of,
-)
-from presswear.validation.runs import (
+from presswear.validation import reference_problems as references
+from presswear.validation.cases import (
     Progress,
     contacts_of,
     finished,
@@ -55,8 +48,13 @@ from presswear.validation.runs import (
     missing_energy,
     part_of,
 )
+from presswear.validation.crosscheck import FIRST_TOUCHDOWNS, horizon
 from presswear.validation.timing import TimedRun, Timing, time_runs
-from presswear.validation.verify import references
+from presswear.validation.trajectories import (
+    slider_at_end,
+    touchdown_differences,
+    touchdowns_of,
+)
 
 Array = NDArray[np.float64]
 
@@ -403,32 +401,14 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
     )
 
 
-def horizon(scene: Scene, longest: float) -> float:
-    """Return the time up to which two starts 1e-9 m apart stay within a thousand times that, s.
-
-    Parameters
-    ----------
-    longest : float
-        Longest time searched, s; at most one cycle.
-    """
-    linkage, start = scene.linkage(), start_of(scene)
-    end = min(scene.mechanism.period, longest)
-    moved = disturbed(linkage, start, DISTURBANCE)
-    if moved is None:
-        return end
-    plan = Plan(end / SEARCH_PARTS, SEARCH_PARTS, SEARCH_PARTS, torques=False)
-    first, second = (trace_of(TIGHT.simulate(linkage, each, plan)) for each in (start, moved))
-    return parting_time(first, second, GROWTH * DISTURBANCE) or end
-
-
-def with_clearance(scene: Scene, extent: Extent) -> Problem:
+def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
     """Return the unworn linkage of a scene up to its horizon.
 
     The reference is DOP853 at tolerance 1e-13. Its uncertainty is its distance from the open tree
     in Exudyn at 1e-12, or from DOPRI5 at 1e-13 if the linkage is no open tree.
     """
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    end = horizon(scene, extent.longest)
+    end = horizon(scene, TIGHT, extent.longest, report)
     plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
     has_tree = isinstance(tree_of(linkage), Tree)
     second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
@@ -522,7 +502,7 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
         (0.12, lambda: ideal_mechanism(scene, extent)),
         (0.14, lambda: andrews(extent)),
         (0.02, lambda: single_impact(scene, extent)),
-        (0.72, lambda: with_clearance(scene, extent)),
+        (0.72, lambda: with_clearance(scene, extent, lambda name, _: report(name, done))),
     )
     points: list[Point] = []
     done = 0.0
@@ -540,7 +520,7 @@ def write_csv(points: Sequence[Point], file: Path) -> None:
     text = io.StringIO()
     writer = csv.writer(text)
     columns = "problem,engine,integrator,parameter,value,is_default,is_paper,quantity,error"
-    columns += ",reference_uncertainty,steps,rejected_steps,evaluations,wall_s,wall_min_s"
+    columns += ",reference_uncertainty,steps,rejected_steps,evaluations,wall_s,wall_median_s"
     writer.writerow([*columns.split(","), "wall_max_s", "failure"])
     for point in points:
         method, timing = point.method, point.timing
@@ -549,7 +529,7 @@ def write_csv(points: Sequence[Point], file: Path) -> None:
         times: list[object] = [""] * 6
         if timing is not None:
             times = [timing.steps, timing.rejected, timing.evaluations]
-            times += [timing.wall, min(timing.walls), max(timing.walls)]
+            times += [timing.wall, median(timing.walls), max(timing.walls)]
         for quantity, uncertainty in point.problem.quantities.items():
             error = point.errors.get(quantity, "")
             row = [quantity, error, uncertainty, *times, point.failure]
@@ -574,7 +554,7 @@ def draw_work_precision(points: Sequence[Point]) -> Drawing:
     sheet.legend(by_label.values(), by_label, loc="outside upper center", ncols=2)
     failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
     caption = (
-        "Medians of wall times without compiling; lower left is better. Grey: uncertainty of the "
+        "Least wall times without compiling; lower left is better. Grey: uncertainty of the "
         f"reference.{f' Failed: {failed}.' if failed else ''}"
     )
     return Drawing("benchmark.png", "Error against wall time", caption, sheet)

@@ -23,7 +23,7 @@ from presswear.scene.numerics import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of
-from presswear.validation.hard.case import ENERGY
+from presswear.validation.cases import ENERGY
 
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
 """Coarsest tolerances drawn: those at which statistics are still usable for wear.

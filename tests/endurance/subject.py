@@ -24,7 +24,7 @@ from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import read_checked
 from presswear.tools.folders import holder
-from presswear.validation.hard.case import sound
+from presswear.validation.cases import sound
 
 PATIENCE = 60.0
 """Wall time after which a command line that must be refused counts as hung, s."""

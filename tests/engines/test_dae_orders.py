@@ -16,8 +16,8 @@ from presswear.linkage.loads import Spring
 from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
-from presswear.validation.runs import order_of
-from presswear.validation.verify import references
+from presswear.validation import reference_problems as references
+from presswear.validation.cases import order_of
 
 FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
 

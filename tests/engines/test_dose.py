@@ -9,7 +9,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import WearLaw
 from presswear.recording.observe import CYCLE_FIXED
-from presswear.validation.verify import references
+from presswear.validation import reference_problems as references
 
 SPIN = 30.0
 """Of the pin, rad/s: without friction it slides at R_j SPIN throughout the impact."""

@@ -16,7 +16,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
-from presswear.validation.runs import contacts_of
+from presswear.validation.cases import contacts_of
 
 BASE = replace(pw.scenes.wear_times(friction=0.1), wear_updates=0)
 OWN = """

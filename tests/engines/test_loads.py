@@ -26,7 +26,7 @@ from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import ideal, wear_times
 from presswear.tools.arrays import State
-from presswear.validation.runs import order_of
+from presswear.validation.cases import order_of
 
 UP = 0.5 * math.pi
 FREE = 0.01

@@ -11,7 +11,7 @@ from presswear.engines.dae.dynamics import rates, state_size, system_of
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
-from presswear.validation.verify import references
+from presswear.validation import reference_problems as references
 
 ANGLES = np.array(references.ANDREWS_ANGLES)
 RATES = np.array(references.ANDREWS_RATES)

@@ -6,14 +6,13 @@ import pytest
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
-from presswear.validation.runs import order_of
-from presswear.validation.verify import references
-from presswear.validation.verify.verify import (
+from presswear.validation import reference_problems as references
+from presswear.validation.cases import first_contact, order_of
+from presswear.validation.reference_checks import (
     TIGHT,
     bounced,
     deepest_penetration,
     delivered,
-    first_contact,
     stiff_limit,
 )
 

@@ -10,7 +10,7 @@ import pytest
 
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import InHouse
-from presswear.validation.verify import references
+from presswear.validation import reference_problems as references
 
 INTERVAL = references.SDND100_INTERVAL
 EXTREMA = references.SDND100_EXTREMA

@@ -14,7 +14,7 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.validation.verify import references
+from presswear.validation import reference_problems as references
 
 # Factors as they are printed.
 CHI = {

@@ -11,8 +11,8 @@ from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
 from presswear.physics.laws import elastic_of, normal_record
 from presswear.tools.user_function import UserFunction
-from presswear.validation.verify import references
-from presswear.validation.verify.verify import delivered
+from presswear.validation import reference_problems as references
+from presswear.validation.reference_checks import delivered
 
 CLEARANCE, STIFFNESS, SPEED = 1e-4, 1.25e10, 0.25
 MASS = 0.3 * 0.1 / 0.4

@@ -16,7 +16,7 @@ from presswear.linkage.laws import NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.validation.verify.references import REDUCED_MASS, Impact
+from presswear.validation.reference_problems import REDUCED_MASS, Impact
 from presswear.validation.work_precision import GAP
 
 

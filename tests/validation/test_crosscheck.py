@@ -16,10 +16,10 @@ from presswear.engines.settings import ExudynJoints, ExudynTree
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import ideal, wear_times
-from presswear.validation.crosscheck.check import DISTURBANCE, finer
-from presswear.validation.crosscheck.traces import (
+from presswear.validation.crosscheck import DISTURBANCE, finer
+from presswear.validation.trajectories import (
     Touchdown,
-    Trace,
+    Trajectory,
     parting_time,
     peak,
     touchdown_differences,
@@ -46,15 +46,15 @@ def test_a_linkage_without_clearance_cannot_be_disturbed() -> None:
     assert disturbed(scene.linkage(), start_of(scene), DISTURBANCE) is None
 
 
-def _trace(offset: Callable[[np.ndarray], np.ndarray]) -> Trace:
+def _trajectory(offset: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
     time = np.linspace(0.0, 1.0, 5001)
     slider = np.column_stack([np.sin(time), np.cos(time)])
-    return Trace(time, slider, (np.cos(time) + offset(time))[:, None], ())
+    return Trajectory(time, slider, (np.cos(time) + offset(time))[:, None], ())
 
 
 def test_the_horizon_is_where_the_distance_is_reached() -> None:
-    still = _trace(np.zeros_like)
-    growing = _trace(lambda time: 1e-9 * np.exp(time * math.log(1e6)))
+    still = _trajectory(np.zeros_like)
+    growing = _trajectory(lambda time: 1e-9 * np.exp(time * math.log(1e6)))
     assert parting_time(still, growing, 1e-6) == pytest.approx(0.5, abs=1e-3)
     assert parting_time(still, growing, 1.0) is None
 
@@ -67,9 +67,9 @@ def test_touches_are_matched_joint_by_joint() -> None:
     )
     # The order of touches in different joints may change; their numbers may not.
     theirs = (Touchdown(1, 0.9, 0.5, 80.0), Touchdown(0, 1.3, 0.2, 60.0))
-    apart = touchdown_differences(ours, theirs)
-    np.testing.assert_allclose(apart[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12)
-    assert np.all(np.isinf(apart[2]))
+    differences = touchdown_differences(ours, theirs)
+    np.testing.assert_allclose(differences[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12)
+    assert np.all(np.isinf(differences[2]))
 
 
 def test_a_peak_between_samples_is_found() -> None:
@@ -79,9 +79,9 @@ def test_a_peak_between_samples_is_found() -> None:
 
 
 def test_finer_divides_every_step() -> None:
-    found = finer(ExudynJoints(50, 10, free_step=1e-5, newton=1e-6), 1.0, 4)
-    assert (found.steps_per_contact, found.steps_sustained) == (200, 40)
-    assert (found.free_step, found.newton) == (2.5e-6, 6.25e-8)
+    engine = finer(ExudynJoints(50, 10, free_step=1e-5, newton=1e-6), 1.0, 4)
+    assert (engine.steps_per_contact, engine.steps_sustained) == (200, 40)
+    assert (engine.free_step, engine.newton) == (2.5e-6, 6.25e-8)
 
 
 # Three touches, and steps of RK4 no finer than they need.
@@ -131,8 +131,8 @@ def test_a_small_change_of_one_engine_is_noticed(
 ) -> None:
     simulate = ExudynTree.simulate
 
-    def heavier(engine: ExudynTree, linkage: Linkage, *others: Any) -> Any:
-        return simulate(engine, replace(linkage, gravity=1.001 * linkage.gravity), *others)
+    def heavier(engine: ExudynTree, linkage: Linkage, *rest: Any) -> Any:
+        return simulate(engine, replace(linkage, gravity=1.001 * linkage.gravity), *rest)
 
     monkeypatch.setattr(ExudynTree, "simulate", heavier)
     assert main([*SHORT, "--out", str(tmp_path / "check")]) == 1

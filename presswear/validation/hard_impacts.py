@@ -1,7 +1,7 @@
 """Hard cases of one or two free bodies, most of them with a closed form."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -20,53 +20,40 @@ from presswear.linkage.points import Attachment
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.laws import ONSET_SPEED_FLOOR
 from presswear.physics.packed import mass_of
-from presswear.validation.hard.case import HardCase, ran
-from presswear.validation.runs import Check, guarded
-from presswear.validation.verify.references import Impact, block, creep_speed, free_bodies
-from presswear.validation.verify.verify import (
-    FRICTION,
-    GRAVITY,
-    TIGHT,
-    delivered,
-    first_contact,
-    on_incline,
-)
+from presswear.validation.cases import Case, Check, first_contact, guarded, run_sound
+from presswear.validation.reference_checks import FRICTION, GRAVITY, TIGHT, delivered, on_incline
+from presswear.validation.reference_problems import Impact, block, creep_speed, free_bodies
 
 Array = NDArray[np.float64]
 
 JOINTS = ExudynJoints(100, 10, free_step=2e-5, newton=1e-10)
+# Errors allowed in a restitution, 100 times and once what ``presswear verify`` allows; twice that
+# in the kinetic energy, which goes with the square of the speed.
 RESTITUTION = {"dae": 1e-6, "exudyn-joints": 1e-4}
-"""Error allowed in a restitution: 100 times and as much as ``presswear verify`` allows.
-
-Of the kinetic energy twice that may be missing: it goes with the square of the speed.
-"""
+# Energy residual allowed at rest; implicit steps grow to a tenth of half a period.
 REST_ENERGY = {"dae": 1e-6, "exudyn-joints": 1e-3}
-"""Energy that may be missing at rest; implicit steps grow to a tenth of half a period."""
-FALL = 1e-9
-"""Height from which a block falls on the floor, m."""
-FINEST = 1e-14
-"""The smallest tolerance that a scene allows to ``dae``."""
-PAIR_CLEARANCE, PAIR_BINS = 0.8e-3, 360
-"""Clearance of the worn pair, m, and places of its surfaces."""
+FALL = 1e-9  # m, from which a block falls on the floor
+FINEST = 1e-14  # the smallest tolerance of ``dae`` that a scene allows
+PAIR_CLEARANCE, PAIR_BINS = 0.8e-3, 360  # of the worn pair, m
+HOUR = "at rest for an hour"  # implicit steps take minutes
 
 
 def stays_centred(engine: Engine) -> Iterator[Check]:
-    """See a pin at rest exactly in the middle stay there exactly."""
-    impact = Impact(0.9)
+    """Check that a pin at rest exactly in the middle stays there."""
     start = Start(np.zeros(6), np.zeros(6))
-    run = ran(impact.linkage, start, engine, guarded(0.01))
+    run = run_sound(Impact(0.9).linkage, start, engine, guarded(0.01))
     yield Check("distance from the middle (m)", float(np.abs(run.end.position).max()), 0.0)
 
 
 def strikes(
     engine: Engine, clearance: float, speed: float, gap: float | None, nominal: float
 ) -> Iterator[Check]:
-    """See one central impact deliver the restitution of its law.
+    """Check the restitution and energy of one central impact.
 
     Parameters
     ----------
     gap : float or None
-        Left at the start, m; None starts from the middle.
+        Initial gap, m; None starts from the middle.
     """
     impact = Impact(nominal, clearance=clearance, speed=speed)
     start = impact.start
@@ -75,7 +62,7 @@ def strikes(
     duration = (clearance if gap is None else gap) / speed + 3.0 * impact.elastic_duration
     if isinstance(engine, ExudynJoints):
         engine = replace(engine, free_step=duration / 50.0)
-    run = ran(impact.linkage, start, engine, guarded(duration))
+    run = run_sound(impact.linkage, start, engine, guarded(duration))
     # Below its floor the closing speed in the law is the floor.
     share = min(speed / ONSET_SPEED_FLOOR, 1.0)
     expected = delivered_restitution(share * lankarani_nikravesh_damping(nominal))
@@ -85,64 +72,62 @@ def strikes(
 
 
 def _energy_check(name: str, run: Run, energy: float, bound: float) -> Check:
-    """Check the energy that is missing of an energy, J."""
     residual = float(run.diagnostics["energy_residual_J"])
     return Check(f"energy residual / {name}", residual / energy, bound)
 
 
 def rests(engine: Engine, duration: float, speed: float, damping: float) -> Iterator[Check]:
-    """See a block that fell on the floor lie there as deep as its weight presses it.
+    """Check that a block that fell on the floor lies there at the penetration under its weight.
 
     Parameters
     ----------
     speed : float
-        Downwards at the start, m/s; that at which it meets the floor is kept in the law for
-        as long as it lies.
+        Initial downward speed, m/s; the closing speed stays in the law as long as the block lies.
     """
     linkage, start = block(0.0, GRAVITY, FRICTION, 0.0)
     joint = linkage.clearances[0]
     joint = replace(joint, normal=replace(joint.normal, damping=damping))
     linkage = replace(linkage, clearances=(joint,))
     sunk = -float(start.position[1])
-    fallen = Start(np.array([0.0, FALL, 0.0]), np.array([0.0, -speed, 0.0]))
-    run = ran(linkage, fallen, engine, guarded(duration))
+    falling = Start(np.array([0.0, FALL, 0.0]), np.array([0.0, -speed, 0.0]))
+    run = run_sound(linkage, falling, engine, guarded(duration))
     yield Check("depth at the end / closed form, less 1", -run.end.position[1] / sunk - 1.0, 1e-6)
     moved = float(np.abs(run.end.velocity[:2]).max())
     yield Check("speed at the end (m/s)", moved, 1e-7)
-    begun = 0.5 * speed**2 + GRAVITY * sunk
-    yield _energy_check("that at the start", run, begun, REST_ENERGY[engine.word])
+    initial = 0.5 * speed**2 + GRAVITY * sunk
+    yield _energy_check("that at the start", run, initial, REST_ENERGY[engine.word])
 
 
 def comes_back(engine: Engine, speed: float) -> Iterator[Check]:
-    """See a block that leaves the floor at next to no speed be drawn back onto it at once."""
+    """Check a block that leaves the floor at nearly zero speed and falls back at once."""
     linkage, start = block(0.0, GRAVITY, FRICTION, 0.0)
     sunk = -float(start.position[1])
     leaving = Start(np.zeros(3), np.array([0.0, speed, 0.0]))
-    run = ran(linkage, leaving, engine, guarded(0.01))
+    run = run_sound(linkage, leaving, engine, guarded(0.01))
     yield _energy_check("of its fall", run, GRAVITY * sunk, REST_ENERGY[engine.word])
-    pressed = ran(linkage, Start(leaving.position, -leaving.velocity), engine, guarded(0.01))
+    pressing = Start(leaving.position, -leaving.velocity)
+    pressed = run_sound(linkage, pressing, engine, guarded(0.01))
     depth = float(run.end.position[1] / pressed.end.position[1])
     yield Check("depth over that of one that is pressed down, less 1", depth - 1.0, 1e-9)
 
 
 def creeps(engine: Engine, slope: float) -> Iterator[Check]:
-    """See a block on an incline, from rest, creep at the speed at which friction holds it."""
-    run = ran(*on_incline(slope, 0.0), engine, guarded(0.2))
-    expected = creep_speed(FRICTION, slope)
-    found = float(run.end.velocity[0]) / expected - 1.0
-    yield Check("creep / closed form, less 1", found, 1e-5)
+    """Check the creep of a block on an incline, from rest."""
+    run = run_sound(*on_incline(slope, 0.0), engine, guarded(0.2))
+    error = float(run.end.velocity[0]) / creep_speed(FRICTION, slope) - 1.0
+    yield Check("creep / closed form, less 1", error, 1e-5)
 
 
 def sticks(engine: Engine) -> Iterator[Check]:
-    """See a block on the flat end at the speed below which there is no friction."""
-    run = ran(*block(0.0, GRAVITY, FRICTION, 0.01), engine, guarded(0.1))
-    found = float(run.end.velocity[0]) / FRICTION.lower - 1.0
-    # The floor is a bowl of 10 km, which slows what no friction holds by 4e-5 in this time.
-    yield Check("speed left / v_0, less 1", found, 1e-4)
+    """Check that a block on the flat ends at the speed below which there is no friction."""
+    run = run_sound(*block(0.0, GRAVITY, FRICTION, 0.01), engine, guarded(0.1))
+    error = float(run.end.velocity[0]) / FRICTION.lower - 1.0
+    # The floor is a bowl of 10 km, which slows the block by 4e-5 in this time.
+    yield Check("speed left / v_0, less 1", error, 1e-4)
 
 
 def twins() -> tuple[Linkage, Start]:
-    """A free bar between two pins that move apart: mirror images of each other."""
+    """Return a free bar between two pins that move away from each other symmetrically."""
     law = NormalLaw(1.25e10, 1.5, lankarani_nikravesh_damping(0.9))
     bodies = [Body("bar", 0.3, 4e-4)]
     joints = []
@@ -157,7 +142,7 @@ def twins() -> tuple[Linkage, Start]:
 
 
 def touch_together(engine: Engine, ahead: float) -> Iterator[Check]:
-    """See both pins touch down in one instant, or one a little ahead; the bar feels nothing.
+    """Check two touchdowns in one instant, or one a little earlier, which leave the bar at rest.
 
     Parameters
     ----------
@@ -166,23 +151,24 @@ def touch_together(engine: Engine, ahead: float) -> Iterator[Check]:
     """
     linkage, start = twins()
     start.position[6] += ahead
-    run = ran(linkage, start, engine, guarded(0.005))
+    run = run_sound(linkage, start, engine, guarded(0.005))
     left, right = (first_contact(run, k) for k in range(2))
-    apart = left["touchdown"] - right["touchdown"]
-    yield Check("time between the touches less closed form (s)", apart - ahead / 0.25, 1e-10)
-    # Neither pin moves the bar while the other holds it: an infinite mass for both.
+    difference = left["touchdown"] - right["touchdown"]
+    name = "time between the touches less closed form (s)"
+    yield Check(name, difference - ahead / 0.25, 1e-10)
+    # Neither pin moves the bar while the second one holds it: an infinite mass for both.
     expected = delivered_restitution(lankarani_nikravesh_damping(0.9))
     bound = RESTITUTION[engine.word]
-    worst = max(abs(-own["release_speed"] / 0.25 - expected) for own in (left, right))
+    worst = max(abs(-pin["release_speed"] / 0.25 - expected) for pin in (left, right))
     yield Check("restitution less closed form", worst, bound + 1e5 * ahead)
     yield _energy_check("kinetic", run, 0.1 * 0.25**2, 2.0 * bound)
 
 
 def worn_pair() -> tuple[Linkage, Start]:
-    """A ring and a shaft in it, worn to a half of the clearance and not alike, both spinning.
+    """Return a ring and a shaft in it, worn differently to half of the clearance, both spinning.
 
-    Mass centres lie off the centres of hole and pin, so that spin and path exchange energy
-    through couples, too.  The whole does not move away: its momentum is zero.
+    Mass centres lie off the centres of hole and pin, so that spin and path exchange energy through
+    couples, too. The total momentum is zero.
     """
     angle = bin_centres(PAIR_BINS)
     joint = ClearanceJoint(
@@ -209,81 +195,61 @@ def worn_pair() -> tuple[Linkage, Start]:
 
 
 def angular_momentum(linkage: Linkage, state: Start) -> float:
-    """Angular momentum of a state about the origin, kg m^2/s."""
+    """Return the angular momentum about the origin, kg m^2/s."""
     p = (mass_of(linkage) * state.velocity).reshape(-1, 3)
     x, y, _ = state.position.reshape(-1, 3).T
     return float(np.sum(x * p[:, 1] - y * p[:, 0] + p[:, 2]))
 
 
 def kinetic_energy(linkage: Linkage, state: Start) -> float:
-    """Kinetic energy of a state, J."""
+    """Return the kinetic energy, J."""
     return 0.5 * float(np.sum(mass_of(linkage) * state.velocity**2))
 
 
-@dataclass(frozen=True)
-class Kept:
-    """Changes over a run, and its contacts.
+def conservation_errors(tolerance: float, duration: float) -> tuple[int, float, float]:
+    """Run the worn pair for a time, s, in ``dae``.
 
-    Attributes
-    ----------
-    energy : float
-        Change of kinetic and elastic energy, part of the kinetic energy at the start.
-    momentum : float
-        Change of angular momentum, part of the sizes of the bodies' own ones at the start.
+    Returns
+    -------
+    tuple of int, float, float
+        Number of contacts, change of kinetic and elastic energy relative to the initial kinetic
+        energy, and change of angular momentum relative to the sum of the initial spins.
     """
-
-    contacts: int
-    energy: float
-    momentum: float
-
-
-def kept(tolerance: float, duration: float) -> Kept:
-    """Run the worn pair for a time, s, in ``dae``, and see what it keeps."""
     linkage, start = worn_pair()
-    run = ran(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
+    run = run_sound(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
     before = kinetic_energy(linkage, start)
     elastic = float(run.recorder.book.memory["energy"].sum())
     change = kinetic_energy(linkage, run.end) + elastic - before
     turned = angular_momentum(linkage, run.end) - angular_momentum(linkage, start)
     spins = (mass_of(linkage) * start.velocity)[2::3]
     contacts = int(run.recorder.book.tally["contacts"].sum())
-    return Kept(contacts, change / before, turned / float(np.abs(spins).sum()))
+    return contacts, change / before, turned / float(np.abs(spins).sum())
 
 
-def keeps(duration: float, least: int) -> Iterator[Check]:
-    """See energy and angular momentum of the worn pair stay what they were.
-
-    Parameters
-    ----------
-    duration : float
-        s.
-    least : int
-        Contacts that there must be.
-    """
-    coarse, found = (kept(tolerance, duration) for tolerance in (1e-9, FINEST))
-    yield Check("contacts fewer than wanted", max(least - found.contacts, 0), 0.0)
-    yield Check(f"change of energy / kinetic, tolerance {FINEST:g}", found.energy, 1e-8)
-    yield Check("... over that at tolerance 1e-09", found.energy / coarse.energy, 0.1)
-    yield Check("change of angular momentum / spin", found.momentum, 1e-12)
+def conserves(duration: float, least: int) -> Iterator[Check]:
+    """Check energy and angular momentum of the worn pair over a time, s, and the contacts."""
+    _, coarse, _ = conservation_errors(1e-9, duration)
+    contacts, energy, momentum = conservation_errors(FINEST, duration)
+    yield Check("contacts fewer than wanted", max(least - contacts, 0), 0.0)
+    yield Check(f"change of energy / kinetic, tolerance {FINEST:g}", energy, 1e-8)
+    yield Check("... over that at tolerance 1e-09", energy / coarse, 0.1)
+    yield Check("change of angular momentum / spin", momentum, 1e-12)
 
 
-def body_cases() -> Iterator[HardCase]:
-    """All hard cases of one or two bodies."""
+def impact_cases() -> Iterator[Case]:
+    """Yield all hard cases of one or two bodies."""
     for engine in (JOINTS, TIGHT):
-        for name, hard, checks in _cases(engine):
-            long = engine is JOINTS and name == HOUR
-            yield HardCase(name, hard, engine.word, checks, long=long)
-    unlike = "two free bodies, worn deep and unlike, both spinning"
-    yield HardCase("worn pair", unlike, "dae", partial(keeps, 0.3, 50))
-    yield HardCase("worn pair, 1,000 contacts", unlike, "dae", partial(keeps, 6.0, 1000), long=True)
-
-
-HOUR = "at rest for an hour"
-"""Its implicit steps take minutes."""
+        for name, reason, checks in _cases(engine):
+            is_long = engine is JOINTS and name == HOUR
+            yield Case(name, reason, engine.word, checks, is_long=is_long)
+    reason = "two free bodies, worn deep and differently, both spinning"
+    yield Case("worn pair", reason, "dae", partial(conserves, 0.3, 50))
+    long = partial(conserves, 6.0, 1000)
+    yield Case("worn pair, 1,000 contacts", reason, "dae", long, is_long=True)
 
 
 def _cases(engine: Engine) -> Iterator[tuple[str, str, Callable[[], Iterator[Check]]]]:
-    """Name of each case, why it is hard, and its checks, for one engine."""
+    """Yield the name of each case for an engine, the reason why it is hard, and its checks."""
     chi = lankarani_nikravesh_damping(0.9)
     calm = replace(JOINTS, free_step=1e-3) if engine is JOINTS else engine
     centred = "the eccentricity has no direction"
@@ -302,7 +268,7 @@ def _cases(engine: Engine) -> Iterator[tuple[str, str, Callable[[], Iterator[Che
         yield f"two touches, {ahead:g} m apart", "two events in one step", together
     for slope in (0.05, 0.0999):
         yield f"creep at a slope of {slope:g}", "starts at rest", partial(creeps, calm, slope)
-    yield "sticking on the flat", "friction's ramp", partial(sticks, calm)
+    yield "sticking on the flat", "ramp of the friction law", partial(sticks, calm)
     for speed in (0.0, 1e-15):
         back = partial(comes_back, engine, speed)
         yield f"leaves the floor at {speed:g} m/s", "two touches at once", back

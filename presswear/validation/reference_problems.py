@@ -1,7 +1,4 @@
-"""Reference problems that others solved first: mechanisms, values and their source.
-
-Each is a ``Linkage`` with a start, so that the engines run it as they run a press.
-"""
+"""Reference problems from the literature: linkages, initial states, values and their source."""
 
 import math
 from dataclasses import dataclass, replace
@@ -29,8 +26,8 @@ Array = NDArray[np.float64]
 # Andrews' squeezer: IVP test set (andrews.f, Mazzia and Magherini, University of Bari),
 # after Giles 1978 and Manning 1981; IFToMM library of benchmarks A03.  Angles in the
 # order beta, Theta, gamma, Phi, delta, Omega, epsilon.
-ANDREWS_DURATION = 0.03
-ANDREWS_START = (
+ANDREWS_DURATION = 0.03  # s
+ANDREWS_START = (  # rad, at rest
     -0.0617138900142764496,
     0.0,
     0.455279819163070380,
@@ -39,8 +36,7 @@ ANDREWS_START = (
     -0.222668390165885885,
     1.23054744454982119,
 )
-"""Angles at t = 0, rad; at rest."""
-ANDREWS_ANGLES = (
+ANDREWS_ANGLES = (  # rad at 0.03 s, PSIDE in double precision
     15.81077119629904,
     -15.75637105984298,
     0.04082224013073101,
@@ -49,8 +45,7 @@ ANDREWS_ANGLES = (
     0.5347301163226948,
     1.048080741042263,
 )
-"""Angles at t = 0.03 s, rad (PSIDE in double precision)."""
-ANDREWS_RATES = (
+ANDREWS_RATES = (  # rad/s at 0.03 s
     1139.920302151208,
     -1424.379294994111,
     11.03291221937134,
@@ -59,9 +54,8 @@ ANDREWS_RATES = (
     -19.29337464421385,
     0.3231791658026955,
 )
-"""Angular rates at t = 0.03 s, rad/s."""
 
-# Lengths of andrews.f, m, under its names.
+# Lengths of andrews.f, m, with its names.
 _D, _DA, _E, _EA = 28e-3, 115e-4, 2e-2, 1421e-5
 _RR, _RA, _SS, _SA, _SB, _SC, _SD = 7e-3, 92e-5, 35e-3, 1874e-5, 1043e-5, 18e-3, 2e-2
 _TA, _TB, _U, _UA, _UB = 2308e-5, 916e-5, 4e-2, 1228e-5, 449e-5
@@ -69,7 +63,7 @@ _ZF, _ZT, _FA = 2e-2, 4e-2, 1421e-5
 _A, _B, _C = (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
 _C0, _L0, _MOMENT = 4530.0, 7785e-5, 33e-3
 
-# The pins of each body in its own frame, whose x axis has the angle of ``_TURNS``.
+# Pins of each body in the frame of the body, whose x axis has the angle of _TURNS.
 _PINS = {
     "K1": {"O": (-_RA, 0.0), "P": (_RR - _RA, 0.0)},
     "K2": {"P": (_DA, 0.0), "Q": (_DA - _D, 0.0)},
@@ -80,9 +74,10 @@ _PINS = {
     "K7": {"A": (_UB, _UA), "H": (_UB, _UA - _U)},
 }
 
-_HUNG = {"K1": "O", "K2": "P", "K3": "B", "K5": "A", "K7": "A", "K4": "E", "K6": "H"}
-"""A pin of each body whose place the frame or the bodies before it fix."""
+# A pin of each body whose position the frame or the bodies before it determine.
+_PARENT_PIN = {"K1": "O", "K2": "P", "K3": "B", "K5": "A", "K7": "A", "K4": "E", "K6": "H"}
 
+# Angles of the seven bodies from the seven angles of the reference.
 _TURNS = np.array(
     [
         [1, 0, 0, 0, 0, 0, 0],
@@ -95,7 +90,6 @@ _TURNS = np.array(
     ],
     dtype=float,
 )
-"""Angles of the seven bodies from the seven angles of the reference."""
 
 
 def free_bodies(
@@ -107,19 +101,19 @@ def free_bodies(
     gravity: float = 0.0,
     loads: tuple[Load, ...] = (),
 ) -> Linkage:
-    """Bodies that meet in clearance joints and nowhere else.
+    """Return bodies that are connected by clearance joints only.
 
     Parameters
     ----------
     probe, direction : str, float
-        Body that is watched, along a direction, rad.
+        Body whose motion is recorded, along a direction, rad.
     """
     watch = Probe(probe, direction)
     return Linkage(bodies, watch=watch, name=name, gravity=gravity, loads=loads, clearances=joints)
 
 
 def andrews() -> Linkage:
-    """Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
+    """Return Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
 
     def pin(body: str, name: str) -> Attachment:
         return Attachment(body, *_PINS[body][name])
@@ -158,17 +152,17 @@ def andrews() -> Linkage:
 
 
 def andrews_start() -> Start:
-    """Mass centres and angles of the bodies at rest at the angles ``ANDREWS_START``."""
+    """Return the bodies at rest at the angles ``ANDREWS_START``."""
     angles = _TURNS @ np.array(ANDREWS_START)
     places: dict[str, tuple[float, float]] = {"O": (0.0, 0.0), "A": _A, "B": _B}
     position = np.zeros(21)
-    for body, held in _HUNG.items():
+    for body, pin in _PARENT_PIN.items():
         i = int(body[1]) - 1
         c, s = math.cos(angles[i]), math.sin(angles[i])
         turned = {
             name: np.array([c * x - s * y, s * x + c * y]) for name, (x, y) in _PINS[body].items()
         }
-        centre = np.array(places[held]) - turned[held]
+        centre = np.array(places[pin]) - turned[pin]
         for name, point in turned.items():
             x, y = centre + point
             places.setdefault(name, (float(x), float(y)))
@@ -177,22 +171,21 @@ def andrews_start() -> Start:
 
 
 def andrews_angles(coordinates: Array) -> Array:
-    """Seven angles of the reference, or their rates, from those of all bodies, shape (21,)."""
+    """Return the seven angles, or their rates, from the coordinates of all bodies, shape (21,)."""
     return np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3])
 
 
 # Free impact: F = K delta^n (1 + chi delta_dot / v); see ``presswear.linkage.laws``.
+# Duration of an elastic Hertz impact over delta_max / v: 0.8 B(2/5, 1/2).
 HERTZ_DURATION = 2.9432751843
-"""Duration of an elastic Hertz impact over delta_max / v: twice the integral of
-dx / sqrt(1 - x^(5/2)) from 0 to 1, which is 0.8 B(2/5, 1/2)."""
+# Delivered restitution by law and nominal value: the root e' of
+# (1 + e') chi = ln((1 + chi) / (1 - chi e')) with the damping factor chi of the law.
 DELIVERED = {
     "lankarani-nikravesh": {0.9: 0.9131766778, 0.8: 0.8471022798, 0.5: 0.7252411140},
     "hunt-crossley": {0.9: 0.9090157413, 0.8: 0.8328697923, 0.5: 0.6629622000},
     "flores": {0.9: 0.8939206927, 0.8: 0.78853913, 0.5: 0.47044478},
     "gonthier": {0.9: 0.8764354239, 0.8: 0.7679997891, 0.5: 0.48774126},
 }
-"""Restitution that a law delivers, by its name and the nominal value: the solution e' of
-(1 + e') chi = ln((1 + chi) / (1 - chi e')) with the law's chi."""
 
 
 REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
@@ -200,20 +193,16 @@ REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
 
 @dataclass(frozen=True)
 class Impact:
-    """One central impact of a free pin on its free bearing.
+    """Central impact of a free shaft on its free ring.
 
     Attributes
     ----------
     nominal : float
-        Restitution that is put into the law.
+        Restitution in the law, whose name is one of ``DAMPINGS``.
     stiffness : float
         K, N/m^1.5.
-    speed : float
-        Closing speed, m/s.
-    clearance : float
-        m.
-    law : str
-        Of ``DAMPINGS``.
+    speed, clearance : float
+        Closing speed, m/s, and clearance, m.
     """
 
     nominal: float
@@ -229,7 +218,7 @@ class Impact:
 
     @property
     def linkage(self) -> Linkage:
-        """A ring of 0.3 kg and a shaft of 0.1 kg, no constraint."""
+        """Ring of 0.3 kg and shaft of 0.1 kg without constraint."""
         joint = ClearanceJoint(
             "J",
             Attachment("ring", 0.0, 0.0),
@@ -244,7 +233,7 @@ class Impact:
 
     @property
     def start(self) -> Start:
-        """The shaft in the middle of the ring, moving along x."""
+        """Shaft in the middle of the ring, moving along x."""
         return Start(np.zeros(6), np.array([0.0, 0.0, 0.0, self.speed, 0.0, 0.0]))
 
     @property
@@ -289,18 +278,16 @@ class Impact:
 
 
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
-SDND100_EXTREMA = (0.85e-3, -0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3)
-"""Turning points, m."""
-SDND100_INTERVAL = math.pi / 100.0
-"""Time between two of them, s."""
+SDND100_EXTREMA = (0.85e-3, -0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3)  # m
+SDND100_INTERVAL = math.pi / 100.0  # s between two extrema
 SDND100_STIFFNESS, SDND100_GRAVITY, SDND100_FRICTION = 1e4, 10.0, 0.1
 
-_FLOOR_CLEARANCE = 1e4
-_FLOOR_STIFFNESS = 1e5
+_FLOOR_CLEARANCE = 1e4  # m
+_FLOOR_STIFFNESS = 1e5  # N/m^1.5
 
 
 def _floor(friction: FrictionLaw) -> ClearanceJoint:
-    """A bearing of 10 km on the frame: the slope changes by 1e-4 in a metre."""
+    """Return a bearing of 10 km on the frame, whose slope changes by 1e-4 in a metre."""
     return ClearanceJoint(
         "floor",
         bearing=Attachment(GROUND, 0.0, _FLOOR_CLEARANCE),
@@ -314,22 +301,22 @@ def _floor(friction: FrictionLaw) -> ClearanceJoint:
 
 
 def _block_at(x: float, weight: float) -> Array:
-    """A block on the floor, pressed in as far as its weight, N, presses it."""
+    """Return a block on the floor, at the penetration under its weight, N."""
     sunk = (weight / _FLOOR_STIFFNESS) ** (2.0 / 3.0)
     reach = _FLOOR_CLEARANCE + sunk
-    # Of the two equal terms only the difference counts.
+    # Only the difference of the two nearly equal terms counts.
     return np.array([x, x * x / (reach + math.sqrt(reach**2 - x * x)) - sunk, 0.0])
 
 
 def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tuple[Linkage, Start]:
-    """A block of 1 kg on a floor, too heavy to turn, and its start at x = 0.
+    """Return a block of 1 kg on a floor, which cannot turn, and its initial state at x = 0.
 
     Parameters
     ----------
     pull, press : float
         Constant forces along the floor and into it, N.
     speed : float
-        At the start, m/s.
+        Initial speed, m/s.
     """
     heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
     linkage = free_bodies("block on a floor", (heavy,), (_floor(friction),), "block", loads=(load,))
@@ -337,7 +324,7 @@ def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tup
 
 
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
-    """The mass, its spring of 1 km and its release; friction is full above ``upper``, m/s."""
+    """Return a mass on a spring of 1 km, released; friction is full above ``upper``, m/s."""
     friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
     linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
     spring = Spring(
@@ -352,7 +339,7 @@ def sdnd100(upper: float) -> tuple[Linkage, Start]:
 
 
 def creep_speed(friction: FrictionLaw, slope: float) -> float:
-    """Speed, m/s, at which a block creeps down an incline of tangent ``slope``.
+    """Return the speed, m/s, at which a block creeps down an incline of tangent ``slope``.
 
     The ramp gives mu c_d = tan(theta), so v = v0 + (v1 - v0) tan(theta) / mu.
     """
@@ -360,7 +347,7 @@ def creep_speed(friction: FrictionLaw, slope: float) -> float:
 
 
 def slowed_speed(friction: FrictionLaw, speed: float, gravity: float, time: float) -> float:
-    """Speed, m/s, of a block that slows on the flat, started above v1.
+    """Return the speed, m/s, of a block that slows on the flat from above v1.
 
     V - mu g t down to v1, from there v0 + (v1 - v0) exp(-mu g t / (v1 - v0)).
     """
@@ -374,16 +361,16 @@ def slowed_speed(friction: FrictionLaw, speed: float, gravity: float, time: floa
 
 @dataclass(frozen=True)
 class Ball:
-    """A ball thrown up from the floor of a large bearing on the frame.
+    """Ball that is thrown up from the floor of a large bearing on the frame.
 
     Attributes
     ----------
     nominal : float
-        Restitution put into Lankarani and Nikravesh's law.
+        Restitution in the law of Lankarani and Nikravesh.
     stiffness : float
-        K, N/m^1.5; what gravity does during contact falls with the contact time, K^(-2/5).
+        K, N/m^1.5; the effect of gravity during contact falls with the contact time, K^(-2/5).
     speed : float
-        At the start, upwards, m/s; the ball stays below the middle of the bearing.
+        Initial upward speed, m/s; the ball stays below the middle of the bearing.
     """
 
     nominal: float
@@ -393,7 +380,7 @@ class Ball:
 
     @property
     def linkage(self) -> Linkage:
-        """A pin of 0.1 kg in a bearing with a clearance of 1 m."""
+        """Pin of 0.1 kg in a bearing with a clearance of 1 m."""
         joint = ClearanceJoint(
             "floor",
             bearing=Attachment(GROUND, 0.0, 0.0),
@@ -409,5 +396,5 @@ class Ball:
 
     @property
     def start(self) -> Start:
-        """On the floor, moving up."""
+        """Ball on the floor, moving up."""
         return Start(np.array([0.0, -1.0, 0.0]), np.array([0.0, self.speed, 0.0]))

@@ -1,0 +1,233 @@
+"""Cases with numerical checks, their execution, and functions on runs that all checks share.
+
+``presswear verify`` and the tests run the same cases: ``reference_checks.reference_cases`` and
+``hard_cases.hard_cases``.
+"""
+
+import math
+import re
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine
+from presswear.linkage.linkage import Linkage
+from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording.observer import AdvanceObserver
+from presswear.tools.errors import InputError, RunFailed
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+"""Called with the name of what runs and the completed fraction."""
+
+PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
+ENERGY = {"dae": 1e-6, "exudyn-tree": 1e-6, "exudyn-joints": 1e-4}
+"""Energy residual allowed, relative to the energy exchanged by the drives.
+
+At their default tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press. A hundred
+times that is still far below the losses in the contacts, 1e-3 and more.
+"""
+
+
+@dataclass(frozen=True)
+class Check:
+    """Number with its bound; without a bound it is only reported.
+
+    Attributes
+    ----------
+    value : float
+        Passes if its absolute value is at most the bound; an error if there is a reference.
+    reference : float or None
+        Expected number, in the unit that the quantity names.
+    """
+
+    quantity: str
+    value: float
+    bound: float | None
+    unit: str = ""
+    reference: float | None = None
+
+    @staticmethod
+    def against(quantity: str, reference: float, computed: float, bound: float) -> "Check":
+        """Compare a computed number with its reference."""
+        return Check(quantity, computed - reference, bound, reference=reference)
+
+    @property
+    def passed(self) -> bool:
+        """True if the number is within its bound; False for nan."""
+        return self.bound is None or abs(self.value) <= self.bound
+
+
+@dataclass(frozen=True)
+class Case:
+    """Problem with its checks.
+
+    Attributes
+    ----------
+    reason : str
+        Source of the reference, or why the case is hard.
+    checks : callable
+        Run the case and yield its checks.
+    refusal : str
+        Pattern of the message with which the case must be refused; empty if it must run.
+    is_long : bool
+        True for more than some ten seconds.
+    """
+
+    name: str
+    reason: str
+    engine: str
+    checks: Callable[[], Iterator[Check]]
+    refusal: str = ""
+    is_long: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of one check of a case, or of a case that was refused or failed.
+
+    Attributes
+    ----------
+    check : Check or None
+        None for a refusal or a failed run.
+    message : str
+        Message of a refusal or of a failure.
+    seconds : float
+        Wall time since the previous outcome.
+    """
+
+    case: Case
+    check: Check | None
+    verdict: Literal["pass", "MISS", "refused"]
+    message: str
+    seconds: float
+
+    @property
+    def label(self) -> str:
+        """Name of the checked quantity, or the message."""
+        return self.message or (self.check.quantity if self.check else "")
+
+
+def outcomes(case: Case) -> Iterator[Outcome]:
+    """Run a case and yield an outcome for every check and for every way to end."""
+    started = clock.perf_counter()
+
+    def outcome(
+        check: Check | None, verdict: Literal["pass", "MISS", "refused"], message: str = ""
+    ) -> Outcome:
+        nonlocal started
+        seconds, started = clock.perf_counter() - started, clock.perf_counter()
+        return Outcome(case, check, verdict, message, seconds)
+
+    try:
+        for check in case.checks():
+            if case.refusal:
+                yield outcome(check, "MISS", "runs, but must be refused")
+                return
+            yield outcome(check, "pass" if check.passed else "MISS")
+    except (InputError, RunFailed, ArithmeticError) as error:
+        is_refusal = isinstance(error, InputError | RunFailed) and bool(case.refusal)
+        is_refusal = is_refusal and re.search(case.refusal, str(error)) is not None
+        yield outcome(None, "refused" if is_refusal else "MISS", str(error))
+
+
+def finished(run: Run, name: str = "") -> Run:
+    """Return a run; RunFailed, prefixed with a name, if it failed."""
+    if run.status == "failed":
+        raise RunFailed(f"{name}: {run.message}" if name else run.message)
+    return run
+
+
+def run_sound(linkage: Linkage, start: Start, engine: Engine, plan: Plan) -> Run:
+    """Run a linkage; RunFailed says what is wrong with a run that is not sound."""
+    return sound(engine.simulate(linkage, start, plan), plan)
+
+
+def sound(run: Run, plan: Plan) -> Run:
+    """Return a run; RunFailed unless it is complete, finite and has all contacts resolved."""
+    recorder = finished(run).recorder
+    arrays = {
+        "series": recorder.rows,
+        "cycles": np.array(recorder.cycles),
+        "wear": recorder.maps.sampled,
+        "position": run.end.position,
+        "velocity": run.end.velocity,
+        "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
+        **{f"contacts {k}": recorder.episodes(k) for k in range(len(recorder.book.memory))},
+    }
+    for name, values in arrays.items():
+        if not np.all(np.isfinite(values)):
+            raise RunFailed(f"not finite: {name}")
+    if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
+        raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
+    unresolved = int(recorder.book.tally["unresolved"].sum())
+    if unresolved:
+        total = int(recorder.book.tally["contacts"].sum())
+        raise RunFailed(f"{unresolved} of {total} contacts unresolved")
+    return run
+
+
+def contacts_of(run: Run, k: int = 0) -> dict[str, Array]:
+    """Return the recorded contacts of clearance joint ``k`` by column, shape (n,) each, SI."""
+    return dict(zip(CONTACT_COLUMNS, run.recorder.episodes(k).T, strict=True))
+
+
+def first_contact(run: Run, k: int = 0) -> dict[str, float]:
+    """Return the first contact of clearance joint ``k``; RunFailed if there is none."""
+    contacts = contacts_of(finished(run), k)
+    if not contacts["touchdown"].size:
+        raise RunFailed("no contact, where there must be one")
+    return {name: float(column[0]) for name, column in contacts.items()}
+
+
+def missing_energy(run: Run) -> float:
+    """Return the absolute energy residual relative to the energy exchanged by the drives."""
+    residual = float(run.diagnostics["energy_residual_J"])
+    return abs(residual) / float(run.diagnostics["drive_exchange_J"])
+
+
+def energy_check(run: Run, engine: str) -> Check:
+    """Return the check of the energy residual."""
+    return Check("energy residual / exchanged", missing_energy(run), ENERGY[engine])
+
+
+def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
+    """Return the observed order: the slope of log error over log step, by least squares.
+
+    nan for fewer than two steps, or if an error is not finite and positive.
+    """
+    if len(set(steps)) < 2 or not (np.all(np.isfinite(errors)) and min(errors) > 0.0):
+        return math.nan
+    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+
+
+def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Plan:
+    """Return a plan whose run ends with RunFailed when it takes too long.
+
+    Parameters
+    ----------
+    duration : float
+        Duration of one cycle, s.
+    patience : float
+        CPU time from the first report of progress, s.
+    """
+    started: float | None = None
+
+    def report(part: float) -> None:
+        nonlocal started
+        now = clock.process_time()
+        started = now if started is None else started
+        if now - started > patience:
+            raise RunFailed(f"stopped after {patience:g} s of CPU time at {100.0 * part:.3g} %")
+
+    return Plan(duration, cycles, recorded_cycles=1, observers=(AdvanceObserver(report),))
+
+
+def part_of(report: Progress, start: float, size: float, prefix: str = "") -> Progress:
+    """Return the progress of a part of a whole that starts at a fraction and has a size."""
+    return lambda word, part: report(f"{prefix}{word}", start + size * part)

@@ -1,0 +1,360 @@
+"""Comparison of Exudyn with the in-house solver from the same initial state.
+
+Impacts separate neighbouring motions, so that two engines agree on a trajectory only for a limited
+time. The in-house solver measures it: it runs twice, the second time from a state moved by 1e-9 m
+along a free direction. The horizon is the time at which the two have separated a thousandfold.
+Positions, velocities, touchdowns and forces are compared one by one up to it, and means over cycles
+beyond it.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import Any
+
+import matplotlib
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign.replicates import disturbed, start_of
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.linkage import Linkage
+from presswear.recording.observer import AdvanceObserver
+from presswear.recording.statistics import Estimate, estimate
+from presswear.results.provenance import provenance
+from presswear.scene.scene import Scene
+from presswear.show.figures.style import MUTED, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
+from presswear.validation.cases import Check, Progress, finished, order_of
+from presswear.validation.trajectories import (
+    Difference,
+    Touchdown,
+    Trajectory,
+    matched,
+    parting_time,
+    slider_difference,
+    touchdown_differences,
+    touchdowns_of,
+    trajectory_of,
+    velocity_difference,
+)
+
+Array = NDArray[np.float64]
+
+DISTURBANCE = 1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
+GROWTH = 1000.0  # of the disturbance at the horizon
+REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are compared
+FINENESS = (1, 2, 4, 8, 16)  # divide the steps of exudyn-joints; bounds apply to the last
+TOLERANCE_PARTS = (1, 10, 100, 1000)  # divide the tolerance of the tree; bounds apply to the last
+FIRST_TOUCHDOWNS = 10  # touchdowns with bounds
+CYCLES = 8  # whose means are compared, unless the scene has a number
+PARTS = 40  # of a run; more make the recorded series and the longest steps finer
+SLIDER_BOUND = 1e-6  # m, up to the horizon
+# Relative to the largest speed, up to the last of the first touchdowns. Later a bound would judge
+# the motion: a touchdown moved by 1e-5 s changes a velocity by much.
+VELOCITY_BOUND = 1e-3
+TIME_BOUND = 1e-6  # s, of the first touchdowns
+CLOSING_BOUND = 1e-4  # relative, of their closing speeds
+FORCE_BOUND = 1e-3  # relative, of their peak forces
+ORDER, ORDER_BOUND = 2.0, 0.3  # of Exudyn's trapezoidal rule
+TREE_TIME_BOUND, TREE_SLIDER_BOUND = 1e-8, 1e-8  # s, m, of the tree up to the last of them
+INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
+
+
+@dataclass(frozen=True)
+class Crosscheck:
+    """Result of a cross-check.
+
+    Attributes
+    ----------
+    horizon : float
+        s.
+    parted : bool
+        True if trajectories separated at the horizon; else the horizon is the end of the runs.
+    touchdowns : tuple of Touchdown
+        Touchdowns of the reference up to the horizon.
+    differences : tuple of Difference
+        The disturbed initial state first, then Exudyn, coarsest first.
+    exudyn : tuple of str
+        Models that Exudyn ran, coarsest first.
+    statistics : dict
+        Means over cycles of both engines.
+    """
+
+    scene: Scene
+    horizon: float
+    parted: bool
+    checks: tuple[Check, ...]
+    touchdowns: tuple[Touchdown, ...]
+    differences: tuple[Difference, ...]
+    exudyn: tuple[str, ...]
+    statistics: dict[str, Any]
+
+    @property
+    def passed(self) -> bool:
+        """True if every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as plain data."""
+        names = self.scene.clearance_joints
+        fields = ("quantity", "value", "bound", "unit", "passed")
+        return {
+            "scene": self.scene.as_dict(),
+            "provenance": provenance(),
+            "horizon_s": self.horizon,
+            "parted": self.parted,
+            "passed": self.passed,
+            "exudyn": list(self.exudyn),
+            "checks": [{name: getattr(each, name) for name in fields} for each in self.checks],
+            "touchdowns": [{**asdict(t), "joint": names[t.joint]} for t in self.touchdowns],
+            "slider_difference_max_m": {
+                curve.label: float(curve.slider[curve.time <= self.horizon].max())
+                for curve in self.differences
+            },
+            "statistics": self.statistics,
+        }
+
+
+@dataclass(frozen=True)
+class _Runner:
+    """Run the unworn linkage of a scene and report progress."""
+
+    linkage: Linkage
+    report: Progress
+
+    def run(self, word: str, start: Start, engine: Engine, plan: Plan) -> Run:
+        self.report(word, 0.0)
+        plan = replace(plan, observers=(AdvanceObserver(partial(self.report, word)),))
+        return finished(engine.simulate(self.linkage, start, plan))
+
+    def trajectory(self, word: str, start: Start, engine: Engine, end: float) -> Trajectory:
+        return trajectory_of(self.run(word, start, engine, Plan(end / PARTS, PARTS, PARTS)))
+
+    def separation(
+        self, start: Start, engine: Engine, end: float
+    ) -> tuple[float | None, Trajectory, Trajectory] | None:
+        """Return the horizon, s, and both trajectories; None if no direction is free.
+
+        The horizon is None if the trajectories stay together up to ``end``, s.
+        """
+        moved = disturbed(self.linkage, start, DISTURBANCE)
+        if moved is None:
+            return None
+        first = self.trajectory("dae", start, engine, end)
+        second = self.trajectory("dae, disturbed", moved, engine, end)
+        return parting_time(first, second, GROWTH * DISTURBANCE), first, second
+
+
+def horizon(scene: Scene, engine: Engine, longest: float, report: Progress) -> float:
+    """Return the time up to which trajectories of a scene can be compared, s, at most a cycle."""
+    end = min(scene.mechanism.period, longest)
+    found = _Runner(scene.linkage(), report).separation(start_of(scene), engine, end)
+    return end if found is None or found[0] is None else found[0]
+
+
+def finer(engine: ExudynJoints, period: float, fineness: int) -> ExudynJoints:
+    """Return an engine with all steps of a cycle of a period, s, divided by a number."""
+    return replace(
+        engine,
+        steps_per_contact=engine.steps_per_contact * fineness,
+        steps_sustained=engine.steps_sustained * fineness,
+        free_step=engine.longest(period) / fineness,
+        newton=engine.newton / fineness**2,
+    )
+
+
+def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
+    """Return the model of Exudyn for a scene, from its default settings to the finest."""
+    scene = replace(scene, engine="exudyn") if scene.engine == "dae" else scene
+    scene = replace(scene, purpose="trajectory")
+    scene.check()
+    period = scene.mechanism.period
+    engine = scene.solver.over(period)
+    if isinstance(engine, ExudynTree):
+        trees = [
+            replace(engine, tree_tolerance=engine.tolerance / part) for part in TOLERANCE_PARTS
+        ]
+        return {f"Exudyn's tree at {tree.tree_tolerance:g}": tree for tree in trees}
+    return {
+        "Exudyn" if n == 1 else f"Exudyn, steps / {n}": finer(scene.numerics.joints, period, n)
+        for n in FINENESS
+    }
+
+
+def check_engines(scene: Scene, duration: float | None, report: Progress) -> Crosscheck:
+    """Run and compare both engines on the unworn linkage of a scene; RunFailed if a run fails.
+
+    Parameters
+    ----------
+    duration : float or None
+        Longest time over which trajectories are compared, s; None: one cycle.
+    """
+    end = scene.mechanism.period if duration is None else duration
+    linkage, start = scene.linkage(), start_of(scene)
+    runner = _Runner(linkage, report)
+    precise = InHouse(integration_tolerance=REFERENCE_TOLERANCE, coordinates="all")
+    separation = runner.separation(start, precise, end)
+    curves, parted = [], False
+    if separation is not None:
+        time, calm, moved = separation
+        parted, end = time is not None, time or end
+        label = f"in-house, start moved by {DISTURBANCE:g} m"
+        curves.append(slider_difference(label, calm, moved))
+    reference = runner.trajectory("dae to the horizon", start, precise, end)
+    first = reference.touchdowns[:FIRST_TOUCHDOWNS]
+    engines = exudyn_of(scene)
+    compared = {
+        word: runner.trajectory(word, start, engine, end) for word, engine in engines.items()
+    }
+    curves += [slider_difference(word, reference, each) for word, each in compared.items()]
+    is_tree = isinstance(next(iter(engines.values())), ExudynTree)
+    checks = _exudyn_checks(is_tree, reference, compared, end)
+    if parted:
+        checks += _reported("disturbed start", reference, moved, end)
+    if first:
+        # Far enough to include the last of the touchdowns.
+        until = min(1.001 * first[-1].time, end)
+        second = replace(precise, integrator="dopri5", coordinates="fewest")
+        words = "dae with dopri5 in fewest coordinates"
+        run = runner.run(words, start, second, Plan(until, 1, 1))
+        largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
+        words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
+        checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
+    statistics: dict[str, Any] = {}
+    if parted:
+        beyond, statistics = _check_means(scene, start, runner)
+        checks += beyond
+    return Crosscheck(
+        scene,
+        end,
+        parted,
+        tuple(checks),
+        reference.touchdowns,
+        tuple(curves),
+        tuple(engines),
+        statistics,
+    )
+
+
+def _exudyn_checks(
+    is_tree: bool, reference: Trajectory, compared: Mapping[str, Trajectory], horizon: float
+) -> list[Check]:
+    """Check Exudyn against the reference up to the horizon."""
+    first = reference.touchdowns[:FIRST_TOUCHDOWNS]
+    differences = [touchdown_differences(first, each.touchdowns) for each in compared.values()]
+    curves = [slider_difference(name, reference, each) for name, each in compared.items()]
+    name, finest = list(compared.items())[-1]
+    distance = curves[-1].slider
+    checks = [Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")]
+    if first:
+        last = first[-1].time
+        times, speeds, forces = differences[-1].max(axis=0).tolist()
+        speed = velocity_difference(reference, finest, last)
+        time_bound = TREE_TIME_BOUND if is_tree else TIME_BOUND
+        count = f"{name}: first {len(first)}"
+        checks += [
+            Check(f"{count} touches, times", times, time_bound, "s"),
+            Check(f"{count} closing speeds", speeds, CLOSING_BOUND, "relative"),
+            Check(f"{count} peak forces", forces, FORCE_BOUND, "relative"),
+            Check(f"{name}: velocity to touch {len(first)}", speed, VELOCITY_BOUND, "relative"),
+            *_reported(name, reference, finest, horizon),
+        ]
+        if is_tree:
+            early = float(distance[curves[-1].time <= last].max())
+            words = f"{name}: slider to touch {len(first)}"
+            checks.append(Check(words, early, TREE_SLIDER_BOUND, "m"))
+    if not is_tree:
+        # Without touchdowns, the distance of the slider has the order.
+        errors = [float(curve.slider.max()) for curve in curves]
+        if first:
+            errors = [float(np.sqrt(np.mean(each[:, 0] ** 2))) for each in differences]
+        order = -order_of(FINENESS, errors)
+        words = f"Exudyn's order {order:.2f}, from 2"
+        checks.append(Check(words, abs(order - ORDER), ORDER_BOUND))
+    return checks
+
+
+def _reported(name: str, reference: Trajectory, compared: Trajectory, end: float) -> list[Check]:
+    """Return differences up to the horizon, where no solver could keep a bound."""
+    # A touchdown just before the horizon may come just after it in the compared run.
+    times = [
+        abs(twin.time - each.time)
+        for each, twin in matched(reference.touchdowns, compared.touchdowns)
+        if twin is not None
+    ]
+    speed = velocity_difference(reference, compared, end)
+    return [
+        Check(f"{name}: slider velocity", speed, None, "relative"),
+        Check(f"{name}: {len(times)} touches, times", max(times, default=math.nan), None, "s"),
+    ]
+
+
+def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Check], dict[str, Any]]:
+    """Check that the 95 % intervals of means over cycles of both engines overlap."""
+    cycles = CYCLES if scene.cycles is None else scene.cycles
+    plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
+    # Name in the cycles of a recorder, joint, and unit.
+    quantities: dict[str, tuple[str, int | None, str]] = {
+        "greatest slider velocity": ("velocity_max", None, "m/s"),
+        "greatest slider acceleration": ("acceleration_max", None, "m/s^2"),
+    }
+    for k, joint in enumerate(scene.clearance_joints):
+        quantities[f"peak force in {joint}"] = ("force_max", k, "N")
+        quantities[f"load distance in {joint}"] = ("load_distance", k, "N m")
+    means: dict[str, dict[str, Estimate]] = {}
+    exudyn = next(iter(exudyn_of(scene).values()))
+    for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
+        recorder = runner.run(f"{word}, {cycles} cycles", start, engine, plan).recorder
+        means[word.lower()] = {
+            quantity: estimate(recorder.each_cycle(name, k))
+            for quantity, (name, k, _) in quantities.items()
+        }
+    checks = []
+    for quantity, (*_, unit) in quantities.items():
+        one, two = (each[quantity] for each in means.values())
+        bound = None  # a single cycle has no interval
+        if one.half_width is not None and two.half_width is not None:
+            bound = one.half_width + two.half_width
+        checks.append(Check(f"mean {quantity}", abs(one.mean - two.mean), bound, unit))
+    plain = {
+        word: {name: asdict(value) for name, value in each.items()} for word, each in means.items()
+    }
+    return checks, plain
+
+
+_COLOURS = ("#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
+
+
+@matplotlib.rc_context(SETTINGS)
+def draw_differences(result: Crosscheck) -> Drawing:
+    """Draw the distance of the slider from the reference over time, up to 1.5 horizons."""
+    sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
+    axes = sheet.subplots()
+    end = max(float(curve.time[-1]) for curve in result.differences)
+    end = min(end, 1.5 * result.horizon)
+    colours = _COLOURS if len(result.differences) == len(_COLOURS) else (MUTED, *_COLOURS)
+    for curve, colour in zip(result.differences, colours, strict=False):
+        shown = (curve.time <= end) & (curve.slider > 0.0)  # a logarithm shows no zeros
+        axes.semilogy(
+            curve.time[shown], curve.slider[shown], color=colour, linewidth=0.9, label=curve.label
+        )
+    axes.axhline(SLIDER_BOUND, color=REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
+    axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
+    if result.parted:
+        axes.axvline(result.horizon, color=REFERENCE, linewidth=0.7)
+        axes.text(
+            result.horizon,
+            0.02,
+            f" horizon: grown {GROWTH:g} times ",
+            transform=axes.get_xaxis_transform(),
+            va="bottom",
+            ha="left" if result.horizon < 0.7 * end else "right",
+        )
+    axes.set_xlim(0.0, end)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("distance of the slider from the\nin-house reference (m)")
+    sheet.legend(loc="outside upper center", ncols=3)
+    title = "Distance of the engines from the in-house reference"
+    return Drawing("difference.png", title, "", sheet)

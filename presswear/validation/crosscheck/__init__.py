@@ -1,1 +1,0 @@
-"""Cross-check of the engines from one start."""

@@ -1,1 +1,0 @@
-"""Verification of the engines against references that nobody here wrote."""

@@ -1,0 +1,178 @@
+"""Reference problems and hard cases: every check passes, and a miss is reported."""
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+
+import pytest
+
+from presswear.__main__ import main
+from presswear.engines.settings import InHouse
+from presswear.linkage.laws import FrictionLaw
+from presswear.tools.errors import InputError, RunFailed
+from presswear.validation import hard_cases, hard_impacts, reference_checks
+from presswear.validation.cases import (
+    Case,
+    Check,
+    energy_check,
+    guarded,
+    order_of,
+    outcomes,
+    run_sound,
+    sound,
+)
+from presswear.validation.reference_problems import block
+
+HARD = list(hard_cases.hard_cases())
+CASES = [*reference_checks.reference_cases(), *HARD]
+SLOW = (
+    "deeper than c, radial",
+    "deeper than c, foundation",
+    "at rest, met at 0.14 mm/s",
+    "pin at rest in the middle",
+    "clearance at A alone",
+    "100 cycles at 40 pi",
+)
+"""Cases of some ten seconds."""
+TIGHT, GRAVITY = reference_checks.TIGHT, reference_checks.GRAVITY
+
+
+def _marked(case: Case) -> object:
+    marks = [pytest.mark.slow] if case.is_long or case.name in SLOW else []
+    return pytest.param(case, id=f"{case.name}, {case.engine}", marks=marks)
+
+
+@pytest.mark.parametrize("case", [_marked(case) for case in CASES])
+def test_case_is_within_its_bounds_or_refused(case: Case) -> None:
+    results = list(outcomes(case))
+    assert results
+    assert [f"{each.label} {each.check}" for each in results if each.verdict == "MISS"] == []
+    assert all((each.verdict == "refused") == bool(case.refusal) for each in results)
+
+
+def test_cases_and_reference_checks_have_unique_names() -> None:
+    counts = Counter((case.name, case.engine) for case in CASES)
+    assert [name for name, count in counts.items() if count > 1] == []
+    assert len(HARD) == 135
+
+
+def test_limit_for_short_contacts() -> None:
+    values = [5.0 + 3.0 * stiffness**-0.4 for stiffness in (1e3, 8e3)]
+    assert reference_checks.stiff_limit(values, 8.0) == pytest.approx(5.0, rel=1e-14)
+
+
+def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reference_checks, "TIGHT", InHouse("rk4", equal_step=5e-6))
+    missed = [check.quantity for check in reference_checks.impact_checks() if not check.passed]
+    assert "restitution, nominal 0.9, dae" in missed
+    assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
+    coarse = InHouse("rk4", equal_step=1e-5)
+    checks = hard_impacts.strikes(coarse, 8e-4, 0.25, None, 0.9)
+    assert [check.passed for check in checks] == [False, False]
+
+
+def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hard_impacts, "ONSET_SPEED_FLOOR", 2e-6)
+    assert not next(iter(hard_impacts.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
+    monkeypatch.setattr(hard_impacts, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
+    on_flat = block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
+    monkeypatch.setattr(hard_impacts, "on_incline", lambda *arguments: on_flat)
+    assert not next(iter(hard_impacts.creeps(TIGHT, 0.05))).passed
+
+
+def test_lost_energy_contacts_and_numbers_miss() -> None:
+    plan = guarded(0.01)
+    run = run_sound(*hard_impacts.twins(), TIGHT, plan)
+    run.diagnostics["drive_exchange_J"] = 1.0
+    run.diagnostics["energy_residual_J"] = -1e-5
+    assert not energy_check(run, "dae").passed
+    assert energy_check(run, "exudyn-joints").passed
+    with pytest.raises(RunFailed, match=r"ended at 0.01 s, not at 0.02 s"):
+        sound(run, guarded(0.02))
+    run.recorder.book.tally["unresolved"][1] = 1
+    with pytest.raises(RunFailed, match="1 of 2 contacts unresolved"):
+        sound(run, plan)
+    run.recorder.rows[1, 2] = math.nan
+    with pytest.raises(RunFailed, match="not finite: series"):
+        sound(run, plan)
+
+
+def test_a_run_that_takes_too_long_is_stopped() -> None:
+    plan = guarded(1.0, patience=-1.0)
+    with pytest.raises(RunFailed, match=r"stopped after -1 s of CPU time at 20 %"):
+        plan.advanced(0.2)
+    guarded(1.0, patience=60.0).advanced(0.2)
+
+
+def test_the_order_is_the_slope() -> None:
+    assert order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(2.0)
+    for steps, errors in (((1, 2), [math.inf, 1e-6]), ((1, 2), [0.0, 1e-6]), ((1, 1), [1e-6] * 2)):
+        assert math.isnan(order_of(steps, errors))
+
+
+def _case(refusal: str = "", *, error: Exception | None = None, value: float = 0.5) -> Case:
+    def checks() -> Iterator[Check]:
+        if error is not None:
+            raise error
+        yield Check("x", value, 1.0)
+
+    return Case("made up", "nothing", "none", checks, refusal)
+
+
+REFUSED = InputError("c = 0 m: allowed is 1 to 2 m")
+
+
+@pytest.mark.parametrize(
+    ("case", "verdict"),
+    [
+        (_case(), "pass"),
+        (_case(value=-1.0), "pass"),
+        (_case(value=-1.1), "MISS"),
+        (_case(value=math.nan), "MISS"),
+        (_case(error=RunFailed("the step vanished")), "MISS"),
+        (_case(error=ZeroDivisionError("division by zero")), "MISS"),
+        (_case(error=REFUSED), "MISS"),
+        (_case("c = 0 m", error=REFUSED), "refused"),
+        (_case("c = 1 m", error=REFUSED), "MISS"),
+        (_case("c = 0 m", error=RunFailed("c = 0 m: the state ran away")), "refused"),
+        (_case("c = 0 m", error=RunFailed("the step vanished")), "MISS"),
+        (_case("c = 0 m"), "MISS"),
+    ],
+)
+def test_verdicts(case: Case, verdict: str) -> None:
+    assert [outcome.verdict for outcome in outcomes(case)] == [verdict]
+
+
+def test_the_command_prints_the_hard_cases_and_fails_on_a_miss(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    cases = [_case(), _case("c = 0 m", error=REFUSED)]
+    monkeypatch.setattr(hard_cases, "hard_cases", lambda: iter(cases))
+    assert main(["verify", "--hard"]) == 0
+    assert "refused" in capsys.readouterr().out
+    cases.append(_case(value=2.0))
+    assert main(["verify", "--hard"]) == 1
+    out = capsys.readouterr().out
+    assert "1 of 3 within their bounds, 1 refused by name, 1 missed" in out
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
+
+
+def test_the_command_prints_references_and_fails_on_a_miss(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    name = "restitution, nominal 0.8, Exudyn, 100 steps"
+    checks = [Check.against(name, -15.75637105984, -15.756371, 1e-3)]
+    cases = [Case("one", "", "all", lambda: iter(checks))]
+    monkeypatch.setattr(reference_checks, "reference_cases", lambda: cases)
+    assert main(["verify"]) == 0
+    out = capsys.readouterr().out
+    for words in (name, "-15.7563711", "pass", "1 of 1"):
+        assert words in out
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
+    cases.append(_case(error=RunFailed("the step vanished (t = 0.1 s)")))
+    assert main(["verify"]) == 1
+    out = capsys.readouterr().out
+    for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)"):
+        assert words in out
