@@ -55,6 +55,7 @@ def add(commands: Any) -> None:
 def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
     scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
+    scene.check()
     folder = arguments.out or free_folder(f"benchmark-{scene.name}")
     measure = _features if arguments.features else _work_precision
     with only_writer(folder):

@@ -82,6 +82,7 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.against:
         return _against(arguments, console)
     scene = changed(scene_given(arguments.target or "wear-times"), settings_given(arguments.set))
+    scene.check()
     period = scene.mechanism.period
     least, most = (cycles * period for cycles in _CYCLES)
     if arguments.duration is not None and not least <= arguments.duration <= most:
