@@ -11,12 +11,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.arcs import map_at
 from presswear.physics.foundation import press
 from presswear.physics.laws import elastic_of
-from presswear.physics.overlap import turned
+from presswear.physics.overlap import cosine_and_sine
 from presswear.physics.packed import JOINT, Packed
-from presswear.physics.surface import BEARING, PIN, SLOPE, SURFACES, curvature, profile
+from presswear.physics.surface import (
+    BEARING,
+    PIN,
+    SLOPE,
+    SURFACES,
+    cell_of,
+    curvature,
+    depth_at,
+    profile,
+)
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
@@ -249,11 +257,13 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
         direction - turns * contact.pin_angle,
     )
     place = direction + bed.place
-    along, across = turned(bed.place)
+    along, across = cosine_and_sine(bed.place)
     nx = cosine * along - sine * across
     ny = sine * along + cosine * across
-    _, bearing_slope = map_at(surfaces, BEARING, count, place - turns * contact.bearing_angle)
-    pin_depth, pin_slope = map_at(surfaces, PIN, count, place - turns * contact.pin_angle)
+    k, x = cell_of(place - turns * contact.bearing_angle, count, 0.5)
+    _, bearing_slope = depth_at(surfaces, BEARING, k, x)
+    k, x = cell_of(place - turns * contact.pin_angle, count, 0.5)
+    pin_depth, pin_slope = depth_at(surfaces, PIN, k, x)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
     elastic = 0.0

@@ -15,7 +15,7 @@ from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_rec
 from presswear.physics.load_packing import pack_loads
 from presswear.physics.loads import Loads
 from presswear.physics.springs import pack_springs
-from presswear.physics.surface import AROUND, BEARING, PIN, ROWS, packed_rows
+from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     most = int(joints["surface_bins"].max(initial=0))
     packed = Packed(
         joints,
-        np.zeros((len(pairs), ROWS, most + AROUND if most else 0)),
+        np.zeros((len(pairs), ROWS, most)),
         pack_springs(linkage),
         pack_loads(linkage),
         mass_of(linkage),
@@ -168,7 +168,7 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
 
 def depths_of(packed: Packed) -> Array:
     """Depths of bearings and pins, shape (joints, 2, m), m; m = 0 while all are round."""
-    return packed.surfaces[:, (BEARING, PIN), : max(packed.surfaces.shape[2] - AROUND, 0)]
+    return packed.surfaces[:, (BEARING, PIN), :]
 
 
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
@@ -177,7 +177,7 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     if count == 0:
         return
     for row, surface in zip((BEARING, PIN), surfaces, strict=True):
-        packed.surfaces[k, row : row + PIN, : count + AROUND] = packed_rows(surface, count)
+        packed.surfaces[k, row : row + PIN, :count] = packed_rows(surface, count)
     depths = [surface.depth for surface in surfaces if surface.is_worn]
     packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)

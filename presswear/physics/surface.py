@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface
-from presswear.tools.compile import compiled
+from presswear.tools.compile import compiled, fused_inlined
 
 Array = NDArray[np.float64]
 
@@ -16,9 +16,7 @@ SLOPE, SQUARE, CUBE = 1, 2, 3
 """Rows behind the depth."""
 ROWS = 8
 """Number of rows that the kernels keep of a bearing and its pin."""
-AROUND = 48
-"""Bins that they keep behind the last, which are the first again."""
-SURFACES = np.zeros((ROWS, AROUND))
+SURFACES = np.zeros((ROWS, 1))
 """An array of the type that the kernels keep: side by side in memory."""
 
 
@@ -71,12 +69,38 @@ def bin_of(angle: float, count: int) -> int:
     return math.floor(angle * count / (2.0 * math.pi)) % count
 
 
+@fused_inlined
+def depth_at(surfaces: Array, row: int, k: int, x: float) -> tuple[float, float]:
+    """Return depth, m, and slope, m/rad, of a map in piece ``k``, ``x`` rad behind its node."""
+    c1 = surfaces[row + SLOPE, k]
+    c2 = surfaces[row + SQUARE, k]
+    c3 = surfaces[row + CUBE, k]
+    return surfaces[row, k] + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + x * 3.0 * c3)
+
+
+@fused_inlined
+def cell_of(angle: float, count: int, shift: float) -> tuple[int, float]:
+    """Return the cell that holds an angle, of ``count`` around the turn, and the distance from
+    its start, rad.  The first cell starts at ``shift`` of a cell.
+    """
+    turn = angle * (0.5 / math.pi)
+    position = (turn - np.floor(turn)) * count - shift
+    before = np.floor(position)
+    width = 2.0 * math.pi / count
+    cell = int(before)
+    if cell < 0:
+        cell += count
+    # The angle of a trial state may be so large that round-off leaves no position in a cell.
+    if not 0 <= cell < count:
+        return 0, 0.0
+    return cell, min(max((position - before) * width, 0.0), width)
+
+
 def packed_rows(surface: Surface, count: int) -> Array:
-    """A surface as the kernels see it, shape (4, count + AROUND).
+    """Return a surface as the kernels see it, shape (4, count).
 
     Depth and slope at the bin centres; coefficients of x^2 and x^3 of the cubic behind
-    each centre, m/rad^2 and m/rad^3.  Behind the last bin it begins anew, so
-    that bins side by side are side by side everywhere.
+    each centre, m/rad^2 and m/rad^3.
     """
     rows = np.zeros((PIN, count))
     if surface.is_worn:
@@ -87,4 +111,4 @@ def packed_rows(surface: Surface, count: int) -> Array:
         rows[0], rows[SLOPE] = depth, slope
         rows[SQUARE] = (3.0 * secant - 2.0 * slope - following_slope) / width
         rows[CUBE] = (slope + following_slope - 2.0 * secant) / width**2
-    return np.take(rows, np.arange(count + AROUND), axis=1, mode="wrap")
+    return rows

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import CONTACT, direction_of
-from presswear.physics.foundation import spread, spread_round
+from presswear.physics.foundation import add_areas, add_round_areas
 from presswear.physics.packed import JOINT
 from presswear.physics.surface import SURFACES, bin_of
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
@@ -123,11 +123,11 @@ def deposit_over_arc(
     direction = direction_of(contact)
     bearing_place, pin_place = direction - bearing_zero, direction - pin_zero
     if joint.surface_bins == 0:
-        total = spread_round(
+        total = add_round_areas(
             contact.eccentricity, joint.clearance, bearing_place, pin_place, shares
         )
     else:
-        total = spread(
+        total = add_areas(
             surfaces,
             joint.surface_bins,
             contact.eccentricity,

@@ -20,7 +20,6 @@ from _thread import interrupt_main
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import cache, cached_property, partial, update_wrapper
-from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -291,29 +290,6 @@ def _call(typing: Any, address: Any, arguments: Any) -> Any:
 # In a kernel: call a function of numbers by its address, with a tuple of its arguments.
 call = cast(Callable[[int, tuple[float, ...]], float], _INTRINSIC(_call))
 
-
-def _working_space(typing: Any, rows: Any, columns: Any) -> Any:
-    kind = _TYPES.Array(_TYPES.float64, 2, "C")
-    shape = rows.literal_value, columns.literal_value
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        double = ir.DoubleType()
-        space = _CGUTILS.alloca_once(builder, double, size=shape[0] * shape[1])
-        size = context.get_abi_sizeof(double)
-        sizes = (*shape, shape[1] * size, size, size)
-        rows, columns, row, item, width = (context.get_constant(types.intp, n) for n in sizes)
-        populate: Any = import_module("numba.np.arrayobj").populate_array  # slow import
-        array = context.make_array(kind)(context, builder)
-        populate(array, space, (rows, columns), (row, item), width, meminfo=None)
-        return array._getvalue()
-
-    return kind(rows, columns), generate
-
-
-# In a kernel: array on the stack of so many rows and columns, both constants.
-working_space = cast(
-    Callable[[int, int], Array], _NUMBA.extending.intrinsic(prefer_literal=True)(_working_space)
-)
 
 _CALLBACKS: dict[Any, Any] = {}  # machine code that is called by address must stay in memory
 

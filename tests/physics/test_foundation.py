@@ -13,7 +13,7 @@ from two_bodies import JOINT, Pair, placed
 
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.foundation import foundation_stiffness, press
-from presswear.physics.overlap import Bed
+from presswear.physics.overlap import ArcIntegrals
 from presswear.physics.surface import ROWS, packed_rows
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ def groove(width: float, depth: float, bins: int = BINS, at: float = 1.5) -> Sur
     return Surface(depth * np.exp(-(((bin_centres(bins) - at) / width) ** 2)))
 
 
-def bed(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> Bed:
+def bed(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> ArcIntegrals:
     count = max(bearing.depth.size, pin.depth.size)
     surfaces = np.vstack([packed_rows(bearing, count), packed_rows(pin, count)])
     assert surfaces.shape[0] == ROWS
