@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import presswear.recording.statistics as statistics
     import presswear.scene.catalog as scenes
     from presswear.campaign.scenes import run_scenes as run_scenes
     from presswear.campaign.single import run as run
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from presswear.physics.statics import total_clearance as total_clearance
     from presswear.recording.observer import Observer as Observer
     from presswear.recording.observer import Progress as Progress
+    from presswear.recording.statistics import Estimate as Estimate
     from presswear.results.result import Result as Result
     from presswear.results.result import load as load
     from presswear.results.stage import JointResult as JointResult
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
     from presswear.scene.life import Life as Life
     from presswear.scene.recording import Recording as Recording
     from presswear.scene.scene import Scene as Scene
+    from presswear.scene.settings import changed as changed
     from presswear.sweeps.function import function_of as function_of
     from presswear.sweeps.sweep import Sweep as Sweep
     from presswear.sweeps.sweep import sweep as sweep
@@ -105,6 +108,7 @@ _ROOMS = {
     "linkage.surface": ("Surface",),
     "physics.statics": ("deflection", "total_clearance"),
     "recording.observer": ("Progress", "Observer"),
+    "recording.statistics": ("Estimate",),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
     "results.surfaces": ("read_surfaces",),
@@ -112,19 +116,22 @@ _ROOMS = {
     "scene.life": ("Life",),
     "scene.recording": ("Recording",),
     "scene.scene": ("Scene",),
+    "scene.settings": ("changed",),
     "sweeps.function": ("function_of",),
     "sweeps.sweep": ("Sweep", "sweep"),
     "tools.errors": ("InputError", "RunFailed"),
 }
 _OWNERS = {name: room for room, names in _ROOMS.items() for name in names}
 
-__all__ = ["scenes", *_OWNERS]
+_MODULES = {"scenes": "scene.catalog", "statistics": "recording.statistics"}
+
+__all__ = ["scenes", "statistics", *_OWNERS]
 
 
 def __getattr__(name: str) -> Any:
     """Load what is asked for."""
-    if name == "scenes":
-        return import_module("presswear.scene.catalog")
+    if name in _MODULES:
+        return import_module(f"presswear.{_MODULES[name]}")
     if name == "__version__":
         return import_module("importlib.metadata").version("presswear")
     if name not in _OWNERS:

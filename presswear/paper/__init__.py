@@ -1,14 +1,11 @@
 """Study of the paper: its settings, printed numbers, claims and figures beside ours."""
 
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import presswear as pw
 from presswear.paper.report import write_report
-from presswear.paper.variants import label_of, make_scenes, unchanged
-
-QUICK_CYCLES = 4
+from presswear.paper.settings import make_scenes, run_label
 
 
 def run_paper(
@@ -34,8 +31,7 @@ def run_paper(
     Path
         Path of the report.
     """
-    change = (lambda scene: replace(scene, cycles=QUICK_CYCLES)) if quick else unchanged
-    scenes = make_scenes(lambda scene: change(replace(scene, engine=engine or scene.engine)))
+    scenes = make_scenes(engine, quick)
     started, ended = time.perf_counter(), set[str]()
 
     def show(name: str, fraction: float, words: str) -> None:
@@ -44,7 +40,7 @@ def run_paper(
         ended.add(name)
         left = (time.perf_counter() - started) * (len(scenes) / len(ended) - 1.0) / 60.0
         count = f"{len(ended)} of {len(scenes)}"
-        print(f"{count}: {label_of(name)}: {words}; about {left:.1f} min left", flush=True)
+        print(f"{count}: {run_label(name)}: {words}; about {left:.1f} min left", flush=True)
 
     results = pw.run_scenes(scenes, folder, jobs=jobs, on_progress=show)
-    return write_report(scenes, results, Path(folder))
+    return write_report(list(scenes), results, Path(folder))

@@ -1,4 +1,4 @@
-"""Every sentence of sections 5.3, 5.4 and 6 that claims a trend, as comparisons of quantities."""
+"""Sentences of sections 5.3, 5.4 and 6 that claim a trend, as comparisons of quantities."""
 
 import math
 from collections.abc import Sequence
@@ -7,84 +7,63 @@ from functools import partial
 from itertools import pairwise
 from typing import Literal
 
-from presswear.paper.printed import JOINTS, SLIDER, Place, printed_at
-from presswear.paper.variants import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
+from presswear.paper.printed import Place, printed_at
+from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, JOINTS, SLIDER, SLOW, WEAR
 
 Expected = Literal["more", "less", "same"]
-Pairs = list[tuple[Place, Place]]
-"""Places, each behind the one that it is compared with."""
+Pairs = list[tuple[Place, Place]]  # each place after the one that it is compared with
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Quantities over quantities, or less them, and what a claim expects of that.
+    """Ratio or difference of quantities, and its expected change."""
 
-    Attributes
-    ----------
-    quantity : str
-        As ``Evidence`` names it.
-    over, under : tuple of Place
-        Numerators and denominators, as many of each; one of each for a difference.
-    expected
-        Change of the second against the first.
-    """
-
-    quantity: str
-    over: tuple[Place, ...]
-    under: tuple[Place, ...]
-    expected: Expected = "more"
+    quantity: str  # key of `evidence.QUANTITIES`
+    over: tuple[Place, ...]  # numerators; one for a difference
+    under: tuple[Place, ...]  # as many denominators
+    expected: Expected = "more"  # change of the second against the first
 
     @property
     def is_difference(self) -> bool:
-        """True where the quantity has no natural zero, or may change its sign."""
+        """Whether differences are compared, because the quantity may change its sign."""
         return self.quantity in ("angle", "lag")
 
     @property
     def printed(self) -> float | None:
-        """The paper's own ratio or difference, where it prints the numbers."""
+        """Ratio or difference of the printed numbers; None if one of them is not printed."""
         places = (*self.over, *self.under)
-        found = [printed_at(place, self.quantity) for place in places]
-        values = [number.value for number in found if number is not None]
+        numbers = [printed_at(place, self.quantity) for place in places]
+        values = [number.value for number in numbers if number is not None]
         if len(values) < len(places):
             return None
         if self.is_difference:
-            return turned(values[0] - values[1])
+            return wrapped_angle(values[0] - values[1])
         count = len(self.over)
         return math.prod(values[:count]) / math.prod(values[count:])
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence that claims a trend, and the comparisons that it comes down to.
+    """Sentence that claims a trend."""
 
-    Attributes
-    ----------
-    where : str
-        Section and figure.
-    quote : str
-        The paper's words, shortened.
-    note : str
-        How the words were read, or what is odd about them.
-    """
-
-    where: str
-    quote: str
+    where: str  # section and figure
+    quote: str  # words of the paper, shortened
     parts: tuple[Comparison, ...]
-    note: str = ""
+    note: str = ""  # interpretation of the words, or what is odd about them
 
 
-def turned(angle: float) -> float:
-    """An angle between -pi and pi, rad."""
+def wrapped_angle(angle: float) -> float:
+    """Return the angle between -pi and pi, rad."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
 def more(quantity: str, pairs: Pairs, expected: Expected = "more") -> tuple[Comparison, ...]:
-    """Compare each second place with its first."""
+    """Return comparisons of each second place with its first."""
     return tuple(Comparison(quantity, (second,), (first,), expected) for first, second in pairs)
 
 
 def by_wear(joints: Sequence[str], *wear_updates: int, setting: str = WEAR) -> Pairs:
-    """Pair each number of wears with the next one, at each joint."""
+    """Return pairs of successive numbers of wear updates, at each joint."""
     return [
         (Place(setting, before, joint), Place(setting, after, joint))
         for joint in joints
@@ -103,12 +82,12 @@ by_speed = partial(_between, SLOW, FAST)
 
 
 def c_and_a(*stages: tuple[str, int]) -> Pairs:
-    """Pair joint C with joint A, of settings after some wears."""
+    """Return pairs of joint C and joint A, at settings after some wear updates."""
     return [(Place(*stage, "C"), Place(*stage, "A")) for stage in stages]
 
 
 def a_grows_more(*pairs: tuple[tuple[str, int], tuple[str, int]]) -> tuple[Comparison, ...]:
-    """Compare the factors by which the forces at A and C change from a first stage to a second."""
+    """Return comparisons of the growth of the force at A with that at C between two stages."""
     return tuple(
         Comparison(
             "force",
@@ -119,15 +98,15 @@ def a_grows_more(*pairs: tuple[tuple[str, int], tuple[str, int]]) -> tuple[Compa
     )
 
 
-FIRST_WEARS = ((WEAR, 1), (WEAR, 2), (FRICTION, 1), (HIGH_FRICTION, 1), (SLOW, 1), (FAST, 1))
-"""Settings and wears whose depths the paper shows."""
+# settings and wear updates whose depths the paper shows
+SHOWN_WEARS = ((WEAR, 1), (WEAR, 2), (FRICTION, 1), (HIGH_FRICTION, 1), (SLOW, 1), (FAST, 1))
 STAGE_NOT_SAID = "The paper does not say before or after which wear; both are compared."
 C_WIDER = "Worn is where the depth is at least 5 % of the deepest."
-FREQUENCY = "Amplitude: peak acceleration; frequency: contacts in a second."
+FREQUENCY = "Amplitude: peak acceleration; frequency: contacts per second."
 
 
 def _a_deeper_c_wider(where: str, of: str, *stages: tuple[str, int]) -> tuple[Claim, Claim]:
-    """The same two sentences, with one word or another, on each picture of depths."""
+    """Return the two claims that the paper repeats for each picture of depths."""
     pairs = c_and_a(*stages)
     deeper = f"the wear degree {of} clearance A is more serious"
     wider = f"but the wear range {of} clearance C is wider"
@@ -360,7 +339,7 @@ CLAIMS: tuple[Claim, ...] = (
         "5.4.3, Fig. 25",
         "the greater the drive velocity, the higher the collision frequency",
         more("contact_rate", by_speed(JOINTS, 0, 1)),
-        "Contacts in a second.",
+        "Contacts per second.",
     ),
     Claim(
         "6, Fig. 8, 14",
@@ -384,8 +363,8 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "6, Fig. 8, 11, 14",
         "the wear degree of clearance A is more serious than that of clearance C",
-        more("depth", c_and_a(*FIRST_WEARS)),
-        "The reason given, that A is closer to the driving rod, is not tested: both joints are "
+        more("depth", c_and_a(*SHOWN_WEARS)),
+        "The paper's reason, that A is closer to the driving rod, is not tested: both joints are "
         "one rod from a crank.",
     ),
     Claim(
@@ -406,11 +385,18 @@ CLAIMS: tuple[Claim, ...] = (
     ),
 )
 
-DEPTH_RATIOS = more(
+DEPTH_RATIOS = more(  # what the printed depths predict although K_d / b is not printed
     "depth",
     by_wear(JOINTS, 1, 2)
-    + [(a, c) for c, a in c_and_a(*FIRST_WEARS)]
+    + [(a, c) for c, a in c_and_a(*SHOWN_WEARS)]
     + by_friction(JOINTS, 1)
     + by_speed(JOINTS, 1),
 )
-"""Ratios between printed depths: what remains a prediction with K_d / b free."""
+
+HIGHLIGHTS = {  # comparisons at joint A that the report states first
+    "second wear": more("depth", by_wear(("A",), 1, 2))[0],
+    "friction, wear": more("depth", by_friction(("A",), 1))[0],
+    "friction, force": more("force", by_friction(("A",), 0))[0],
+    "speed": more("depth", by_speed(("A",), 1))[0],
+    "joints": more("depth", c_and_a((FAST, 1)))[0],
+}

@@ -1,312 +1,232 @@
-"""Quantities of the paper as our runs have them: value, interval, scatter of single cycles."""
+"""Quantities of the paper from the results of our runs, each with its interval."""
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.deviation import COLUMNS
+import presswear as pw
 from presswear.paper.printed import Place
-from presswear.paper.variants import variant_key
-from presswear.recording.statistics import (
-    LEAST_SAMPLES,
-    about,
-    after_startup,
-    basic_interval,
-    map_errors,
-    peak_of,
-    pointwise_interval,
-    pooled,
-    resampled,
-)
-from presswear.results.result import Result
-from presswear.results.stage import SIDES, StageResult
+from presswear.paper.settings import run_name
+from presswear.show.page import Row
 
 Array = NDArray[np.float64]
 Ends = tuple[float, float]
 
-RANGE_DEPTH = 0.05
-"""Depth from which on a place is worn, part of the deepest of its surface."""
+MIN_DEPTH = 0.05  # depth from which a place counts as worn, relative to the deepest of its surface
+MIN_SAMPLES = 3  # cycles for a range of single cycles
+DEVIATIONS = ("displacement_off", "velocity_off", "lag", "stroke")  # columns of `deviation`
+
+QUANTITIES = {  # the path is the name of the number in each cycle, or of the functional of a map
+    "displacement": Row("peak displacement", "displacement_max", "m", digits=4),
+    "velocity": Row("peak velocity", "velocity_max", "m/s", digits=4),
+    "acceleration": Row("peak acceleration", "acceleration_max", "m/s²"),
+    "force": Row("peak contact force", "force_max", "N"),
+    "contact_rate": Row("contacts per second", "contacts", "1/s"),
+    "load_distance": Row("force times sliding distance per cycle", "load_distance", "N m"),
+    "displacement_off": Row("distance from the ideal displacement (rms)", DEVIATIONS[0], "mm"),
+    "velocity_off": Row("distance from the ideal velocity (rms)", DEVIATIONS[1], "m/s"),
+    "lag": Row("lag behind the ideal motion", DEVIATIONS[2], "µs"),
+    "stroke": Row("stroke", DEVIATIONS[3], "m", digits=4),
+    "flight": Row("fraction of the time out of contact", "flight", "%"),
+    "depth": Row("deepest wear", "deepest", "µm"),
+    "angle": Row("angle of the deepest wear", "angle", "°"),
+    "range": Row("worn range", "range", "°"),
+    "unevenness": Row("unevenness of the wear (standard deviation)", "deviation", "µm"),
+    "mean_depth": Row("mean depth", "mean", "µm"),
+    "added_depth": Row("deepest place of this wear alone", "deepest", "µm"),
+    "added_mean": Row("mean depth of this wear alone", "mean", "µm"),
+    "contact_range": Row("range of directions worn in the stage", "range", "°"),
+}
+OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")  # the others add up all wears so far
+
+
+def _worn_range(maps: Array) -> Array:
+    """Return the angle over which surfaces are worn, rad, from maps of shape (..., surfaces, m)."""
+    worn = maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)
+    return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
+
+
+# functionals of wear maps of shape (..., surfaces, m): one surface, the sum of both, where angles
+# are directions in space, and two surfaces where angles are on the bodies
+_FUNCTIONALS: dict[str, Callable[[Array], Array]] = {
+    "deepest": lambda maps: np.asarray(maps.max(axis=-1).sum(axis=-1)),
+    "mean": lambda maps: np.asarray(maps.mean(axis=-1).sum(axis=-1)),
+    "deviation": lambda maps: np.asarray(maps.std(axis=-1).sum(axis=-1)),
+    "range": _worn_range,
+}
+OF_MAPS = frozenset(
+    name for name, row in QUANTITIES.items() if row.path in (*_FUNCTIONALS, "angle")
+)
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A quantity as our runs have it, or a ratio or difference of some, SI units and rad.
+    """Quantity from our runs; SI units and rad."""
 
-    Attributes
-    ----------
-    value : float
-        For a peak, the mean over cycles.
-    ends : (float, float) or None
-        Its 95 % interval; None where there are too few samples.
-    draws : (float, float) or None
-        Range that holds 95 % of single cycles, for what is read from one.
-    first : (float, float) or None
-        Range of the first cycles of all starts, which are not among the samples.
-    samples, starts : int
-        Cycles and starts that it is from.
-    differ : bool
-        True where the starts differ by more than their cycles explain.
-    """
-
-    value: float
-    ends: Ends | None
-    draws: Ends | None = None
-    first: Ends | None = None
-    samples: int = 0
+    estimate: pw.Estimate  # for a peak, the mean over cycles
+    single_cycles: Ends | None = None  # range that holds 95 % of the single cycles
+    first_cycles: Ends | None = None  # range of the first cycles, which are not among the samples
     replicates: int = 0
-    differ: bool = False
+    differ: bool = False  # replicates differ by more than the scatter of their cycles explains
 
 
-@dataclass(frozen=True)
-class WearMap:
-    """Depth of both surfaces of a joint together, pooled over the starts, m.
+class WearMap(NamedTuple):
+    """Depth of both surfaces of a joint, m, with its pointwise 95 % interval; shape (m,) each."""
 
-    Maps that turn with their bodies have no common angle: the bearing's stands alone.
-
-    Attributes
-    ----------
-    angle : ndarray, shape (m,)
-        rad.
-    mean, low, high : ndarray, shape (m,)
-        With the ends of the pointwise 95 % interval.
-    """
-
-    angle: Array
-    mean: Array
+    angle: Array  # rad
+    mean: Array  # of the bearing alone where maps turn with the bodies
     low: Array
     high: Array
 
 
-CYCLES: Mapping[str, str] = {
-    "displacement": "displacement_max",
-    "velocity": "velocity_max",
-    "acceleration": "acceleration_max",
-    "force": "force_max",
-    "contact_rate": "contacts",
-    "load_distance": "load_distance",
-    "flight": "flight",
-    **{name: name for name in COLUMNS},
-}
-"""Quantities of which every cycle is a sample, and what a stage keeps of its cycles for them."""
-
-
-def each_cycle(stage: StageResult, joint: str, name: str) -> Array:
-    """Values of all cycles of a stage, of a joint or, without one, of the slider."""
-    return stage.joints[joint].each_cycle(name) if joint else stage.each_cycle(name)
-
-
-def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
-    """One number a cycle, by start, and behind the starts of the first set those of the other."""
-    stage, name = result.stages[place.wear_updates], CYCLES[quantity]
-    if name in COLUMNS:
-        values = stage.arrays["deviation"][:, COLUMNS.index(name)]
-    elif name == "flight":
-        values = stage.joints[place.joint].arrays[name]
+def cycles_by_replicate(result: pw.Result, place: Place, quantity: str) -> list[Array]:
+    """Return the values of every cycle for each replicate; the runs on common surfaces first."""
+    stage, name = result.stages[place.wear_updates], QUANTITIES[quantity].path
+    owner: pw.StageResult | pw.JointResult = stage.joints[place.joint] if place.joint else stage
+    if name in DEVIATIONS:
+        values = stage.arrays["deviation"][:, DEVIATIONS.index(name)]
     else:
-        values = each_cycle(stage, place.joint, name)
-    is_recorded = name in (*COLUMNS, "flight")
-    start = stage.arrays["deviation_start" if is_recorded else "cycle_start"]
-    rows = [values[start == index] for index in np.unique(start)]
+        values = owner.arrays[name] if name == "flight" else owner.each_cycle(name)
+    is_recorded = name in DEVIATIONS or name == "flight"
+    replicate = stage.arrays["deviation_start" if is_recorded else "cycle_start"]
     if quantity == "contact_rate":
-        rows = [own / result.scene.mechanism.period for own in rows]
-    return rows
-
-
-# A map is given as its surfaces, shape (..., surfaces, m): one, both added up, where angles are
-# directions in space; two where they are on the bodies.
-
-
-_Functional = Callable[[Array], Array]
-
-
-def _summed(of_surface: Callable[..., Array]) -> _Functional:
-    """Add up what surfaces have over their angles."""
-    return lambda maps: np.asarray(of_surface(maps, axis=-1).sum(axis=-1))
-
-
-def _range(maps: Array) -> Array:
-    """Angle over which a surface is worn, rad."""
-    worn = maps >= RANGE_DEPTH * maps.max(axis=-1, keepdims=True)
-    return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
-
-
-_MAPS: Mapping[str, _Functional] = {
-    "depth": _summed(np.max),
-    "range": _range,
-    "unevenness": _summed(np.std),
-    "mean_depth": _summed(np.mean),
-    "added_depth": _summed(np.max),
-    "added_mean": _summed(np.mean),
-    "contact_range": _range,
-}
-"""Quantities of the wear map of both surfaces together, but the angle of its deepest place."""
-
-_LAST = ("added_depth", "added_mean", "contact_range")
-"""Quantities of the last wear alone; for the others all wears so far are added up."""
+        values = values / result.scene.mechanism.period
+    return [values[replicate == index] for index in np.unique(replicate)]
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """The results of a study, by the keys of its variants."""
+    """Results of the study by the names of their folders."""
 
-    results: Mapping[str, Result]
-    _known: dict[tuple[str, Place, str], Measured | None] = field(default_factory=dict)
+    results: Mapping[str, pw.Result]
+    _cache: dict[tuple[str, Place, str], Measured | None] = field(default_factory=dict)
 
-    def at_stage(self, case: str, setting: str, stage: int, joint: str = "") -> Result | None:
-        """The run of a case, where it ran a stage to its end with clearance at a joint, if any."""
-        result = self.results.get(variant_key(case, setting))
+    def run_at(self, case: str, setting: str, stage: int, joint: str = "") -> pw.Result | None:
+        """Return the run of a case if it completed a stage, with clearance at the joint."""
+        result = self.results.get(run_name(case, setting))
         if result is None or not 0 <= stage < len(result.stages) or result.stages[stage].failed:
             return None
-        # A person may have closed a joint in all runs.
         return result if not joint or joint in result.scene.clearance_joints else None
 
-    def worn_at(self, case: str, place: Place) -> Result | None:
-        """The run of a case whose stage gave a place its last wear."""
-        return self.at_stage(case, place.setting, place.wear_updates - 1, place.joint)
+    def worn_run(self, case: str, place: Place) -> pw.Result | None:
+        """Return the run of a case if it completed the stage that gave a place its last wear."""
+        return self.run_at(case, place.setting, place.wear_updates - 1, place.joint)
 
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
-        """A quantity under a case, pooled over its starts; None where nothing says it."""
+        """Return a quantity under a case from all its replicates; None if it was not computed."""
         key = (case, place, quantity)
-        if key not in self._known:
-            is_of_cycles = quantity in CYCLES
-            stage = place.wear_updates if is_of_cycles else place.wear_updates - 1
-            result = self.at_stage(case, place.setting, stage, place.joint)
+        if key not in self._cache:
+            is_map = quantity in OF_MAPS
+            stage = place.wear_updates - 1 if is_map else place.wear_updates
+            result = self.run_at(case, place.setting, stage, place.joint)
             if result is None:
-                self._known[key] = None
-            elif is_of_cycles:
-                self._known[key] = _of_cycles(result, place, quantity)
+                self._cache[key] = None
+            elif is_map:
+                found = _from_maps(result, place, _stages_added(place, quantity))
+                self._cache.update({(case, place, name): one for name, one in found.items()})
             else:
-                found = _of_maps(result, place, _added(place, quantity))
-                self._known.update({(case, place, name): own for name, own in found.items()})
-        return self._known[key]
+                self._cache[key] = _from_cycles(result, place, quantity)
+        return self._cache[key]
+
+    def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
+        """Return the estimate of a quantity under a case; None if it was not computed."""
+        measured = self.measured(case, place, quantity)
+        return None if measured is None else measured.estimate
 
     def wear_map(self, case: str, place: Place) -> WearMap | None:
-        """Depth after some wears, bearing and pin together, with its pointwise interval."""
-        result = self.worn_at(case, place)
+        """Return the depth after some wear updates, bearing and pin together."""
+        result = self.worn_run(case, place)
         if result is None:
             return None
-        wear = _drawn(result, place.joint, range(place.wear_updates))
-        mean, centre = wear.mean[0], wear.centre[0]
-        low, high = pointwise_interval(centre, wear.draws[:, 0], wear.count)
+        mean, centre, draws, count = _wear_draws(result, place.joint, range(place.wear_updates))
+        low, high = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
+        off = mean[0] - centre[0]
         low, high = (
-            mean + side * np.hypot(end - centre, mean - centre)
-            for side, end in ((-1.0, low), (1.0, high))
+            mean[0] + sign * np.hypot(end - centre[0], off) for sign, end in ((-1, low), (1, high))
         )
-        return WearMap(result.stages[0].joints[place.joint].angle, mean, np.maximum(low, 0.0), high)
-
-    def map_error(self, case: str, place: Place) -> float | None:
-        """Standard error of the map of the last wear at a place, part of its rms."""
-        result = self.worn_at(case, place)
-        if result is None:
-            return None
-        arrays = result.stages[place.wear_updates - 1].arrays
-        maps = arrays[f"{place.joint}_wear_batches"][:, np.newaxis]
-        error = float(map_errors(maps, arrays["wear_batch_cycles"])[0])
-        return error if math.isfinite(error) else None
+        angle = result.stages[0].joints[place.joint].angle
+        return WearMap(angle, mean[0], np.maximum(low, 0.0), high)
 
 
-def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
-    rows = _samples(result, place, quantity)
-    if not rows:
+def _from_cycles(result: pw.Result, place: Place, quantity: str) -> Measured | None:
+    every = cycles_by_replicate(result, place, quantity)
+    if not every:
         return None
-    draws_of = result.scene.draws
-    # Behind a wear each start runs on surfaces of its own.
-    alone = rows[-draws_of:] if place.wear_updates > 0 else ()
-    rows = rows[:draws_of]
-    estimate, apart = pooled(rows, alone)
-    mean, half = estimate.mean, estimate.half_width
-    samples = np.concatenate([after_startup(own) for own in rows])
-    draws = None
-    if samples.size >= LEAST_SAMPLES:
+    count = result.scene.draws
+    # After a wear each replicate also runs on surfaces of its own, which gives the interval.
+    alone = every[-count:] if place.wear_updates > 0 else ()
+    together = every[:count]
+    estimate, differ = pw.statistics.pooled(together, alone)
+    samples = np.concatenate([pw.statistics.after_startup(rows) for rows in together])
+    scatter = None
+    if samples.size >= MIN_SAMPLES:
         low, high = np.quantile(samples, (0.025, 0.975))
-        draws = (float(low), float(high))
-    begun = [float(own[0]) for own in rows]
-    return Measured(
-        mean,
-        None if half is None else (mean - half, mean + half),
-        draws,
-        (min(begun), max(begun)),
-        estimate.samples,
-        len(rows),
-        apart,
-    )
+        scatter = (float(low), float(high))
+    first = [float(rows[0]) for rows in together]
+    return Measured(estimate, scatter, (min(first), max(first)), len(together), differ)
 
 
-def _added(place: Place, quantity: str) -> range:
-    """The stages whose wears are added up for a quantity of maps."""
-    return range(place.wear_updates - 1 if quantity in _LAST else 0, place.wear_updates)
+def _stages_added(place: Place, quantity: str) -> range:
+    """Return the stages whose wears are added up for a quantity of maps."""
+    first = place.wear_updates - 1 if quantity in OF_ONE_WEAR else 0
+    return range(first, place.wear_updates)
 
 
-def _of_maps(result: Result, place: Place, stages: range) -> dict[str, Measured | None]:
-    """All quantities for which the wears of some stages are added up: to draw them is dear."""
-    names = [own for own in (*_MAPS, "angle") if _added(place, own) == stages]
-    # The wear that the last stage would cause is a single jump, no measure of one in steps.
+def _from_maps(result: pw.Result, place: Place, stages: range) -> dict[str, Measured | None]:
+    """Return all quantities of the sum of some wears at once, because resampling is slow."""
+    names = [name for name in OF_MAPS if _stages_added(place, name) == stages]
+    # The wear that the last stage would cause is one jump, which says nothing of wear in steps.
     if result.scene.wears_in_steps and place.wear_updates > result.scene.wear_updates:
         return dict.fromkeys(names)
-    wear = _drawn(result, place.joint, stages)
-    rows = _samples(
-        result, Place(place.setting, place.wear_updates - 1, place.joint), "load_distance"
-    )
-    rows = rows[: result.scene.draws]
-    cycles = sum(after_startup(own).size for own in rows)
+    mean, centre, draws, count = _wear_draws(result, place.joint, stages)
+    last = Place(place.setting, place.wear_updates - 1, place.joint)
+    rows = cycles_by_replicate(result, last, "load_distance")[: result.scene.draws]
+    cycles = sum(pw.statistics.after_startup(one).size for one in rows)
 
-    def measured(quantity: str) -> Measured | None:
-        if quantity in _MAPS:
-            functional = _MAPS[quantity]
-            centre = float(functional(wear.centre))
-            interval = basic_interval(centre, functional(wear.draws), wear.count)
-            found = about(float(functional(wear.mean)), interval)
-        elif len(wear.mean) == 1:
-            found = peak_of(wear.mean[0], wear.draws[:, 0], wear.count).angle
+    def measured(name: str) -> Measured | None:
+        if name == "angle":
+            if len(mean) > 1:
+                return None  # maps on two bodies have no common angle
+            estimate = pw.statistics.peak_of(mean[0], draws[:, 0], count).angle
         else:
-            return None
-        ends = None if found.low is None or found.high is None else (found.low, found.high)
-        return Measured(found.mean, ends, samples=cycles, replicates=len(rows))
+            functional = _FUNCTIONALS[QUANTITIES[name].path]
+            value = float(functional(centre))
+            interval = pw.statistics.basic_interval(value, functional(draws), count)
+            estimate = pw.statistics.about(float(functional(mean)), interval)
+        estimate = pw.Estimate(estimate.mean, estimate.low, estimate.high, cycles)
+        return Measured(estimate, replicates=len(rows))
 
     return {name: measured(name) for name in names}
 
 
-@dataclass(frozen=True)
-class _Drawn:
-    """The wears after some stages added up, m; see the quantities of maps.
+def _wear_draws(result: pw.Result, joint: str, stages: range) -> tuple[Array, Array, Array, int]:
+    """Return the sum of the wears of some stages and its bootstrap draws, m.
 
-    Attributes
-    ----------
-    mean : ndarray, shape (surfaces, m)
-    centre : ndarray, shape (surfaces, m)
-        Mean of the maps that the draws are from.
-    draws : ndarray, shape (RESAMPLES, surfaces, m)
+    Returns
+    -------
+    mean, centre : ndarray, shape (surfaces, m)
+        The wear itself, and the mean of the maps that the draws are from.
+    draws : ndarray, shape (draws, surfaces, m)
     count : int
-        Fewest maps that they are from.
+        Smallest number of maps of a stage.
     """
-
-    mean: Array
-    centre: Array
-    draws: Array
-    count: int
-
-
-def _drawn(result: Result, joint: str, stages: range) -> _Drawn:
-    """Add up the wears after some stages."""
     turns = result.scene.conventions.map_frame == "body"
-    pools, wear_updates = [], []
-    for stage in stages:
+    means, centres, draws, counts = [], [], [], []
+    for seed, stage in enumerate(stages):
         arrays = result.stages[stage].arrays
         maps, weights = arrays[f"{joint}_wear_batches"], arrays["wear_batch_cycles"]
-        wear = np.stack([arrays[f"{joint}_wear_{side}"] for side in SIDES])
+        wear = np.stack([arrays[f"{joint}_wear_{side}"] for side in ("bearing", "pin")])
         if not len(maps):
-            # Too few cycles for batches: the wear is one.
-            maps, weights = wear[np.newaxis], np.ones(1)
-        wear_updates.append(wear if turns else wear.sum(axis=0, keepdims=True))
-        pools.append((maps if turns else maps.sum(axis=1, keepdims=True), weights))
-    shape = pools[0][0].shape[1:]
-    centre = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))
-    draws = sum(
-        (resampled(m.reshape(len(m), -1), w, seed) for seed, (m, w) in enumerate(pools)),
-        np.zeros((1, centre.size)),
-    )
-    mean = np.sum(wear_updates, axis=0)
-    return _Drawn(mean, centre, draws.reshape(-1, *shape), min(len(m) for m, _ in pools))
+            maps, weights = wear[np.newaxis], np.ones(1)  # too few cycles for batches
+        if not turns:
+            wear, maps = wear.sum(axis=0, keepdims=True), maps.sum(axis=1, keepdims=True)
+        flat = pw.statistics.resampled(maps.reshape(len(maps), -1), weights, seed)
+        means.append(wear)
+        centres.append(np.tensordot(weights / weights.sum(), maps, 1))
+        draws.append(flat.reshape(-1, *wear.shape))
+        counts.append(len(maps))
+    return np.sum(means, axis=0), np.sum(centres, axis=0), np.sum(draws, axis=0), min(counts)

@@ -1,16 +1,12 @@
-"""Every number that the paper prints in sections 5.3 and 5.4, with its place in the text.
+"""Numbers that the paper prints in sections 5.3 and 5.4, with their places in the text.
 
-Misprints stay as they are and are named.  The units are SI and rad.
+Misprints are kept and described. The units are SI and rad.
 """
 
 from dataclasses import dataclass
 from math import radians
 
-from presswear.paper.variants import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
-
-JOINTS = ("A", "C")
-SLIDER = ("",)
-"""Names that places have for a joint: those of the joints, or none."""
+from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
 
 NAMED_TWICE_541 = "Fig. 18b shows joint C; the text names joint A a second time"
 NAMED_TWICE_543 = "Fig. 24b shows joint C; the text names joint A, Fig. 24a, a second time"
@@ -30,52 +26,33 @@ LOST_FACTOR = (
 
 @dataclass(frozen=True)
 class Place:
-    """A stage of a setting and a joint in it, or the slider, to which a quantity belongs.
+    """Stage of a setting, and a joint in it or the slider, to which a quantity belongs."""
 
-    Attributes
-    ----------
-    setting : str
-        Key of SETTINGS.
-    wear_updates : int
-        Wears before the stage; of wear depths the wears that are added up.
-    joint : str
-        Name of the joint, or nothing for the slider.
-    """
-
-    setting: str
-    wear_updates: int
-    joint: str = ""
+    setting: str  # key of SETTINGS
+    wear_updates: int  # before the stage; for wear depths, those that are added up
+    joint: str = ""  # empty for the slider
 
 
 @dataclass(frozen=True)
 class Printed:
-    """A printed number.
-
-    Attributes
-    ----------
-    section, figure : str
-        Where it stands, and the number of the figure that shows it.
-    quantity : str
-        As ``Evidence`` names it: ``depth`` is of both surfaces, after all wears so far.
-    value : float
-        SI units, rad.
-    misprint : str
-        All that is wrong with it in print, parted by semicolons.
-    """
+    """Printed number."""
 
     section: str
     figure: str
     place: Place
-    quantity: str
-    value: float
-    misprint: str = ""
+    quantity: str  # key of `evidence.QUANTITIES`
+    value: float  # SI units, rad
+    misprint: str = ""  # errors of the print, separated by semicolons
 
     @property
-    def stage_not_said(self) -> bool:
-        """True where the paper leaves open before or after which wear it was read."""
-        return self.section == "5.4.2"
+    def places(self) -> tuple[Place, ...]:
+        """Places to compare with: section 5.4.2 does not say before or after which wear."""
+        if self.section != "5.4.2":
+            return (self.place,)
+        return tuple(Place(self.place.setting, k, self.place.joint) for k in (0, 1))
 
 
+# Section 5.3: figure, setting, wear updates, joint, deepest wear (m), its angle (degrees)
 _DEPTHS = (
     ("5.3.1", "8a", WEAR, 1, "A", 1.221e-6, 100.7, LOST_FACTOR),
     ("5.3.1", "8a", WEAR, 2, "A", 1.178e-3, 132.7, ""),
@@ -90,8 +67,8 @@ _DEPTHS = (
     ("5.3.3", "14b", SLOW, 1, "C", 2.835e-6, 310.3, ""),
     ("5.3.3", "14b", FAST, 1, "C", 2.117e-5, 312.8, ""),
 )
-"""Section 5.3: deepest wear, m, and where it is, degrees."""
 
+# Section 5.4: peaks of a stage and of those that follow
 _PEAKS = (
     ("5.4.1", "17a", WEAR, 1, "", "displacement", (0.1076, 0.1079), ""),
     ("5.4.1", "17b", WEAR, 0, "", "velocity", (0.9925, 1.005, 1.106), ""),
@@ -113,13 +90,12 @@ _PEAKS = (
     ("5.4.3", "24b", SLOW, 0, "C", "force", (321.2, 466.2), NAMED_TWICE_543),
     ("5.4.3", "24b", FAST, 0, "C", "force", (424.0, 1957.0), NAMED_TWICE_543),
 )
-"""Section 5.4: peaks in a stage, given by its wears, and in those that follow; SI units."""
 
 PRINTED: tuple[Printed, ...] = (
     *(
-        Printed(section, figure, Place(setting, wear_updates, joint), *told)
+        Printed(section, figure, Place(setting, wear_updates, joint), *number)
         for section, figure, setting, wear_updates, joint, depth, angle, misprint in _DEPTHS
-        for told in (("depth", depth, misprint), ("angle", radians(angle)))
+        for number in (("depth", depth, misprint), ("angle", radians(angle)))
     ),
     *(
         Printed(section, figure, Place(setting, wear_updates, joint), quantity, value, misprint)
@@ -127,34 +103,24 @@ PRINTED: tuple[Printed, ...] = (
         for wear_updates, value in enumerate(values, first)
     ),
 )
-"""Every single printed value; angular ranges are in RANGES."""
 
+# places whose printed depth has probably lost a power of ten
 DOUBTFUL = frozenset(number.place for number in PRINTED if number.misprint == LOST_FACTOR)
-"""Places whose printed depth has probably lost a factor."""
 
 
-@dataclass(frozen=True)
-class PrintedRange:
-    """Arcs, from and to, rad, in which the paper says that a joint is mainly worn."""
-
-    figure: str
-    joint: str
-    arcs: tuple[tuple[float, float], ...]
-
-
+# Section 5.3.2, both friction coefficients: figure, joint, arcs in which it is mainly worn (rad)
 RANGES = (
-    PrintedRange("11a", "A", ((radians(71.0), radians(90.0)),)),
-    PrintedRange("11b", "C", ((radians(102.0), radians(187.0)), (radians(246.7), radians(360.0)))),
+    ("11a", "A", ((radians(71.0), radians(90.0)),)),
+    ("11b", "C", ((radians(102.0), radians(187.0)), (radians(246.7), radians(360.0)))),
 )
-"""Section 5.3.2, both friction coefficients at once; how much wear lies inside is not said."""
 
 
 def printed_at(place: Place, quantity: str) -> Printed | None:
-    """The printed number of a quantity at a place; None where there is none."""
-    own = (number for number in PRINTED if (number.place, number.quantity) == (place, quantity))
-    return next(own, None)
+    """Return the printed number of a quantity at a place; None if none is printed."""
+    numbers = (one for one in PRINTED if (one.place, one.quantity) == (place, quantity))
+    return next(numbers, None)
 
 
 def shown_in(figure: int) -> list[Printed]:
-    """The printed numbers that a figure shows."""
+    """Return the printed numbers that a figure shows."""
     return [one for one in PRINTED if one.figure[:-1] == str(figure)]

@@ -1,47 +1,45 @@
-"""The claims as data: each comparison can be computed, and is of what its sentence says."""
+"""Claims, settings and verdicts of the paper's study."""
 
 import math
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
-from invented import every_evidence
+from known_results import every_evidence
 
-from presswear.paper.claims import CLAIMS, DEPTH_RATIOS
-from presswear.paper.printed import DOUBTFUL, PRINTED
-from presswear.paper.report.chosen import (
-    WATCHED,
-    across,
-    distances_table,
-    factors_of,
-    fit_of,
-    moves,
-    stopped_table,
-)
-from presswear.paper.variants import (
+import presswear as pw
+from presswear.paper.claims import CLAIMS, DEPTH_RATIOS, Comparison, Expected, wrapped_angle
+from presswear.paper.evidence import QUANTITIES, Ends, Measured
+from presswear.paper.printed import PRINTED, Place, Printed
+from presswear.paper.settings import (
     BASE,
-    CASES,
     FRICTION,
     GEOMETRIES,
     HIGH_FRICTION,
+    REPLICATES,
     SENSITIVITIES,
     SETTINGS,
-    STARTS,
     make_scenes,
 )
-from presswear.paper.verdicts import Verdict, compared, verdict
-from presswear.paper.words import QUANTITIES
-from presswear.show.page import Line, Table
+from presswear.paper.verdicts import (
+    Position,
+    Verdict,
+    agreement,
+    combined,
+    compared,
+    difference,
+    position,
+    ratio,
+    verdict,
+)
 
-
-def rows_of(table: Table) -> tuple[Line, ...]:
-    ((_, rows),) = table.groups
-    return rows
+A, B = Place("speed-4pi", 0, "A"), Place("speed-8pi", 0, "A")
 
 
 def test_known_depths_give_known_verdicts() -> None:
-    """Made up: A is 2.5 times as deep as C everywhere, and nothing hangs on friction."""
+    """A is 2.5 times as deep as C everywhere, and friction has no effect."""
     for claim in CLAIMS:
-        assert claim.parts
         words = set()
         for part in claim.parts:
             assert part.quantity in QUANTITIES
@@ -49,79 +47,139 @@ def test_known_depths_give_known_verdicts() -> None:
             ours = compared(every_evidence(), BASE, part)
             assert ours is not None, claim.quote
             words.add(verdict(ours, part))
+        assert words
         if "clearance A is more serious" in claim.quote:
             assert words == {Verdict.HOLDS}
         if claim.quote.startswith("the wear depth at the friction coefficient"):
             assert words == {Verdict.OPEN}
 
 
-def test_friction_claims_compare_the_higher_with_the_lower_coefficient() -> None:
-    parts = [part for claim in CLAIMS if claim.where.startswith("5.4.2") for part in claim.parts]
-    for part in parts:
-        if len(part.over) == 1:
-            assert part.under[0].setting == FRICTION
-            assert part.over[0].setting == HIGH_FRICTION
-
-
-def test_every_figure_and_section_of_the_paper_has_its_claims() -> None:
+def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction() -> None:
     wheres = [claim.where.split(", Fig. ") for claim in CLAIMS]
-    sections = {section for section, _ in wheres}
-    assert sections == {"5.3.1", "5.3.2", "5.3.3", "5.4.1", "5.4.2", "5.4.3", "6"}
-    figures = {int(number) for _, told in wheres for number in re.findall(r"\d+", told)}
+    sections = {"5.3.1", "5.3.2", "5.3.3", "5.4.1", "5.4.2", "5.4.3", "6"}
+    assert {section for section, _ in wheres} == sections
+    figures = {int(number) for _, some in wheres for number in re.findall(r"\d+", some)}
     assert figures == set(range(8, 26))
-    assert {int(item.figure[:-1]) for item in PRINTED} <= figures
+    assert {int(number.figure[:-1]) for number in PRINTED} <= figures
+    for part in (p for claim in CLAIMS if claim.where.startswith("5.4.2") for p in claim.parts):
+        if len(part.over) == 1:
+            assert (part.under[0].setting, part.over[0].setting) == (FRICTION, HIGH_FRICTION)
 
 
-def test_depth_ratios_are_all_printed() -> None:
+def test_comparisons_use_what_the_paper_prints() -> None:
+    second, first = Place("wear-times", 2, "A"), Place("wear-times", 1, "A")
+    assert Comparison("depth", (second,), (first,)).printed == pytest.approx(1.178e-3 / 1.221e-6)
+    angle = Comparison("angle", (second,), (first,)).printed
+    assert angle == pytest.approx(math.radians(132.7 - 100.7))
+    assert Comparison("velocity_off", (second,), (first,)).printed is None
+    assert len({(item.place, item.quantity) for item in PRINTED}) == len(PRINTED) == 56
     assert all(part.printed is not None for part in DEPTH_RATIOS)
     assert len(set(DEPTH_RATIOS)) == len(DEPTH_RATIOS) == 12
 
 
-def test_the_study_runs_what_it_says() -> None:
+def test_each_sensitivity_changes_one_assumption_of_the_first_setting() -> None:
     scenes = make_scenes()
     first = list(scenes.values())[: len(SETTINGS)]
-    assert [scene.mechanism.period for scene in first] == [
-        setting.scene().mechanism.period for setting in SETTINGS.values()
-    ]
-    standard = first[0]
-    assert standard.replicates == STARTS
-    assert {case.key for case in CASES} >= {*GEOMETRIES, *SENSITIVITIES}
-    base = standard.as_dict()
-    for name, scene in scenes.items():
-        case = name.partition("--")[0]
-        if case in SENSITIVITIES:
-            told = scene.as_dict().items()
-            changed = {key for key, value in told if value != base[key]}
-            assert (
-                1 <= len(changed - {"origins", "tolerance", "wear_updates", "replicates"}) <= 2
-            ), case
-
-
-def test_a_fit_leaves_out_what_is_doubtful() -> None:
-    factors = factors_of(every_evidence(), BASE)
-    assert len(factors) == 10
-    assert len(DOUBTFUL) == 2
-    even = {place: 2.0 if place in DOUBTFUL else 3.0 for place in factors}
-    assert fit_of(even) == pytest.approx((3.0, 1.0))
-    apart = [place for place in factors if place not in DOUBTFUL][:2]
-    assert fit_of(dict(zip(apart, (2.0, 8.0), strict=True))) == pytest.approx((4.0, 2.0))
-    assert math.isnan(fit_of(dict.fromkeys(DOUBTFUL, 1.0))[0])
-
-
-def test_what_is_alike_moves_nothing_and_stops_right() -> None:
-    evidence = every_evidence()
+    made = [setting.make() for setting in SETTINGS.values()]
+    assert [scene.mechanism.period for scene in first] == [own.mechanism.period for own in made]
+    assert first[0].replicates == REPLICATES
+    base = first[0].as_dict()
+    names = {name.partition("--")[0]: scene for name, scene in scenes.items()}
+    assert names.keys() >= {*GEOMETRIES, *SENSITIVITIES}
     for case in SENSITIVITIES:
-        ratios = [across(evidence, place, quantity, case) for quantity, _, place in WATCHED]
-        assert None not in ratios
-        assert sum(map(moves, ratios)) <= 2
-    stopped = rows_of(stopped_table(evidence))
-    assert len(stopped) > 8
-    # Each agrees with a probability of 95 %.
-    assert [row[-1] for row in stopped].count("no") <= 1
-    assert {row[-1] for row in stopped} <= {"yes", "no"}
-    distances = rows_of(distances_table(evidence))
-    assert len(distances) == 2
-    for row in distances:
-        error, full, expected, found = (float(cell.removesuffix(" %")) for cell in row[1:])
-        assert expected == pytest.approx((error**2 + full**2) ** 0.5, abs=0.1)
-        assert found < 3.0 * expected
+        changed = {key for key, value in names[case].as_dict().items() if value != base[key]}
+        changed -= {"origins", "tolerance", "wear_updates", "replicates"}
+        assert 1 <= len(changed) <= 2, case
+    quick = make_scenes("dae", quick=True)
+    assert {scene.engine for name, scene in quick.items() if "other" not in name} == {"dae"}
+
+
+def estimate(mean: float, half: float) -> pw.Estimate:
+    return pw.Estimate.symmetric(mean, half)
+
+
+def test_the_interval_of_a_ratio_covers_it() -> None:
+    generator = np.random.default_rng(2)
+    inside, draws = 0, 400
+    for _ in range(draws):
+        samples = [generator.normal(mean, 0.3 * mean, 40) for mean in (3.0, 2.0)]
+        over, under = (
+            estimate(float(s.mean()), 2.02 * float(s.std(ddof=1)) / math.sqrt(40)) for s in samples
+        )
+        one = ratio([over], [under])
+        assert one.low is not None
+        assert one.high is not None
+        inside += one.low <= 1.5 <= one.high
+    assert 0.92 <= inside / draws <= 0.98
+
+
+@pytest.mark.parametrize(("over", "under", "end"), [(0.1, 1.5, math.inf), (1.5, 0.1, 0.0)])
+def test_an_interval_that_reaches_zero_leaves_a_side_open(
+    over: float, under: float, end: float
+) -> None:
+    one = ratio([estimate(1.0, over)], [estimate(1.0, under)])
+    assert end in (one.low, one.high)
+
+
+def test_differences_of_angles_go_the_short_way() -> None:
+    over, under = (estimate(math.radians(degrees), 0.01) for degrees in (5.0, 355.0))
+    one = difference(over, under, is_angle=True)
+    assert one.mean == pytest.approx(math.radians(10.0))
+    assert one.half_width == pytest.approx(0.01 * math.sqrt(2.0))
+    assert wrapped_angle(math.pi + 0.1) == pytest.approx(0.1 - math.pi)
+
+
+@pytest.mark.parametrize(
+    ("ours", "expected", "word"),
+    [
+        (pw.Estimate(2.0, 1.5, 3.0), "more", Verdict.HOLDS),
+        (pw.Estimate(2.0, 1.5, 3.0), "less", Verdict.FAILS),
+        (pw.Estimate(2.0, 0.9, 3.0), "more", Verdict.OPEN),
+        (pw.Estimate(0.5, 0.3, 0.9), "less", Verdict.HOLDS),
+        (pw.Estimate(0.5, 0.3, 0.9), "more", Verdict.FAILS),
+        (pw.Estimate(1.0, 0.99, 1.01), "same", Verdict.HOLDS),
+        (pw.Estimate(1.0, 0.9, 1.1), "same", Verdict.OPEN),
+        (pw.Estimate(1.3, 1.2, 1.4), "same", Verdict.FAILS),
+        (pw.Estimate(2.0), "more", Verdict.OPEN),
+        (None, "more", Verdict.MISSING),
+    ],
+)
+def test_a_verdict_needs_the_whole_interval(
+    ours: pw.Estimate | None, expected: Expected, word: Verdict
+) -> None:
+    """Ratios are compared with one, differences with zero."""
+    assert verdict(ours, Comparison("force", (B,), (A,), expected)) is word
+    if ours and ours.low is not None and ours.high is not None:
+        less_one = pw.Estimate(ours.mean - 1.0, ours.low - 1.0, ours.high - 1.0)
+        assert verdict(less_one, Comparison("angle", (B,), (A,), expected)) is word
+
+
+@pytest.mark.parametrize(
+    ("parts", "word"),
+    list(zip(("h", "hh", "hf", "ff", "fo", "ho", "oo", "hm", "mm"), "hhpffoohm", strict=True)),
+)
+def test_a_claim_holds_where_all_its_parts_do(parts: str, word: str) -> None:
+    words = dict(zip("hpfom", Verdict, strict=True))
+    assert combined(words[letter] for letter in parts) is words[word]
+
+
+def place_of(quantity: str, value: float, ours: Measured | None) -> Position:
+    return position(Printed("5", "1", Place("speed-4pi", 1, "A"), quantity, value), ours)
+
+
+def test_printed_numbers_are_compared_with_single_cycles_and_intervals() -> None:
+    cycles: Ends = (60.0, 150.0)
+    ours = Measured(estimate(100.0, 5.0), cycles, (100.0, 110.0))
+    assert place_of("force", 140.0, ours) is Position.INSIDE
+    assert place_of("force", 151.0, ours) is Position.ABOVE
+    assert place_of("force", 59.0, ours) is Position.BELOW
+    assert place_of("force", 310.0, replace(ours, first_cycles=(300.0, 320.0))) is Position.INSIDE
+    assert place_of("force", 100.0, Measured(estimate(100.0, 5.0))) is Position.OPEN
+    assert place_of("force", 100.0, None) is Position.MISSING
+    assert place_of("depth", 1e-6, ours) is Position.FREE
+    angle = Measured(estimate(math.radians(359.0), math.radians(5.0)))
+    assert place_of("angle", math.radians(2.0), angle) is Position.AGREES
+    assert place_of("angle", math.radians(6.0), angle) is Position.DIFFERS
+    assert agreement(2.0, pw.Estimate(1.9, 1.5, 2.5)) is Position.AGREES
+    assert agreement(3.0, pw.Estimate(1.9)) is Position.OPEN
+    assert agreement(3.0, None) is Position.MISSING

@@ -1,4 +1,4 @@
-"""Results of the study ``paper`` made up from numbers that are known."""
+"""Results of the paper's study with known numbers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -9,52 +9,40 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import presswear as pw
 from presswear.linkage.surface import bin_centres
 from presswear.paper.evidence import Evidence
-from presswear.paper.variants import BASE, CASES, base_scene, variant_key
+from presswear.paper.settings import BASE, CASES, JOINTS, base_scene, run_name
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.result import Result
-from presswear.results.stage import StageResult, StageStatistics
+from presswear.results.stage import StageStatistics
 
 Array = NDArray[np.float64]
 BINS = 72
 CYCLES = 20
-EVEN = {"A": 200.0, "C": 100.0}
-"""Mean peak forces at both joints, N."""
+EVEN = {"A": 200.0, "C": 100.0}  # mean peak forces, N
 
 
-def cycle_rows(count: int, seed: int, force: Mapping[str, float]) -> Array:
-    """A row a cycle: forces scatter by a tenth about their means; seven contacts in each."""
+def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
+    """Return a row per cycle: peaks scatter by a tenth, with seven contacts in each cycle."""
     draw = np.random.default_rng(seed)
-
-    def scatter(part: float) -> Array:
-        return 1.0 + part * draw.normal(size=count)
-
-    rows = {
-        "displacement_max": 0.107 * scatter(1e-4),
-        "velocity_min": np.full(count, -0.9),
-        "velocity_max": 0.99 * scatter(1e-3),
-        "acceleration_max": 1000.0 * scatter(0.1),
-        "steps": np.zeros(count),
-        "contact_made": np.zeros(count),
-        "drive_work": np.zeros(count),
-        "bottom_height": -0.588 + 1e-5 * scatter(1.0),
-        "bottom_time": np.zeros(count),
+    numbers = {
+        "displacement_max": 0.107 * (1.0 + 1e-4 * draw.normal(size=CYCLES)),
+        "velocity_max": 0.99 * (1.0 + 1e-3 * draw.normal(size=CYCLES)),
+        "acceleration_max": 1000.0 * (1.0 + 0.1 * draw.normal(size=CYCLES)),
     }
-    columns = [rows[name] for name in CYCLE_FIXED]
+    columns = [numbers.get(name, np.zeros(CYCLES)) for name in CYCLE_FIXED]
     for mean in force.values():
-        contacts = np.full(count, 7.0)
-        own = {
-            "force_max": mean * scatter(0.1),
-            "load_distance": 3.0 * scatter(0.03),
-            "contacts": contacts,
+        numbers = {
+            "force_max": mean * (1.0 + 0.1 * draw.normal(size=CYCLES)),
+            "load_distance": 3.0 * (1.0 + 0.03 * draw.normal(size=CYCLES)),
+            "contacts": np.full(CYCLES, 7.0),
         }
-        columns += [own[name] for name in CYCLE_JOINT]
+        columns += [numbers[name] for name in CYCLE_JOINT]
     return np.column_stack(columns)
 
 
 def wear_batches(peak: float, place: int, seed: int, count: int) -> Array:
-    """Depth of one wear by batches, both sides half, shape (n, 2, BINS); deepest in a bin."""
+    """Return maps of one wear, half on each side, shape (count, 2, BINS); deepest in a bin."""
     away = (np.arange(BINS) - place + BINS // 2) % BINS - BINS // 2
     scatter = 1.0 + 0.05 * np.random.default_rng(seed).normal(size=(count, 1))
     maps = peak * np.exp(-0.5 * (away / 4.0) ** 2) * scatter
@@ -68,24 +56,22 @@ def stage(
     force: Sequence[Mapping[str, float]] = (EVEN,),
     peak: Sequence[float] = (20e-6, 8e-6),
 ) -> dict[str, Array]:
-    """Arrays of a stage, from mean forces by joint for each start and the depths of one wear."""
-    scene = base_scene(setting)
+    """Return the arrays of a stage, from mean forces of each replicate and depths of one wear."""
+    scene, count = base_scene(setting), len(force)
     time = np.linspace(0.0, 3.0 * scene.mechanism.period, 1501)
-    count = len(force)
+    deviation = [3e-4, 0.02 + 0.01 * wear_updates, 1e-4, 0.1071]
     arrays = {
         "time": time,
         "slider": scene.ideal_slider(time),
         "angle": bin_centres(BINS),
-        "cycles": np.concatenate(
-            [cycle_rows(CYCLES, seed + 1000 * s, own) for s, own in enumerate(force)]
-        ),
+        "cycles": np.concatenate([cycle_rows(seed + 1000 * k, own) for k, own in enumerate(force)]),
         "cycle_start": np.repeat(np.arange(float(count)), CYCLES),
         "wear_batch_cycles": np.ones(count * (CYCLES - 1)),
         "deviation_start": np.repeat(np.arange(float(count)), 3),
-        "deviation": np.tile([3e-4, 0.02 + 0.01 * wear_updates, 1e-4, 0.1071], (3 * count, 1)),
+        "deviation": np.tile(deviation, (3 * count, 1)),
     }
     turn = 6.0 * np.pi * time / time[-1]
-    for k, joint in enumerate(("A", "C")):
+    for k, joint in enumerate(JOINTS):
         batches = wear_batches(peak[k], 18 + 20 * k, seed + k, count * (CYCLES - 1))
         arrays[f"{joint}_wear_batches"] = batches
         arrays[f"{joint}_flight"] = np.full(3 * count, 0.1 + 0.1 * wear_updates)
@@ -98,21 +84,16 @@ def stage(
 
 
 def result(
-    setting: str,
-    stages: Sequence[dict[str, Array]],
-    status: str = "completed",
-    **changes: Any,
-) -> Result:
-    """A result of some stages of a setting, its scene changed; a failed one ends in its last."""
+    setting: str, stages: Sequence[dict[str, Array]], status: str = "completed", **changes: Any
+) -> pw.Result:
+    """Return a result of some stages of a setting; a failed one ends in its last stage."""
     scene = replace(base_scene(setting), **changes)
     for before, after in pairwise(stages):
-        for surface in ("bearing", "pin"):
-            for joint in ("A", "C"):
-                depth = f"{joint}_depth_{surface}"
-                after[depth] = before[depth] + before[f"{joint}_wear_{surface}"]
+        for name in [f"{joint}_{{}}_{side}" for joint in JOINTS for side in ("bearing", "pin")]:
+            after[name.format("depth")] = before[name.format("depth")] + before[name.format("wear")]
     is_failed = status == "failed"
-    listed = [
-        StageResult(
+    listed = tuple(
+        pw.StageResult(
             index=k,
             status="failed" if is_failed and k == len(stages) - 1 else "enough",
             message="",
@@ -129,18 +110,17 @@ def result(
             joint_names=scene.clearance_joints,
         )
         for k, arrays in enumerate(stages)
-    ]
-    made = dict.fromkeys(("python", "revision", "machine", "started"), "made up")
-    provenance = {**made, "packages": {"presswear": "0"}}
+    )
+    origin = dict.fromkeys(("python", "revision", "machine", "started"), "made up")
     message = "it stopped" if is_failed else ""
-    return Result(scene, tuple(listed), status, message, provenance, 3.0)
+    return pw.Result(scene, listed, status, message, {**origin, "packages": {}}, 3.0)
 
 
 @cache
-def every_result() -> dict[str, Result]:
-    """All runs of the study, alike but for their seeds."""
+def every_result() -> dict[str, pw.Result]:
+    """Return all runs of the study, alike but for their seeds."""
     return {
-        variant_key(case.key, setting): result(
+        run_name(case.name, setting): result(
             setting,
             [
                 stage(setting, k, 100 * seed + 10 * k + 1, [EVEN] * case.replicates)
@@ -154,15 +134,10 @@ def every_result() -> dict[str, Result]:
 
 @cache
 def every_evidence() -> Evidence:
-    """Evidence of all runs."""
+    """Return the evidence of all runs."""
     return Evidence(every_result())
 
 
-def cut(whole: Result, stages: int | None = None, **changes: Any) -> Result:
-    """A result's first stages, its scene changed."""
-    return replace(whole, scene=replace(whole.scene, **changes), stages=whole.stages[:stages])
-
-
 def evidence_of(setting: str, *stages: dict[str, Array], **changes: Any) -> Evidence:
-    """Evidence of the standard case of one setting alone, from its stages."""
-    return Evidence({variant_key(BASE, setting): result(setting, stages, **changes)})
+    """Return the evidence of the standard case of one setting alone."""
+    return Evidence({run_name(BASE, setting): result(setting, stages, **changes)})

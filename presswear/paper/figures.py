@@ -1,0 +1,214 @@
+"""Counterparts of the paper's figures 8 to 25, for the report of the study.
+
+Surfaces, motion, forces and paths are the program's own figures of each run. Figures of the wear
+depth and of the peaks of single cycles compare settings and mark what the paper prints.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.ticker import MultipleLocator
+
+from presswear.paper.evidence import QUANTITIES, Evidence, Measured
+from presswear.paper.printed import RANGES, Place, printed_at, shown_in
+from presswear.paper.settings import BASE, JOINTS, SETTINGS, STAGES, run_name
+
+from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR  # isort: skip
+from presswear.show.figures import Drawing, drawn
+from presswear.show.figures.style import LINES, REFERENCE, WIDTH, Axes, Pen, Sheet, ShownStage
+from presswear.show.figures.style import SETTINGS as STYLE
+from presswear.show.figures.surfaces import worn_surface
+from presswear.show.page import Drawer
+
+LINEAR_RATIO = 20.0  # ratio of largest to smallest depth up to which a linear scale shows both
+_DIAMOND: dict[str, Any] = {"marker": "D", "markerfacecolor": "none", "linestyle": "none"}
+
+
+@dataclass(frozen=True)
+class Line:
+    """Setting after some wear updates, in the figures that compare it."""
+
+    setting: str
+    wear_updates: int
+    pen: Pen
+
+    def at(self, joint: str = "") -> Place:
+        """Return the place of its quantities."""
+        return Place(self.setting, self.wear_updates, joint)
+
+
+def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
+    several = len({setting for setting, _ in stages}) > 1
+    names = [f"{SETTINGS[one].short}, {STAGES[k]}" if several else STAGES[k] for one, k in stages]
+    pens = [Pen(name, *look) for name, look in zip(names, LINES, strict=False)]
+    return tuple(Line(*stage, pen) for stage, pen in zip(stages, pens, strict=True))
+
+
+_WEARS = _lines((WEAR, 0), (WEAR, 1), (WEAR, 2))
+_FRICTIONS = _lines((FRICTION, 0), (HIGH_FRICTION, 0), (FRICTION, 1), (HIGH_FRICTION, 1))
+_SPEEDS = _lines((SLOW, 0), (SLOW, 1), (FAST, 0), (FAST, 1))
+GROUPS = ((8, 17, _WEARS), (11, 20, _FRICTIONS), (14, 23, _SPEEDS))  # numbers of wear and motion
+
+
+def drawers(evidence: Evidence) -> list[Drawer]:
+    """Return what draws the figures, in the order of their numbers; it can be pickled."""
+    names = [run_name(BASE, setting) for setting in SETTINGS]
+    shown = Evidence({name: evidence.results[name] for name in names if name in evidence.results})
+    return [
+        *(partial(_wear_figures, shown, first, lines) for first, _, lines in GROUPS),
+        *(partial(_motion_figures, shown, first, lines) for _, first, lines in GROUPS),
+    ]
+
+
+def _wear_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
+    with matplotlib.rc_context(STYLE):
+        found = [depths(evidence, number, lines)]
+        found += [surfaces(evidence, number + k, lines, joint) for k, joint in enumerate(JOINTS, 1)]
+    return [drawing for drawing in found if drawing is not None]
+
+
+def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
+    """Return figures of motion, force and path of each setting, and of their peaks."""
+    found = []
+    slider = [(quantity, "") for quantity in ("displacement", "velocity", "acceleration")]
+    for k, (kind, panels) in enumerate(
+        (("response", slider), ("force", [("force", joint) for joint in JOINTS]), ("path", []))
+    ):
+        for setting in dict.fromkeys(line.setting for line in lines):
+            result = evidence.results.get(run_name(BASE, setting))
+            last = max(line.wear_updates for line in lines)
+            stages = result.stages[: last + 1] if result else ()
+            stages = tuple(stage for stage in stages if not stage.failed)
+            for drawing in drawn(kind, result, stages) if result else ():
+                title = f"Fig. {number + k} {drawing.title}, {SETTINGS[setting].label}"
+                file = f"fig-{number + k}-{setting}.png"
+                found.append(replace(drawing, file=file, title=title))
+        with matplotlib.rc_context(STYLE):
+            compared = peaks(evidence, number + k, lines, panels)
+        found += [compared] if compared else []
+    return found
+
+
+def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str) -> Drawing | None:
+    """Draw the surfaces of a joint after its wears; None if nothing is worn."""
+    shown = []
+    for line in lines:
+        result = evidence.worn_run(BASE, line.at(joint))
+        if result is None:
+            continue
+        stage = result.stages[line.wear_updates - 1]
+        arrays = dict(stage.arrays)
+        for name in (f"{joint}_depth_bearing", f"{joint}_depth_pin"):
+            # The surfaces on which the next stage ran are exact also where wear went in steps.
+            if line.wear_updates < len(result.stages):
+                arrays[name] = result.stages[line.wear_updates].arrays[name]
+            else:
+                arrays[name] = arrays[name] + arrays[name.replace("depth", "wear")]
+        shown.append((result, ShownStage(replace(stage, arrays=arrays), line.pen)))
+    if not shown:
+        return None
+    drawing = worn_surface(shown[-1][0], joint, [stage for _, stage in shown])
+    caption = f"{drawing.caption} The enlarged part is of “{shown[-1][1].pen.label}”."
+    title = f"Fig. {number} {drawing.title}"
+    return replace(drawing, file=f"fig-{number:02d}.png", title=title, caption=caption)
+
+
+def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | None:
+    """Draw the depth of pin and bearing together over the angle, with the printed deepest wear."""
+    worn = [line for line in lines if line.wear_updates and evidence.worn_run(BASE, line.at("A"))]
+    if not worn:
+        return None
+    joints = [joint for joint in JOINTS if evidence.wear_map(BASE, worn[0].at(joint))]
+    sheet = Sheet(figsize=(WIDTH, 0.8 + 2.5 * len(joints)), layout="constrained")
+    panels = sheet.subplots(len(joints), 1, squeeze=False)[:, 0]
+    for axes, joint in zip(panels, joints, strict=True):
+        _draw_depths(axes, evidence, worn, joint)
+        for figure, where, arcs in RANGES:
+            if (figure[:-1], where) == (str(number), joint):
+                for arc in arcs:
+                    height = axes.get_xaxis_transform()
+                    axes.plot(np.degrees(arc), (0.98, 0.98), color="0.7", lw=4.0, transform=height)
+        axes.set(xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)")
+        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
+    sheet.legend(handles=[line.pen.handle() for line in worn], loc="outside upper center", ncols=3)
+    caption = (
+        "Depth that pin and bearing lose together, all wears so far added up. Lines: mean over all "
+        "cycles; bands: 95 % interval of that mean at each angle. Diamonds: deepest wear as the "
+        "paper prints it. Grey bars: where the paper says that the joint is mainly worn."
+    )
+    doubts = dict.fromkeys(one.misprint for one in shown_in(number) if one.misprint)
+    caption += "".join(f" In print: {doubt}." for doubt in doubts)
+    title = f"Fig. {number} Wear depth"
+    return Drawing(f"fig-{number:02d}.png", title, caption, sheet)
+
+
+def _draw_depths(axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: str) -> None:
+    marked = []
+    for line in lines:
+        worn = evidence.wear_map(BASE, line.at(joint))
+        if worn is None:
+            continue
+        degrees = np.degrees(worn.angle)
+        low, mean, high = (1e6 * depth for depth in (worn.low, worn.mean, worn.high))
+        axes.fill_between(degrees, low, high, color=line.pen.colour, alpha=0.2, linewidth=0.0)
+        line.pen.draw(axes, degrees, mean, linewidth=1.2)
+        marked.append(float(mean.max()))
+        depth, angle = (printed_at(line.at(joint), name) for name in ("depth", "angle"))
+        if depth and angle:
+            marked.append(1e6 * depth.value)
+            place = (np.degrees(angle.value), marked[-1])
+            axes.plot(*place, color=line.pen.colour, gid="printed", **_DIAMOND)
+    axes.set_xlim(0.0, 360.0)
+    axes.xaxis.set_major_locator(MultipleLocator(60.0))
+    if max(marked) > LINEAR_RATIO * min(marked):
+        axes.set_yscale("log", nonpositive="mask")
+        axes.set_ylim(min(marked) / 30.0, 3.0 * max(marked))
+    else:
+        axes.set_ylim(0.0, None)
+
+
+def _measured(
+    evidence: Evidence, lines: Sequence[Line], quantity: str, joint: str
+) -> Iterator[tuple[int, Line, Measured]]:
+    """Yield place in the figure, line and value of what was computed."""
+    for place, line in enumerate(lines):
+        measured = evidence.measured(BASE, line.at(joint), quantity)
+        if measured is not None:
+            yield place, line, measured
+
+
+def peaks(
+    evidence: Evidence, number: int, lines: Sequence[Line], panels: Sequence[tuple[str, str]]
+) -> Drawing | None:
+    """Draw means, scatter and printed values of the peaks of cycles, one row for each line."""
+    if not panels or not any(_measured(evidence, lines, *panels[0])):
+        return None
+    sheet = Sheet(figsize=(WIDTH, 0.85 + 0.24 * len(lines)), layout="constrained")
+    grid = sheet.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for axes, (quantity, joint) in zip(grid, panels, strict=True):
+        row = QUANTITIES[quantity]
+        for height, line, measured in _measured(evidence, lines, quantity, joint):
+            colour, one = line.pen.colour, measured.estimate
+            if measured.single_cycles is not None:
+                low, high = measured.single_cycles
+                axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)
+            if one.low is not None:
+                axes.plot((one.low, one.high), (height, height), color=colour, linewidth=1.8)
+            axes.plot(one.mean, height, color=colour, marker="o", markersize=4.5, gid="mean")
+            printed = printed_at(line.at(joint), quantity)
+            if printed is not None:
+                axes.plot(printed.value, height, color=REFERENCE, gid="printed", **_DIAMOND)
+        where = f" at {joint}" if joint else ""
+        axes.set_xlabel(f"{row.label}{where} ({row.unit})")
+        axes.set_yticks(range(len(lines)), [line.pen.label for line in lines])
+        axes.set_ylim(len(lines) - 0.5, -0.5)
+    caption = (
+        "Peak of a cycle: mean with its 95 % interval (dot and line), range of 95 % of the single "
+        "cycles (bar), and the peak that the paper prints (diamond; where it does not say the "
+        "stage, at no wear)."
+    )
+    return Drawing(f"fig-{number}-peaks.png", f"Fig. {number} Peaks of cycles", caption, sheet)
