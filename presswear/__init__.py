@@ -66,8 +66,8 @@ if TYPE_CHECKING:
     from presswear.scene.recording import Recording as Recording
     from presswear.scene.scene import Scene as Scene
     from presswear.scene.settings import changed as changed
-    from presswear.sweeps.function import function_of as function_of
     from presswear.sweeps.sweep import Sweep as Sweep
+    from presswear.sweeps.sweep import function_of as function_of
     from presswear.sweeps.sweep import sweep as sweep
     from presswear.tools.errors import InputError as InputError
     from presswear.tools.errors import RunFailed as RunFailed
@@ -117,8 +117,7 @@ _ROOMS = {
     "scene.recording": ("Recording",),
     "scene.scene": ("Scene",),
     "scene.settings": ("changed",),
-    "sweeps.function": ("function_of",),
-    "sweeps.sweep": ("Sweep", "sweep"),
+    "sweeps.sweep": ("Sweep", "function_of", "sweep"),
     "tools.errors": ("InputError", "RunFailed"),
 }
 _OWNERS = {name: room for room, names in _ROOMS.items() for name in names}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from presswear.cli.terminal import (
-    add_required,
+    add_limits,
     add_trust,
     check_resumed,
     finished_part,
@@ -61,7 +61,7 @@ def add(commands: Any) -> None:
         epilog="example: presswear report results/wear-times",
     )
     report.add_argument("folder", type=Path, metavar="DIR")
-    add_required(report)
+    add_limits(report)
     report.set_defaults(run=_report)
 
 
@@ -245,8 +245,8 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.cli import sweep
 
         return sweep.report(arguments, console)
-    if arguments.require:
-        raise InputError(f"--require goes with a sweep, and {arguments.folder} is none")
+    if arguments.limit:
+        raise InputError(f"--limit is for sweeps; {arguments.folder} is not the folder of one")
     from presswear.show.report import write_report
 
     result = finished_part(arguments.folder, console)

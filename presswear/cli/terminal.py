@@ -60,14 +60,14 @@ def add_settings(parser: Any) -> None:
     )
 
 
-def add_required(parser: Any) -> None:
-    """Add the option ``--require``."""
+def add_limits(parser: Any) -> None:
+    """Add the option ``--limit``."""
     parser.add_argument(
-        "--require",
+        "--limit",
         action="append",
-        metavar="MEASURE>=VALUE",
-        help="what a measure of a sweep is not to miss, such as 'life>=2e6' or "
-        "'A.force_max<=15kN': the report tells how probable a miss is; repeatable",
+        metavar="RESPONSE>=VALUE",
+        help="lower or upper limit on a response of a sweep, such as 'life>=2e6' or "
+        "'A.force_max<=15kN': the report estimates how often it is violated; repeatable",
     )
 
 

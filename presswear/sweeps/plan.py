@@ -1,170 +1,194 @@
-"""The plan of a sweep: which scenes, counted without making them."""
+"""Plan of a sweep: the scene of each row, and the table of the rows."""
 
+import csv
+import io
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from presswear.scene.catalog import scene_named
+from presswear.scene.files import SUFFIX, SWEEP, read_toml, scene_from
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, setting_of
-from presswear.sweeps.designs import design
-from presswear.sweeps.distributions import Distribution, parse
-from presswear.sweeps.table import Array, Column
-from presswear.sweeps.values import Factor, Group, Typed, group_of
-from presswear.tools.errors import InputError
+from presswear.scene.settings import changed, setting_of, settings_of
+from presswear.sweeps.parameters import (
+    Column,
+    Distribution,
+    Group,
+    Value,
+    column_of,
+    design,
+    parse_distribution,
+    parse_group,
+)
+from presswear.tools.arrays import Array
+from presswear.tools.documents import typed
+from presswear.tools.errors import InputError, not_installed, unknown
 from presswear.tools.files import digest
+from presswear.tools.folders import check_file
 from presswear.tools.quantities import Quantity
 
-MOST_ROWS = 10_000_000
-MOST_DRAWS = 10_000
-_TRIED = 16
-"""Rows that are made before anything runs, over the whole plan."""
-SEED = "seed"
-"""Setting in which independent runs at one point differ."""
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+MAX_ROWS = 1_000_000
+MAX_REPLICATES = 10_000
+TRIED_ROWS = 16  # rows whose scenes are made before anything runs
+SEED = "seed"  # setting in which the replicates of a point differ
+NOT_RUN = "not run yet"
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A scene at many points; its rows are counted and made one by one.
+    """Scene at many points, or a list of scenes.
 
-    Every value of what is varied goes with every other and with every point of the sample, the
-    last varied changes first; runs at one point that differ in their seed stand together.
-
-    Attributes
-    ----------
-    scene : Scene
-        What is not varied.
-    vary : tuple of str
-        As typed; see ``values``.
-    sample : str
-        ``KIND:SIZE`` of a design; nothing: no sample.
-    ranges : tuple of str
-        ``KEY=DISTRIBUTION`` of what is sampled.
-    draws : int
-        Independent runs at each point.
-    seed : int
-        Of the design.
+    Every value of a parameter is combined with every value of the others and with every point of
+    the sample. The last parameter varies fastest; replicates of a point are neighbouring rows.
     """
 
-    scene: Scene
-    vary: tuple[str, ...] = ()
-    sample: str = ""
-    ranges: tuple[str, ...] = ()
-    draws: int = 1
-    seed: int = 0
+    scene: Scene  # whose settings vary
+    vary: tuple[str, ...] = ()  # KEY=VALUES
+    sample: str = ""  # design, KIND:SIZE
+    ranges: tuple[str, ...] = ()  # KEY=DISTRIBUTION of the sampled parameters
+    replicates: int = 1  # runs at each point, with the seed of the scene and those that follow
+    seed: int = 0  # of the design
+    scenes: tuple[Scene, ...] = ()  # scenes of the points, in place of all parameters
 
     def __post_init__(self) -> None:
-        """InputError names what is unknown, empty, out of range or too large."""
-        if not 1 <= self.draws <= MOST_DRAWS:
-            raise InputError(f"draws = {self.draws}: allowed is 1 to {MOST_DRAWS}")
+        """Check the plan; `InputError` names what is unknown, missing or out of range."""
+        if not 1 <= self.replicates <= MAX_REPLICATES:
+            raise InputError(f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}")
         if bool(self.sample) != bool(self.ranges):
-            raise InputError("--sample and --range go together: points, and what they are of")
+            raise InputError("--sample and --range must be used together")
+        if self.scenes and (self.vary or self.sample):
+            raise InputError("scenes cannot be combined with vary, sample or ranges")
         if not self.groups:
-            raise InputError("nothing is varied: --vary KEY=VALUES, or --sample and --range")
+            raise InputError("nothing varies: use --vary KEY=VALUES, or --sample and --range")
         keys = [column.key for column in self.columns]
-        for place, key in enumerate(keys):
-            if key in keys[:place]:
-                raise InputError(f"{key} is varied twice")
-        if self.draws > 1:
-            if SEED in keys:
-                raise InputError("seed is varied, and draws ask for several seeds: one is meant")
-            changed(self.scene, {SEED: self.scene.seed + self.draws - 1})
-        if self.rows > MOST_ROWS:
-            raise InputError(f"{self.rows} rows are planned; allowed is up to {MOST_ROWS}")
+        for index, key in enumerate(keys):
+            if key in keys[:index]:
+                raise InputError(f"{key} varies twice")
+        if self.replicates > 1 and SEED in keys:
+            raise InputError("--vary seed and --replicates cannot be combined")
+        rows = self.replicates * math.prod(len(group.values) for group in self.groups)
+        if rows > MAX_ROWS:
+            raise InputError(f"the plan has {rows} rows; at most {MAX_ROWS} are allowed")
         _ = self.example
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:
-        """What is varied together, the sample first."""
-        groups = self._groups
+        """Groups of parameters that vary together, the sample first."""
+        if self.scenes:
+            names = tuple(scene.name for scene in self.scenes)
+            if len(set(names)) < len(names):
+                raise InputError("scenes: two of them have the same name; use a mapping by name")
+            column = Column("scene", "", "scene", names)
+            return (Group((column,), np.arange(float(len(names)))[:, None]),)
+        # A process or a mechanism has keys of its own, so words are read first.
+        read: dict[str, Group] = {}
+        for text in sorted(self.vary, key=lambda text: "." in text.partition("=")[0]):
+            read[text] = parse_group(_with_words(self.scene, read.values()), text)
+        groups = tuple(read[text] for text in self.vary)
         if not self.sample:
             return groups
-        return (_sampled(self._ranged, self.sample, self.seed), *groups)
+        kind, _, size = self.sample.partition(":")
+        if not (size.isascii() and size.isdigit() and len(size) < 9):
+            raise InputError(f"--sample {self.sample}: expected KIND:SIZE, such as sobol:512")
+        columns, distributions = self._sampled(_with_words(self.scene, groups))
+        unit = design(kind, int(size), len(columns), self.seed)
+        values = [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
+        return (Group(columns, np.column_stack(values)), *groups)
 
-    @property
+    def _sampled(self, scene: Scene) -> tuple[tuple[Column, ...], tuple[Distribution, ...]]:
+        columns, distributions = [], []
+        for text in self.ranges:
+            key, _, words = (part.strip() for part in text.partition("="))
+            if not words:
+                raise InputError(f"--range {text}: expected KEY=DISTRIBUTION")
+            setting = setting_of(scene, key)
+            if not isinstance(setting.meaning, Quantity):
+                raise InputError(f"--range {text}: {key} is not a number; use --vary for words")
+            columns.append(column_of(setting))
+            distributions.append(parse_distribution(words, key, setting.meaning))
+        return tuple(columns), tuple(distributions)
+
+    @cached_property
     def distributions(self) -> dict[str, Distribution]:
-        """Distributions of what is sampled, by key."""
-        return {key: known for key, (_, known) in self._ranged.items()}
-
-    @cached_property
-    def _ranged(self) -> dict[str, tuple[Factor, Distribution]]:
-        return _ranged(_with_words(self.scene, self._groups), self.ranges)
-
-    @cached_property
-    def _groups(self) -> tuple[Group, ...]:
-        # A process, or another mechanism, has keys of its own: words first.
-        found: dict[str, Group] = {}
-        for text in sorted(self.vary, key=lambda own: "." in own.partition("=")[0]):
-            found[text] = group_of(_with_words(self.scene, found.values()), text)
-        return tuple(found[text] for text in self.vary)
+        """Distributions of the sampled parameters by key."""
+        if not self.sample:
+            return {}
+        columns, distributions = self._sampled(_with_words(self.scene, self.groups[1:]))
+        return {column.key: item for column, item in zip(columns, distributions, strict=True)}
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """What is varied, in the order of a point's values."""
-        return tuple(own.column for group in self.groups for own in group.factors)
+        """Parameters, in the order of the coordinates of a point."""
+        return tuple(column for group in self.groups for column in group.columns)
 
-    @property
-    def crossed(self) -> int:
-        """Number of the last columns, which a sample is crossed with."""
-        return sum(len(group.factors) for group in self._groups) if self.sample else 0
-
-    @property
-    def points(self) -> int:
-        """Number of points."""
-        return math.prod(len(group.values) for group in self.groups)
+    @cached_property
+    def points(self) -> Array:
+        """Points, shape (points, parameters)."""
+        shape = [len(group.values) for group in self.groups]
+        places = np.indices(shape).reshape(len(shape), -1)
+        groups = zip(self.groups, places, strict=True)
+        return np.column_stack([group.values[place] for group, place in groups])
 
     @property
     def rows(self) -> int:
         """Number of runs."""
-        return self.points * self.draws
+        return len(self.points) * self.replicates
 
-    def draw(self, row: int) -> int:
-        """Which of the runs at its point a row is."""
-        return row % self.draws
+    def settings(self, row: int) -> dict[str, Value]:
+        """Return the settings that a row changes in the scene."""
+        point, replicate = divmod(row, self.replicates)
+        settings: dict[str, Value] = {}
+        if not self.scenes:
+            for column, value in zip(self.columns, self.points[point], strict=True):
+                settings[column.key] = column.setting(float(value))
+        if replicate:
+            settings[SEED] = self._base(row).seed + replicate
+        return settings
 
-    def point(self, row: int) -> Array:
-        """Values of what is varied in a row, shape (d,)."""
-        rest, found = row // self.draws, []
-        for group in reversed(self.groups):
-            rest, place = divmod(rest, len(group.values))
-            found.append(group.values[place])
-        return np.concatenate(found[::-1])
-
-    def settings(self, row: int) -> dict[str, Typed]:
-        """What a row changes in the scene."""
-        factors = (own for group in self.groups for own in group.factors)
-        found = {
-            own.column.key: own.typed(float(value))
-            for own, value in zip(factors, self.point(row), strict=True)
-        }
-        if self.draws > 1:
-            found[SEED] = self.scene.seed + self.draw(row)
-        return found
+    def _base(self, row: int) -> Scene:
+        return self.scenes[row // self.replicates] if self.scenes else self.scene
 
     def scene_of(self, row: int) -> Scene:
-        """The scene of a row; InputError where its values do not fit together."""
-        scene = changed(self.scene, self.settings(row))
+        """Return the scene of a row; `InputError` if its settings do not fit together."""
+        settings, scene = self.settings(row), self._base(row)
+        scene = changed(scene, settings) if settings else scene
         scene.check()
         return scene
 
+    def identity(self, row: int) -> str:
+        """Return a text that is equal for equal rows, without making the scene of the row."""
+        settings = {
+            key: value
+            for key, value in self.settings(row).items()
+            if key not in self._values or self._values[key] != value
+        }
+        base = scene_digest(self._base(row)) if self.scenes else self._digest
+        return json.dumps([base, settings], sort_keys=True)
+
     @cached_property
-    def _base(self) -> str:
+    def _digest(self) -> str:
         return scene_digest(self.scene)
 
-    def shortcut(self, row: int) -> str:
-        """A digest of a row that costs no scene: of that of the plan, and of what is changed."""
-        told = json.dumps([self._base, self.settings(row)], sort_keys=True)
-        return digest(told.encode())
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        return {} if self.scenes else {item.key: item.value for item in settings_of(self.scene)}
 
     @cached_property
     def example(self) -> Scene:
-        """The first scene out of some that can be made; InputError where none can."""
+        """First scene that can be made; `InputError` if none can."""
         problem = None
-        for row in np.unique(np.linspace(0, self.rows - 1, _TRIED).astype(int)):
+        for row in np.unique(np.linspace(0, self.rows - 1, TRIED_ROWS).astype(int)):
             try:
                 return self.scene_of(int(row))
             except InputError as error:
@@ -172,66 +196,154 @@ class Plan:
         raise InputError(f"no scene of this plan can be made: {problem}")
 
     def as_dict(self) -> dict[str, Any]:
-        """The plan as plain data."""
+        """Return the plan as plain data."""
+        plain = {item.name: getattr(self, item.name) for item in fields(self)}
         return {
+            **plain,
             "scene": self.scene.as_dict(),
-            "vary": list(self.vary),
-            "sample": self.sample,
-            "ranges": list(self.ranges),
-            "draws": self.draws,
-            "seed": self.seed,
+            "scenes": [scene.as_dict() for scene in self.scenes],
         }
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Plan":
-        """A plan from ``as_dict``."""
-        own = {**data, "scene": Scene.from_dict(data["scene"])}
-        return Plan(**{**own, "vary": tuple(data["vary"]), "ranges": tuple(data["ranges"])})
+        """Return the plan of `as_dict`."""
+        return Plan(
+            Scene.from_dict(data["scene"]),
+            tuple(data["vary"]),
+            data["sample"],
+            tuple(data["ranges"]),
+            data["replicates"],
+            data["seed"],
+            tuple(map(Scene.from_dict, data["scenes"])),
+        )
 
 
 def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
-    """The scene with the first of the words that are varied."""
-    first = {
-        factor.column.key: factor.column.words[0]
-        for group in groups
-        for factor in group.factors
-        if factor.column.words
-    }
-    return changed(scene, first) if first else scene
-
-
-def _ranged(scene: Scene, texts: Sequence[str]) -> dict[str, tuple[Factor, Distribution]]:
-    """What is sampled, by key."""
-    found: dict[str, tuple[Factor, Distribution]] = {}
-    for text in texts:
-        key, equals, given = (own.strip() for own in text.partition("="))
-        if not equals or not given:
-            raise InputError(f"--range {text}: KEY=DISTRIBUTION is expected")
-        setting = setting_of(scene, key)
-        if not isinstance(setting.meaning, Quantity):
-            raise InputError(f"--range {text}: {key} is no number; --vary takes its words")
-        if key in found:
-            raise InputError(f"{key} is varied twice")
-        found[key] = Factor.of(setting), parse(given, key, setting.meaning)
-    return found
-
-
-def _sampled(ranged: Mapping[str, tuple[Factor, Distribution]], sample: str, seed: int) -> Group:
-    """The points of a sample."""
-    kind, colon, size = sample.partition(":")
-    if not colon or not (size.isascii() and size.isdigit() and len(size) < 9):
-        raise InputError(f"--sample {sample}: KIND:SIZE is expected, such as sobol:512")
-    unit = design(kind, int(size), len(ranged), seed)
-    factors, known = zip(*ranged.values(), strict=True)
-    values = [own.at(unit[:, k]) for k, own in enumerate(known)]
-    return Group(factors, np.column_stack(values))
+    """Return the scene with the first word of each parameter that is not a number."""
+    columns = [column for group in groups for column in group.columns if column.choices]
+    return changed(scene, {column.key: column.choices[0] for column in columns})
 
 
 def scene_digest(scene: Scene) -> str:
-    """Digest of all that decides the numbers of a scene; what it is called does not."""
-    told = {
-        key: value
-        for key, value in scene.as_dict().items()
-        if key not in ("name", "title", "origins")
-    }
-    return digest(json.dumps(told, sort_keys=True).encode())
+    """Return a digest of everything that decides the numbers of a scene."""
+    ignored = ("name", "title", "origins")
+    data = {key: value for key, value in scene.as_dict().items() if key not in ignored}
+    return digest(json.dumps(data, sort_keys=True).encode())
+
+
+@dataclass(frozen=True)
+class SweepFile:
+    """Table ``[sweep]`` of a TOML file; its keys are the options of the command.
+
+    `scene` names a scene or another file; it is omitted in the file of a scene.
+    """
+
+    scene: str = ""
+    vary: tuple[str, ...] = ()
+    sample: str = ""
+    ranges: tuple[str, ...] = ()
+    responses: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    replicates: int = 1
+    seed: int = 0
+    keep: Literal["responses", "results"] = "responses"
+
+
+def read_sweep(file: Path) -> tuple[Scene, SweepFile]:
+    """Read the scene and the table ``[sweep]`` of a file; `InputError` names a wrong key."""
+    check_file(file)
+    data = read_toml(file)
+    table = data.get(SWEEP, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{file}: {SWEEP} = {table!r}: expected a table")
+    keys = [item.name for item in fields(SweepFile)]
+    for key in table:
+        if key not in keys:
+            raise unknown(f"key of [{SWEEP}] in {file}", key, keys)
+    options = typed(table, SweepFile, f"{file}: {SWEEP}")
+    if not options.scene:
+        return scene_from(file), options
+    if data.keys() - {SWEEP}:
+        raise InputError(f"{file}: {SWEEP}.scene names a scene, but the file describes one")
+    if options.scene.endswith(SUFFIX):
+        return scene_from(file.parent / options.scene), options
+    return scene_named(options.scene), options
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of a sweep: parameters, responses and errors, in SI units."""
+
+    parameters: tuple[Column, ...]
+    responses: tuple[Column, ...]
+    points: Array  # shape (rows, parameters)
+    values: Array  # shape (rows, responses); NaN where a run has none
+    half_widths: Array  # shape (rows, responses), of the 95 % intervals; NaN where a run has none
+    censored: NDArray[np.bool_]  # shape (rows, responses), whether a value is a lower bound
+    errors: tuple[str, ...]  # reason why a row has no values; empty where it has
+    replicates: int = 1  # neighbouring rows that are replicates of one point
+
+    def index(self, key: str) -> int:
+        """Return the column of a response; `InputError` if there is none of this name."""
+        keys = [column.key for column in self.responses]
+        if key not in keys:
+            raise unknown("response", key, keys)
+        return keys.index(key)
+
+    def at(self, values: Array) -> "Table":
+        """Return the rows at which the last parameters have some values, without these columns."""
+        count = len(values)
+        rows = (self.points[:, -count:] == values).all(axis=1)
+        return Table(
+            self.parameters[:-count],
+            self.responses,
+            self.points[rows, :-count],
+            self.values[rows],
+            self.half_widths[rows],
+            self.censored[rows],
+            tuple(error for error, is_in in zip(self.errors, rows, strict=True) if is_in),
+            self.replicates,
+        )
+
+    def columns(self) -> dict[str, list[Any]]:
+        """Return the columns of an exported table by name."""
+        columns: dict[str, list[Any]] = {}
+        for column, values in zip(self.parameters, self.points.T, strict=True):
+            columns[column.key] = [column.setting(value) for value in values.tolist()]
+        columns["replicate"] = [row % self.replicates for row in range(len(self.errors))]
+        for k, column in enumerate(self.responses):
+            columns[column.key] = self.values[:, k].tolist()
+            columns[f"{column.key}_half_width"] = self.half_widths[:, k].tolist()
+            columns[f"{column.key}_is_lower_bound"] = self.censored[:, k].tolist()
+        columns["error"] = list(self.errors)
+        return columns
+
+    def csv(self) -> str:
+        """Return the table as CSV; a comment in the second line holds the units."""
+        columns, text = self.columns(), io.StringIO()
+        units = {column.key: column.unit for column in (*self.parameters, *self.responses)}
+        names = [f"{name} {units.get(name.removesuffix('_half_width'), '')}" for name in columns]
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(columns)
+        text.write(f"# units: {','.join(map(str.rstrip, names))}\n")
+        for row in zip(*columns.values(), strict=True):
+            cells = (int(cell) if isinstance(cell, bool) else cell for cell in row)
+            writer.writerow(["" if cell != cell else cell for cell in cells])  # NaN differs
+        return text.getvalue()
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the table as a data frame, a row for each run."""
+        try:
+            import pandas
+        except ImportError:
+            raise not_installed("a data frame", "pandas", "sweep") from None
+        return pandas.DataFrame(self.columns())
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the responses over the parameters and replicates of a full grid."""
+        try:
+            import xarray
+        except ImportError:
+            raise not_installed("a dataset", "xarray", "sweep") from None
+        names = [*(column.key for column in self.parameters), "replicate"]
+        return xarray.Dataset.from_dataframe(self.to_pandas().set_index(names))

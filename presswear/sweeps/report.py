@@ -1,5 +1,6 @@
-"""The report of a sweep: what was varied and measured, what follows, and how sure that is."""
+"""Report of a sweep: parameters, responses, sensitivity, distribution and rows."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,233 +10,269 @@ import matplotlib
 import numpy as np
 
 from presswear.show.figures.style import SETTINGS, Drawing
-from presswear.show.page import NOTHING, Illustration, Line, illustrate, render_page
-from presswear.show.page import Table as Shown
-from presswear.sweeps.analysis import Analysis, analysed, has_varied
-from presswear.sweeps.distributions import Distribution
-from presswear.sweeps.export import write_csv
-from presswear.sweeps.figures import (
-    curves,
-    distribution,
-    effects,
-    heat_map,
-    parallel,
-    sections,
-    shares,
-    tornado,
+from presswear.show.page import NOTHING, Row, Section, illustrate, render_page, row_table
+from presswear.show.page import Table as Texts
+from presswear.sweeps import figures
+from presswear.sweeps.figures import display
+from presswear.sweeps.parameters import Column
+from presswear.sweeps.plan import Plan, Table
+from presswear.sweeps.responses import Limit
+from presswear.sweeps.sensitivity import (
+    Points,
+    Sensitivity,
+    Spread,
+    chaotic_share,
+    points_of,
+    sensitivity,
+    spread_of_rows,
 )
-from presswear.sweeps.figures.scales import Scale
-from presswear.sweeps.spread import Required
-from presswear.sweeps.table import Table
-from presswear.sweeps.words import answer, lines, tables
+from presswear.sweeps.surrogate import Surrogate, fit
+from presswear.tools.errors import InputError
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
-FILE = "report.html"
-REST = "table.csv"
-"""All rows, beside the report."""
+REPORT, ROWS_FILE = "report.html", "table.csv"
 FIRST_ROWS = 20
-MOST_REASONS = 12
-MOST_SAMPLES = 12
-"""Samples that are told of one by one, where one is crossed with other values."""
+MAX_ERRORS = 12
+MAX_SAMPLES = 12  # combinations of varied values at which a sample is analysed separately
+PERCENTILES = (5, 50, 95)
+COLUMN_ROWS = (
+    Row("name", "column.key"),
+    Row("meaning", "column.text"),
+    Row("values", "count"),
+    Row("lowest", "low"),
+    Row("median", "median"),
+    Row("highest", "high"),
+    Row("remark", "remark"),
+)
+ERROR_ROWS = (Row("error", "error"), Row("runs", "count"), Row("first run", "first"))
 
 
 @dataclass(frozen=True)
-class Part:
-    """What the page says of one measure."""
+class Analysis:
+    """Everything that the points of a sweep tell about one response; None where they do not."""
 
-    heading: str
-    lines: tuple[str, ...]
-    tables: tuple[tuple[str, Shown], ...]
-    figures: tuple[Illustration, ...]
+    points: Points
+    chaos: tuple[float, float, float] | None
+    sensitivity: Sensitivity | None
+    surrogate: Surrogate | None
+    spread: Spread | None
+    limit: Limit | None
+    notes: tuple[str, ...]
+
+
+def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:
+    """Analyse a response of the rows of a plan, or of those with equal varied values."""
+    points, kind, notes = points_of(table, key), plan.sample.partition(":")[0], []
+    result = surrogate = spread = None
+    try:
+        result = sensitivity(points, kind)
+    except InputError as error:
+        notes.append(f"{error}.")
+    try:
+        surrogate = None if plan.scenes else fit(points)
+    except InputError as error:
+        notes.append(f"{error}.")
+    scatter = [plan.distributions.get(column.key) for column in points.parameters]
+    complete = [item for item in scatter if item is not None]
+    if len(complete) == len(scatter):
+        reason = "" if surrogate is None else surrogate.outside(complete)
+        if reason:
+            notes.append(f"The surrogate gives no distribution: {reason}.")
+        elif surrogate is not None:
+            spread = surrogate.spread(complete, limit)
+        if spread is None and kind in ("sobol", "latin"):
+            spread = spread_of_rows(table, key, limit)
+    if points.censored.any():
+        count = whole(int(points.censored.sum()))
+        notes.append(f"The values of {count} points are lower bounds; indices use the bounds.")
+    return Analysis(points, chaotic_share(points), result, surrogate, spread, limit, tuple(notes))
 
 
 def write_report(
-    table: Table,
-    folder: Path,
-    title: str,
-    *,
-    sample: str = "",
-    crossed: int = 0,
-    distributions: Mapping[str, Distribution] | None = None,
-    required: Mapping[str, Required] | None = None,
+    table: Table, plan: Plan, folder: Path, title: str, limits: Mapping[str, Limit]
 ) -> Path:
-    """Write ``report.html``, its figures and all rows into a folder; gives the page.
-
-    Parameters
-    ----------
-    sample : str
-        Kind of the design; nothing for a grid.
-    crossed : int
-        Number of the last factors, at each of whose values the whole design was run.
-    distributions : mapping or None
-        Of the factors that have one, by key.
-    required : mapping or None
-        What measures are not to miss, by key.
-    """
-    known, wanted = distributions or {}, required or {}
-    parts: list[Part] = []
-    answers: list[str] = []
-    samples = {"": table, **_samples(table, crossed)}
-    for place, measure in enumerate(table.measures):
-        for number, (where, own) in enumerate(samples.items()):
-            if not np.isfinite(own.values[:, place]).any():
+    """Write ``report.html``, its figures and ``table.csv`` into a folder; return the page."""
+    sections = [
+        Section("Parameters", tables=[("", _columns(table.parameters, table.points, plan))]),
+        Section("Responses", tables=[("", _columns(table.responses, table.values, plan, table))]),
+    ]
+    failed = sum(bool(error) for error in table.errors)
+    if failed:
+        sections.append(Section("Failed runs", tables=[("", _errors(table))]))
+    answers = []
+    for number, (name, part) in enumerate(_parts(table, plan).items()):
+        into = inside(folder, "figures", *([f"{number}"] if name else []))
+        for column in table.responses:
+            if not np.isfinite(part.values[:, part.index(column.key)]).any():
                 continue
-            found = analysed(own, measure.key, sample, known, wanted.get(measure.key))
-            into = inside(folder, "figures", *([f"{number}"] if where else []))
+            analysis = analyze(part, column.key, plan, limits.get(column.key))
+            answers += [f"At {name}: {line}" if name else line for line in findings(analysis)]
             with matplotlib.rc_context(SETTINGS):
-                figures = tuple(illustrate(drawing, into) for drawing in drawings(found))
-            at = f"At {where}: " if where else ""
-            answers += (f"{at}{line}" for line in answer(found))
-            heading = f"{measure.key} at {where}" if where else measure.key
-            parts.append(Part(heading, tuple(lines(found)), tuple(tables(found)), figures))
-    failed = sum(bool(reason) for reason in table.reasons)
-    count = len(table.reasons)
-    points = len(np.unique(table.points, axis=0))
-    status = f"{whole(count)} runs at {whole(points)} points" + (
-        f", of which {whole(failed)} have no values" if failed else ""
-    )
-    write_csv(folder / REST, table)
-    left = count - min(count, FIRST_ROWS)
-    text = render_page(
-        title,
-        template="sweep.html",
-        package="presswear.sweeps",
-        status=f"{status}.",
-        style="unfinished" if failed else "completed",
-        answer=answers,
-        varied=_varied(table, known),
-        measured=_measured(table),
-        failures=_failures(table) if failed else None,
-        parts=parts,
-        rows=_first_rows(table),
-        rest=f"{f'{whole(left)} other rows' if left else 'The same rows'} are in {REST}.",
-    )
-    path = folder / FILE
-    write_bytes(path, text.encode())
-    return path
+                drawn = [illustrate(item, into) for item in drawings(analysis)]
+            heading = f"{column.key} at {name}" if name else column.key
+            tables = result_tables(analysis)
+            sections.append(Section(heading, (f"{column.text}.",), tables, drawn, analysis.notes))
+    count = whole(len(table.errors))
+    head, *lines = text_table(table, FIRST_ROWS)
+    rows = tuple((f"{number}", *line) for number, line in enumerate(lines, start=1))
+    note = f"All {count} runs are in {ROWS_FILE}."
+    first_rows = Texts(("run", *head), (("", rows),))
+    sections.append(Section("First runs", tables=[("", first_rows)], notes=[note]))
+    write_bytes(folder / ROWS_FILE, table.csv().encode())
+    status = f"{count} runs at {whole(len(plan.points))} points"
+    status += f", {whole(failed)} without values." if failed else "."
+    style = "unfinished" if failed else "completed"
+    page = render_page(title, sections, status=status, style=style, answer=answers)
+    write_bytes(folder / REPORT, page.encode())
+    return folder / REPORT
 
 
-def _samples(table: Table, crossed: int) -> dict[str, Table]:
-    """The sample at each combination of the values that it is crossed with, by these in words."""
-    if not crossed:
-        return {}
-    _, first = np.unique(table.points[:, -crossed:], axis=0, return_index=True)
-    if len(first) > MOST_SAMPLES:
-        return {}
-    return {
-        ", ".join(_told(table, row)[-crossed:]): table.at(table.points[row, -crossed:])
-        for row in np.sort(first)
-    }
+def _parts(table: Table, plan: Plan) -> dict[str, Table]:
+    """Return the sample at each combination of the values that it is combined with, by name."""
+    crossed = len(plan.columns) - len(plan.distributions)
+    if not plan.sample or not crossed:
+        return {"": table}
+    combinations = np.unique(table.points[:, -crossed:], axis=0)
+    if len(combinations) > MAX_SAMPLES:
+        return {"": table}
+    columns = table.parameters[-crossed:]
+    return {_point(columns, values): table.at(values) for values in combinations}
 
 
-def drawings(found: Analysis) -> list[Drawing]:
-    """The pictures of a measure."""
-    own = found.own
-    drawn: list[Drawing] = []
-    if found.is_constant:
-        return drawn
-    if found.swings is not None and any(found.swings):
-        drawn.append(tornado(own, found.swings))
-    if found.indices is not None:
-        drawn.append(shares(own, found.indices))
-    if found.screening is not None:
-        drawn.append(effects(own, found.screening))
-    told = found.spread or found.rows
-    if told is not None and np.isfinite(told.values).sum() > 1:
-        beside = found.rows if found.spread is not None else None
-        drawn.append(distribution(own, told, found.required, beside))
-    line = curves(own)
-    if line is not None:
-        drawn.append(line)
-    numbers = [k for k in found.strongest if not own.factors[k].words]
-    numbers = [k for k in numbers if np.ptp(own.points[:, k]) > 0.0]
-    if len(numbers) > 1 and found.screening is None and found.swings is None:
-        drawn.append(heat_map(own, (numbers[0], numbers[1]), found.surface))
-    if found.surface is not None and numbers:
-        drawn.append(sections(found.surface))
-    if has_varied(own) > 1:
-        drawn.append(parallel(own))
+def _point(columns: tuple[Column, ...], values: np.ndarray) -> str:
+    pairs = zip(columns, values, strict=True)
+    return ", ".join(f"{c.key} = {display(c, np.array([v])).text(v)}" for c, v in pairs)
+
+
+def drawings(analysis: Analysis) -> list[Drawing]:
+    """Return the figures of a response."""
+    points, drawn = analysis.points, []
+    if points.is_constant:
+        return []
+    order = list(range(len(points.parameters)))
+    if analysis.sensitivity is not None:
+        drawn.append(figures.bars(points, analysis.sensitivity))
+        order = analysis.sensitivity.order
+    if analysis.spread is not None and np.isfinite(analysis.spread.values).sum() > 1:
+        drawn.append(figures.distribution(points, analysis.spread, analysis.limit))
+    if (lines := figures.curves(points)) is not None:
+        drawn.append(lines)
+    numbers = [k for k in order if not points.parameters[k].choices]
+    numbers = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0]
+    if len(numbers) > 1:
+        drawn.append(figures.heat_map(points, (numbers[0], numbers[1]), analysis.surrogate))
     return drawn
 
 
-def _varied(table: Table, known: Mapping[str, Distribution]) -> Shown:
-    rows = []
-    for place, factor in enumerate(table.factors):
-        values = table.points[:, place]
-        scale, count = Scale.of(factor, values), len(np.unique(values))
-        if factor.words:
-            held = ", ".join(factor.words[int(k)] for k in np.unique(values))
-        else:
-            held = f"{scale.told(float(values.min()))} to {scale.told(float(values.max()))}"
-        scatter = known[factor.key].described if factor.key in known else NOTHING
-        rows.append((factor.key, factor.text, held, whole(count), scatter))
-    head = ("", "what it is", "values", "different ones", "distribution")
-    return Shown(head, (("", tuple(rows)),), numeric=False)
-
-
-def _measured(table: Table) -> Shown:
-    rows: list[Line] = []
-    for place, own in enumerate(table.measures):
-        values = table.values[:, place]
-        values = values[np.isfinite(values)]
-        bounds = whole(int(table.is_beyond[:, place].sum()))
-        if not values.size:
-            rows.append((own.key, own.text, "0", bounds, *[NOTHING] * 4))
-            continue
-        scale = Scale.of(own, values)
-        rows.append(
-            (
-                own.key,
-                own.text,
-                whole(len(values)),
-                bounds,
-                *(
-                    readable(scale.factor * float(number))
-                    for number in (values.min(), np.median(values), values.max())
-                ),
-                scale.unit,
-            )
+def findings(analysis: Analysis) -> list[str]:
+    """Return sentences on the most important parameter, on chaos and on the limit."""
+    points, limit, lines = analysis.points, analysis.limit, []
+    key = points.response.key
+    if analysis.sensitivity is not None:
+        strongest = points.parameters[analysis.sensitivity.order[0]].key
+        lines.append(f"{key} depends most on {strongest}.")
+    if analysis.chaos is not None:
+        share, low, high = (readable(100.0 * part) for part in analysis.chaos)
+        lines.append(
+            f"Chaos is {share} % ({low} to {high} %) of the variance of single runs of {key}."
         )
-    head = ("", "what it is", "values", "lower bounds", "least", "median", "largest", "unit")
-    return Shown(head, (("", tuple(rows)),), numeric=False)
-
-
-def _failures(table: Table) -> Shown:
-    """Reasons with their numbers of rows, the most frequent first."""
-    counted = Counter(reason for reason in table.reasons if reason)
-    rows = []
-    for reason, count in counted.most_common(MOST_REASONS):
-        first = table.reasons.index(reason)
-        rows.append((reason, whole(count), ", ".join(_told(table, first))))
-    left = len(counted) - len(rows)
-    if left > 0:
-        rest = sum(counted.values()) - sum(count for _, count in counted.most_common(MOST_REASONS))
-        rows.append((f"{whole(left)} other reasons", whole(rest), f"see {REST}"))
-    return Shown(("reason", "runs", "the first of them"), (("", tuple(rows)),), numeric=False)
-
-
-def _told(table: Table, row: int) -> list[str]:
-    """The values of the factors in a row, in words."""
-    return [
-        f"{factor.key} = {Scale.of(factor, table.points[:, k]).told(float(table.points[row, k]))}"
-        for k, factor in enumerate(table.factors)
-    ]
-
-
-def _first_rows(table: Table) -> Shown:
-    both = zip((*table.factors, *table.measures), (*table.points.T, *table.values.T), strict=True)
-    bounds = (*np.zeros(table.points.T.shape, np.bool_), *table.is_beyond.T)
-    columns = [
-        (Scale.of(own, values), values, is_bound)
-        for (own, values), is_bound in zip(both, bounds, strict=True)
-        if np.isfinite(values).any()
-    ]
-    rows = []
-    for row in range(min(len(table.reasons), FIRST_ROWS)):
-        cells = (
-            f"{'>' * bool(is_bound[row])}{scale.number(float(values[row]), 4)}"
-            for scale, values, is_bound in columns
+    if limit is None:
+        return lines
+    value = display(points.response, points.means).text(limit.value)
+    name = f"the {'lower' if limit.is_lower else 'upper'} limit {value} of {key}"
+    if analysis.spread is not None and analysis.spread.violation is not None:
+        share, low, high = (readable(100.0 * part) for part in analysis.spread.violation)
+        lines.append(
+            f"The probability that {name} is violated is {share} % ({low} to {high} %), "
+            f"{analysis.spread.source}."
         )
-        rows.append((f"{row + 1}", *cells))
-    return Shown(("run", *(scale.label for scale, *_ in columns)), (("", tuple(rows)),))
+    else:
+        rows = points.has_value
+        fewest, most = limit.count(points.means[rows], points.censored[rows])
+        count = whole(fewest) if fewest == most else f"{whole(fewest)} to {whole(most)}"
+        lines.append(f"{count} of {whole(int(rows.sum()))} points violate {name}.")
+    return lines
+
+
+def result_tables(analysis: Analysis) -> list[tuple[str, Texts]]:
+    """Return the tables of a response with their headings."""
+    points, tables = analysis.points, []
+    shown = display(points.response, points.means)
+    if (result := analysis.sensitivity) is not None:
+        factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
+        lines = []
+        for k in result.order:
+            cells = [points.parameters[k].key]
+            for value, half in zip(result.values[:, k], result.half_widths[:, k], strict=True):
+                interval = "" if math.isnan(half) else f" ± {readable(factor * half, 2)}"
+                cells.append(f"{readable(factor * value)}{interval}")
+            lines.append(tuple(cells))
+        head = ("parameter", *(f"{name} ({unit})" if unit else name for name in result.names))
+        tables.append((f"{result.title} ({result.method})", Texts(head, (("", tuple(lines)),))))
+    if (spread := analysis.spread) is not None:
+        cells = []
+        for percent in PERCENTILES:
+            columns = (spread.values, spread.low, spread.high)
+            value, low, high = (shown.number(column[percent - 1]) for column in columns)
+            cells.append(f"{value} ({low} to {high})")
+        head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
+        rows = Texts(head, (("", ((f"single runs ({shown.unit or '1'})", *cells),)),))
+        tables.append((f"Distribution, {spread.source}", rows))
+    return tables
+
+
+def _columns(
+    columns: tuple[Column, ...], values: np.ndarray, plan: Plan, table: Table | None = None
+) -> Texts:
+    """Return the ranges of parameters, or of the responses of a table."""
+    records = []
+    for k, column in enumerate(columns):
+        finite = values[np.isfinite(values[:, k]), k]
+        shown = display(column, finite)
+        scatter = plan.distributions.get(column.key)
+        remark = scatter.text if scatter else ", ".join(column.choices) or NOTHING
+        bounds = 0 if table is None else int(table.censored[:, k].sum())
+        ends = np.quantile(finite, (0.0, 0.5, 1.0)) if finite.size else [math.nan] * 3
+        low, median, high = ("" if column.choices else shown.text(value) for value in ends)
+        records.append(
+            {
+                "column": column,
+                "count": len(np.unique(finite)) if table is None else len(finite),
+                "low": low,
+                "median": median,
+                "high": high,
+                "remark": f"{bounds} lower bounds" if bounds else remark,
+            }
+        )
+    return row_table(COLUMN_ROWS, records, numeric=False)
+
+
+def _errors(table: Table) -> Texts:
+    """Return the errors with their numbers of runs, the most frequent first."""
+    counts = Counter(error for error in table.errors if error)
+    records = []
+    for error, count in counts.most_common(MAX_ERRORS):
+        first = _point(table.parameters, table.points[table.errors.index(error)])
+        records.append({"error": error, "count": count, "first": first})
+    return row_table(ERROR_ROWS, records, numeric=False)
+
+
+def text_table(table: Table, count: int) -> list[list[str]]:
+    """Return the titles of the columns of a table and its first rows as texts.
+
+    A lower bound has the sign ``>``, a missing value is a dash.
+    """
+    columns = []
+    for column, values in zip(table.parameters, table.points.T, strict=True):
+        shown = display(column, values)
+        columns.append([shown.label, *(shown.number(value, 4) for value in values[:count])])
+    for k, column in enumerate(table.responses):
+        shown, texts = display(column, table.values[:, k]), []
+        for row in range(min(count, len(table.errors))):
+            half = table.half_widths[row, k]
+            interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"
+            sign = ">" if table.censored[row, k] else ""
+            texts.append(f"{sign}{shown.number(table.values[row, k], 4)}{interval}")
+        columns.append([shown.label, *texts])
+    return [list(line) for line in zip(*columns, strict=True)]

@@ -1,160 +1,289 @@
-"""A measure at the points of a sweep: means over the draws at each, and how well they are known."""
+"""Responses: numbers of a result that a sweep stores, by name.
 
+``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the unworn stage. To
+add a response, write a function of a result and a stage and add it to `RESPONSES`.
+"""
+
+import inspect
 import math
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from presswear.recording.statistics import Estimate, quantile
-from presswear.sweeps.table import Column, Table
+from presswear.physics.statics import total_clearance
+from presswear.physics.wear import worn_volume
+from presswear.recording.statistics import Estimate
+from presswear.results.bottom import rise
+from presswear.results.result import Result
+from presswear.results.stage import SIDES, JointResult, JointStatistics, StageResult
+from presswear.scene.life import FOLLOWED
+from presswear.scene.scene import Scene
+from presswear.sweeps.parameters import Column
 from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.files import digest
+from presswear.tools.quantities import Quantity, parse_quantity
 
-NoiseSource = Literal["draws", "intervals", "nothing"]
+LAST = "last"
+
+
+class Response(NamedTuple):
+    """Value of a response."""
+
+    value: float | None
+    half_width: float | None = None  # of its 95 % interval
+    censored: bool = False  # whether the value is a lower bound
+
+
+User = Callable[[Result], float]
+OfJoint = Callable[[Result, StageResult, JointResult], Response | None]
+OfStage = Callable[[Result, StageResult], Response | None]
 
 
 @dataclass(frozen=True)
-class Responses:
-    """A measure at each point, in the order in which the points first came.
+class Definition:
+    """Definition of a response, by a function of a joint, of a stage or of a whole result.
 
-    Attributes
-    ----------
-    factors : tuple of Column
-    measure : Column
-    points : ndarray, shape (n, d)
-    means : ndarray, shape (n,)
-        Over the draws that have a value; NaN where none has.
-    variances : ndarray, shape (n,)
-        Of one draw about the mean of its point; 0 where nothing tells it.
-    counts : ndarray, shape (n,)
-        Draws with a value.
-    is_beyond : ndarray of bool, shape (n,)
-        True where a draw is a lower bound only, and so the mean.
-    path : ndarray of int, shape (rows of the first draw,)
-        Places of the points in the order of the rows: a plan may come to a point again.
-    noise_source : str
-        Where the variances are from: several draws at the points, the intervals that the runs
-        tell, or nothing.
+    The function returns None where the result has no such number.
     """
 
-    factors: tuple[Column, ...]
-    measure: Column
-    points: Array
-    means: Array
-    variances: Array
-    counts: Array
-    is_beyond: NDArray[np.bool_]
-    path: NDArray[np.int64]
-    noise_source: NoiseSource
-
-    @property
-    def noise(self) -> Array:
-        """Variance of the mean of each point, shape (n,)."""
-        return self.variances / np.maximum(self.counts, 1.0)
-
-    @property
-    def freedoms(self) -> Array:
-        """Degrees of freedom of each variance, shape (n,); infinite where runs tell them."""
-        if self.noise_source != "draws":
-            return np.full(len(self.counts), math.inf)
-        own = np.maximum(self.counts - 1.0, 0.0)
-        return np.where(own > 0.0, own, own.sum())
-
-    @property
-    def half_widths(self) -> Array:
-        """Half widths of the 95 % intervals of the means, shape (n,); NaN where nothing tells."""
-        if self.noise_source == "nothing":
-            return np.full(len(self.counts), math.nan)
-        wide = np.array([quantile(own) for own in self.freedoms])
-        return wide * np.sqrt(self.noise)
-
-    def difference(self, row: int, other: int) -> Estimate:
-        """The mean of one point less that of another; no ends where nothing tells the scatter.
-
-        Points scatter by as much as they do: the degrees of freedom are those of Welch (1947).
-        """
-        value = float(self.means[row] - self.means[other])
-        if self.noise_source == "nothing":
-            return Estimate(value, None, None)
-        parts, freedoms = self.noise[[row, other]], self.freedoms[[row, other]]
-        total = float(parts.sum())
-        if total == 0.0:
-            return Estimate(value, value, value)
-        lost = float((parts**2 / freedoms).sum())
-        half = quantile(total**2 / lost if lost > 0.0 else math.inf) * math.sqrt(total)
-        return Estimate(value, value - half, value + half)
-
-    @property
-    def has_value(self) -> NDArray[np.bool_]:
-        """True for each point where a draw has a value, shape (n,)."""
-        return self.counts > 0.0
-
-    @property
-    def middle(self) -> Array:
-        """A point in the middle of all, shape (d,): medians, and the first of the words."""
-        is_word = [bool(factor.words) for factor in self.factors]
-        return np.where(is_word, 0.0, np.median(self.points, axis=0))
-
-    def only(self, kept: NDArray[np.bool_] | NDArray[np.int64]) -> "Responses":
-        """Some of the points, or all in another order, each of them once."""
-        beyond = self.is_beyond[kept]
-        return replace(
-            self,
-            points=self.points[kept],
-            means=self.means[kept],
-            variances=self.variances[kept],
-            counts=self.counts[kept],
-            is_beyond=beyond,
-            path=np.arange(len(beyond)),
-        )
+    unit: str
+    text: str
+    joint: OfJoint | None = None
+    stage: OfStage | None = None
+    result: Callable[[Result], Response | None] | None = None
+    optional: bool = False  # computed only if requested, because it takes long
 
 
-def responses(table: Table, key: str) -> Responses:
-    """The measure of a table with some key at each of its points; InputError where there is none.
+def _response(estimate: Estimate | None) -> Response | None:
+    return None if estimate is None else Response(estimate.mean, estimate.half_width)
 
-    Where several draws tell the scatter at some points, the others take the mean of it.  A draw
-    that is there twice, as where paths cross, is one.
+
+def _earlier(result: Result, stage: StageResult, joint: str) -> list[JointStatistics]:
+    """Return the statistics of a joint in the stages before a stage."""
+    joints = [one.joints[joint].stored for one in result.stages if one.index < stage.index]
+    return [statistics for statistics in joints if statistics is not None]
+
+
+def _depth(result: Result, stage: StageResult, joint: JointResult) -> Response:
+    """Return the largest depth; its interval is available after a single wear update."""
+    value, side = max((float(joint.depth(side).max()), side) for side in SIDES)
+    earlier = _earlier(result, stage, joint.name)
+    if len(earlier) != 1 or result.scene.surfaces or side not in earlier[0].wear_peaks:
+        return Response(value)
+    return Response(value, earlier[0].wear_peaks[side].depth.half_width)
+
+
+def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
+    """Return the worn volume; the errors of wear updates are independent."""
+    clearances = {one.name: one for one in result.scene.linkage().clearances}
+    depths = np.array([joint.depth(side) for side in SIDES])
+    value = worn_volume(clearances[joint.name], depths)
+    halves = [one.wear_volume.half_width for one in _earlier(result, stage, joint.name)]
+    if not halves or None in halves:
+        return Response(value)
+    return Response(value, math.hypot(*(half for half in halves if half is not None)))
+
+
+def _rate(result: Result, stage: StageResult, joint: JointResult) -> Response | None:
+    if joint.stored is None:
+        return None
+    return _response(joint.stored.wear_volume.scaled(1.0 / result.scene.cycles_per_update))
+
+
+def _drift(result: Result, stage: StageResult) -> Response | None:
+    change = rise(stage, result.stages[0])
+    return Response(0.0, 0.0) if change and stage.index == 0 else _response(change)
+
+
+def _clearance(result: Result, stage: StageResult) -> Response:
+    return Response(total_clearance(result.scene.linkage(stage.surfaces)))
+
+
+def _life(result: Result) -> Response | None:
+    if result.life is None:
+        return None
+    half = result.life.interval.half_width
+    return Response(result.life.strokes, half, result.life.first is None)
+
+
+def _followed(name: str, **function: Any) -> dict[str, Definition]:
+    """Return a response that a life also follows, with the same unit and text."""
+    return {name: Definition(FOLLOWED[name].unit, FOLLOWED[name].text, **function)}
+
+
+RESPONSES: dict[str, Definition] = {
+    **_followed(
+        "force_max",
+        joint=lambda _, stage, joint: _response(joint.stored and joint.stored.peak_force_per_cycle),
+    ),
+    **_followed("depth", joint=_depth),
+    **_followed("wear_volume", joint=_volume),
+    "wear_rate": Definition("m^3", "volume that bearing and pin lose in a stroke", joint=_rate),
+    "contacts": Definition(
+        "",
+        "contacts in a cycle",
+        joint=lambda _, stage, joint: _response(joint.stored and joint.stored.contacts_per_cycle),
+    ),
+    **_followed(
+        "bdc_error",
+        stage=lambda _, one: _response(one.statistics.bdc and one.statistics.bdc.error),
+    ),
+    **_followed("bdc_drift", stage=_drift),
+    **_followed(
+        "repeatability",
+        stage=lambda _, one: _response(
+            one.statistics.bdc and one.statistics.bdc.standard_deviation
+        ),
+    ),
+    **_followed("total_clearance", stage=_clearance, optional=True),
+    "drive_work": Definition(
+        "J",
+        "work of all drives in a cycle",
+        stage=lambda _, one: _response(one.statistics.drive_work_per_cycle),
+    ),
+    "life": Definition("", "strokes until the first limit is passed", result=_life),
+}
+
+
+@dataclass(frozen=True)
+class Requested:
+    """Responses that a sweep reports."""
+
+    columns: tuple[Column, ...]
+    keys: tuple[str, ...]  # of the stored responses, with @last for the last stage
+    optional: tuple[str, ...] = ()  # names of responses that are computed only if requested
+    functions: tuple[User, ...] = ()  # responses that are user functions
+    extra: str = ""  # digest of what a row stores besides the usual responses
+
+
+def available(scene: Scene) -> dict[str, Definition]:
+    """Return all responses of a scene by name, those of joints first."""
+    responses: dict[str, Definition] = {}
+    for name, definition in RESPONSES.items():
+        if definition.joint:
+            responses |= {f"{joint}.{name}": definition for joint in scene.clearance_joints}
+        elif name != "life" or scene.life is not None:
+            responses[name] = definition
+    return responses
+
+
+def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
+    """Return the requested responses; without a request, all usual ones of the last stage.
+
+    A response is a name, or a function of a result that returns a number. `InputError` if a name,
+    a joint or a stage is unknown, or a response is repeated.
     """
-    place = table.place(key)
-    values, halves = table.values[:, place], table.halves[:, place]
-    _, first, own = np.unique(table.points, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    own = np.argsort(order)[own.reshape(-1)]
-    runs = np.column_stack([own, table.draws])
-    is_new = np.zeros(len(runs), np.bool_)
-    is_new[np.unique(runs, axis=0, return_index=True)[1]] = True
-    known = np.isfinite(values) & is_new
-    size = len(first)
+    usual = available(scene)
+    columns, keys, optional, functions = [], [], [], []
+    for item in responses or [name for name in usual if not usual[name].optional]:
+        if not isinstance(item, str):
+            summary = (inspect.getdoc(item) or "").partition("\n")[0]
+            columns.append(Column(item.__name__, "", summary))
+            keys.append(item.__name__)
+            functions.append(item)
+            continue
+        name, at, stage = item.strip().partition("@")
+        if name not in usual:
+            raise unknown("response", name, usual)
+        definition = usual[name]
+        if at and (definition.result or not (stage.isascii() and stage.isdigit())):
+            raise InputError(f"response {item}: expected NAME or NAME@STAGE, with a stage from 0")
+        if at and int(stage) > scene.wear_updates:
+            raise InputError(
+                f"response {item}: the stage must be 0 to wear_updates = {scene.wear_updates}"
+            )
+        columns.append(Column(item.strip(), definition.unit, definition.text))
+        keys.append(name if definition.result else f"{name}@{int(stage) if at else LAST}")
+        if definition.optional and name not in optional:
+            optional.append(name)
+    names = [column.key for column in columns]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise InputError(f"response {name} is repeated")
+    extra = digest_of(optional, functions)
+    return Requested(tuple(columns), tuple(keys), tuple(optional), tuple(functions), extra)
 
-    def summed(rows: Array) -> Array:
-        return np.asarray(np.bincount(own[known], rows[known], size), np.float64)
 
-    counts = summed(np.ones(len(values)))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means = summed(values) / counts
-        squares = summed((values - means[own]) ** 2)
-        told = summed((halves / quantile(math.inf)) ** 2) / counts
-    free = np.maximum(counts - 1.0, 0.0)
-    variances = np.zeros(size)
-    source: NoiseSource = "nothing"
-    if free.any():
-        source = "draws"
-        variances = np.where(
-            free > 0.0, squares / np.maximum(free, 1.0), squares.sum() / free.sum()
-        )
-    elif np.isfinite(told[counts > 0.0]).all() and known.any():
-        source = "intervals"
-        variances = np.where(counts > 0.0, told, 0.0)
-    beyond = np.bincount(own[known], weights=table.is_beyond[known, place], minlength=size) > 0.0
-    return Responses(
-        table.factors,
-        table.measures[place],
-        table.points[first[order]],
-        means,
-        variances,
-        counts,
-        beyond,
-        own[table.draws == table.draws.min(initial=0)],
-        source,
-    )
+def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
+    """Return the digest of what a row stores besides the usual responses; empty if nothing."""
+    sources = [*sorted(optional), *map(_source, functions)]
+    return digest("\n".join(sources).encode()) if sources else ""
+
+
+def _source(function: User) -> str:
+    """Return the text of a function, which identifies its values, or its name."""
+    try:
+        return f"{function.__qualname__} {inspect.getsource(function)}"
+    except (OSError, TypeError):
+        return f"{function.__module__}.{function.__qualname__}"
+
+
+def stored_key(key: str, stages: int) -> str:
+    """Return the key of a response with the index of the last of some stages."""
+    name, at, stage = key.partition("@")
+    return f"{name}@{stages - 1}" if at and stage == LAST else key
+
+
+def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
+    """Return the usual responses of all stages and the requested ones by key."""
+    values: dict[str, Response | None] = {}
+    for name, definition in RESPONSES.items():
+        if definition.result is not None:
+            values[name] = definition.result(result)
+        if definition.optional and name not in requested.optional:
+            continue
+        for stage in result.stages:
+            if definition.stage is not None:
+                values[f"{name}@{stage.index}"] = definition.stage(result, stage)
+            if definition.joint is not None:
+                for joint in stage.joints.values():
+                    key = f"{joint.name}.{name}@{stage.index}"
+                    values[key] = definition.joint(result, stage, joint)
+    for function in requested.functions:
+        number = function(result)
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise InputError(f"response {function.__name__} = {number!r}: must be a number")
+        values[function.__name__] = Response(float(number))
+    return {key: value for key, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Lower or upper limit on a response, in SI units."""
+
+    value: float
+    is_lower: bool
+
+    def violated(self, values: Array) -> Any:
+        """Return whether each value violates the limit."""
+        return values < self.value if self.is_lower else values > self.value
+
+    def count(self, values: Array, censored: Any) -> tuple[int, int]:
+        """Return the least and the largest number of violations among values with lower bounds."""
+        violated = self.violated(values)
+        undecided = censored & (violated == self.is_lower)
+        least = int(np.count_nonzero(violated & ~undecided))
+        return least, least + int(np.count_nonzero(undecided))
+
+
+def parse_limits(texts: Sequence[str], responses: Sequence[Column]) -> dict[str, Limit]:
+    """Read limits such as ``life>=2e6`` or ``A.force_max<=15kN`` by response."""
+    limits: dict[str, Limit] = {}
+    columns = {column.key: column for column in responses}
+    for text in texts:
+        sign = ">=" if ">=" in text else "<="
+        key, _, value = (part.strip() for part in text.partition(sign))
+        if not value:
+            raise InputError(
+                f"--limit {text}: expected RESPONSE>=VALUE or RESPONSE<=VALUE, such as life>=2e6"
+            )
+        if key not in columns:
+            raise unknown("response", key, columns)
+        if key in limits:
+            raise InputError(f"--limit {text}: {key} already has a limit")
+        any_number = Quantity(columns[key].unit, -math.inf, math.inf, "", "")
+        limits[key] = Limit(float(parse_quantity(key, value, any_number)), sign == ">=")
+    return limits

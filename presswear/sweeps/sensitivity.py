@@ -1,233 +1,277 @@
-"""Sensitivity: how much of a measure follows from which factor, each number with its interval.
+"""Sensitivity of a response to the parameters, its chaotic variance and its distribution.
 
-Chaos makes any two runs differ, and counts as a variance that no factor explains: it lowers first
-order indices, and raises total ones and all effects of single steps.  Where draws at the same
-points (or the intervals that runs tell) say how large it is, it is taken off, so that the indices
-are those of the means over all draws.
+Replicates of a chaotic motion differ, which adds a variance that no parameter explains. It lowers
+first-order indices and raises total indices. Where replicates or the intervals of the runs tell how
+large it is, it is subtracted.
 """
 
 import math
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from presswear.recording.statistics import Estimate, half_width
-from presswear.sweeps.estimates import intervals, jackknife
-from presswear.sweeps.responses import Responses
+from presswear.recording.statistics import LEVEL, quantile
+from presswear.sweeps.parameters import MORRIS_LEVELS, Column
+from presswear.sweeps.plan import Table
+from presswear.sweeps.responses import Limit
 from presswear.tools.arrays import Array
+from presswear.tools.errors import not_installed
 
-LEAST_BLOCKS = 8
-"""Blocks of a plan of Saltelli, or paths of Morris, below which nothing is told."""
-
-
-@dataclass(frozen=True)
-class Indices:
-    """Sobol' indices of every factor.
-
-    Attributes
-    ----------
-    first : tuple of Estimate
-        Share of the variance that goes when the factor is known.
-    total : tuple of Estimate
-        Share that stays when all others are known; none where the points do not tell it.
-    chaos : Estimate or None
-        Share of the variance of a run that no factor explains.
-    used : int
-        Points they are from.
-    method : str
-        How they were found, with its source.
-    """
-
-    first: tuple[Estimate, ...]
-    total: tuple[Estimate, ...]
-    chaos: Estimate | None
-    used: int
-    method: str
+MIN_BLOCKS = 8  # Saltelli blocks or Morris trajectories below which nothing is estimated
+MIN_POINTS = 64  # points of a sample below which first-order indices are not estimated
+RESAMPLES = 200  # bootstrap resamples of SALib
+RBD_HARMONICS = 6  # of RBD-FAST; more resolve faster variations, with more noise
+PROBABILITIES = np.arange(1, 100) / 100.0
+ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
 
 @dataclass(frozen=True)
-class Screening:
-    """Effects of a factor that jumps by half of its range, after Morris (1991).
+class Points:
+    """One response at the n points of a sweep in d parameters, averaged over the replicates."""
 
-    Attributes
-    ----------
-    size : Estimate
-        Mean of the absolute effects (mu* of Campolongo, Cariboni and Saltelli 2007).
-    scatter : Estimate
-        Standard deviation of the effects: how much they depend on the others, or bend.
-    floor : float
-        The mean that chaos alone would give; NaN where nothing tells it.
-    """
-
-    size: Estimate
-    scatter: Estimate
-    floor: float
-
-
-@dataclass(frozen=True)
-class Swing:
-    """A measure when one factor alone leaves the middle.
-
-    Attributes
-    ----------
-    low, high : float
-        Values of the factor.
-    at_low, at_high : Estimate
-        Change of the measure from its value in the middle; no ends where nothing tells them.
-    """
-
-    low: float
-    high: float
-    at_low: Estimate
-    at_high: Estimate
+    parameters: tuple[Column, ...]
+    response: Column
+    points: Array  # shape (n, d)
+    means: Array  # shape (n,); NaN where no replicate has a value
+    variances: Array  # shape (n,), of a single run about the mean of its point; 0 if unknown
+    counts: Array  # shape (n,), replicates with a value
+    censored: NDArray[np.bool_]  # shape (n,), whether the value of a replicate is a lower bound
+    noise_source: Literal["replicates", "intervals", "none"]  # origin of the variances
 
     @property
-    def span(self) -> float:
-        """Largest distance between the middle and both ends."""
-        return max(self.at_low.mean, self.at_high.mean, 0.0) - min(
-            self.at_low.mean, self.at_high.mean, 0.0
+    def has_value(self) -> NDArray[np.bool_]:
+        """Whether a replicate of each point has a value, shape (n,)."""
+        return self.counts > 0.0
+
+    @property
+    def noise(self) -> Array:
+        """Variance of each mean, shape (n,)."""
+        return self.variances / np.maximum(self.counts, 1.0)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the response has at most one value."""
+        values = self.means[self.has_value]
+        return not values.size or float(np.ptp(values)) == 0.0
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the pooled variance; infinite for intervals of the runs."""
+        if self.noise_source != "replicates":
+            return math.inf
+        return float(np.maximum(self.counts - 1.0, 0.0).sum())
+
+    def half_widths(self, variances: Array) -> Array:
+        """Return half widths of 95 % intervals of means with some variances; NaN if unknown."""
+        if self.noise_source == "none":
+            return np.full(len(variances), np.nan)
+        return quantile(self.freedom) * np.sqrt(variances)
+
+
+def points_of(table: Table, key: str) -> Points:
+    """Return the means of a response over the replicates of each point.
+
+    Replicates share one pooled variance. Without replicates the intervals of the runs are used.
+    """
+    k, shape = table.index(key), (-1, table.replicates)
+    values = table.values[:, k].reshape(shape)
+    halves = table.half_widths[:, k].reshape(shape)
+    is_valid = np.isfinite(values)
+    counts = is_valid.sum(axis=1).astype(float)
+    with np.errstate(invalid="ignore"):
+        means = np.where(is_valid, values, 0.0).sum(axis=1) / np.where(counts > 0.0, counts, np.nan)
+    squares = np.where(is_valid, (values - means[:, None]) ** 2, 0.0).sum()
+    freedom = np.maximum(counts - 1.0, 0.0).sum()
+    variances, source = np.zeros(len(counts)), "none"
+    if freedom > 0.0:
+        variances, source = np.full(len(counts), squares / freedom), "replicates"
+    elif is_valid.any() and np.isfinite(halves[is_valid]).all():
+        squared = np.where(is_valid, halves / quantile(math.inf), 0.0) ** 2
+        variances, source = squared.sum(axis=1) / np.maximum(counts, 1.0), "intervals"
+    return Points(
+        table.parameters,
+        table.responses[k],
+        table.points[:: table.replicates],
+        means,
+        variances,
+        counts,
+        np.logical_or.reduce(table.censored[:, k].reshape(shape) & is_valid, axis=1),
+        source,  # type: ignore[arg-type]
+    )
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Sensitivity of a response to each of d parameters."""
+
+    title: str
+    method: str
+    names: tuple[str, ...]  # of the measures, such as first-order and total index
+    values: Array  # shape (measures, d)
+    half_widths: Array  # shape (measures, d), of the 95 % intervals; NaN if unknown
+    is_share: bool = False  # shares of the variance; otherwise in the unit of the response
+    noise: float = math.nan  # value that chaos alone would give; NaN if unknown or subtracted
+
+    @property
+    def order(self) -> list[int]:
+        """Indices of the parameters, the most important first."""
+        strength = np.nan_to_num(self.values[-1] if self.is_share else np.abs(self.values).max(0))
+        return [int(k) for k in np.argsort(-strength, kind="stable")]
+
+
+def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
+    """Return the sensitivity that a design tells; None if it tells none, or has too few points.
+
+    ``saltelli``: first-order and total Sobol' indices (`SALib.analyze.sobol`). ``sobol`` and
+    ``latin``: first-order indices (`SALib.analyze.rbd_fast`). ``morris``: elementary effects of a
+    jump by half of the range (`SALib.analyze.morris`). ``oat``: changes from the middle point.
+
+    Raises
+    ------
+    InputError
+        If SALib is not installed.
+    """
+    if points.is_constant or not kind:
+        return None
+    if kind == "oat":
+        return _changes(points)
+    try:
+        from SALib.analyze import morris, rbd_fast, sobol
+    except ImportError:
+        raise not_installed("sensitivity analysis", "SALib", "sweep") from None
+    # A block or trajectory with a missing value is omitted.
+    dimension = len(points.parameters)
+    size = {"saltelli": dimension + 2, "morris": dimension + 1}.get(kind, 1)
+    blocks = np.arange(len(points.means)).reshape(-1, size)
+    blocks = blocks[points.has_value[blocks].all(axis=1)]
+    rows = blocks.ravel()
+    if len(blocks) < (MIN_POINTS if size == 1 else MIN_BLOCKS):
+        return None
+    names = [column.key for column in points.parameters]
+    problem = {"num_vars": dimension, "names": names, "bounds": [[0.0, 1.0]] * dimension}
+    options: dict[str, Any] = {"num_resamples": RESAMPLES, "seed": seed}
+    values, noise = points.means[rows], float(points.noise[rows].mean())
+    if kind == "morris":
+        indices = morris.analyze(
+            problem, points.points[rows], values, num_levels=MORRIS_LEVELS, **options
         )
-
-
-def by_blocks(own: Responses) -> Indices | None:
-    """Indices of first and total order of a plan of Saltelli; None where the points are none.
-
-    First order after Saltelli and others (2010), total after Jansen (1999), both as
-    ``scipy.stats.sobol_indices``, less what chaos makes of them; intervals by the jackknife over
-    blocks.  A block with a point that has no value is left out.
-    """
-    dimension = own.points.shape[1]
-    size = dimension + 2
-    if not _are_blocks(own.points[own.path], size):
+        # SALib divides by the jump between its own levels, which lie at the ends of the range.
+        jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
+        halves = [indices["mu_star_conf"], np.full(dimension, np.nan)]
+        return Sensitivity(
+            "Elementary effects of a jump by half of the range",
+            "Morris 1991; Campolongo, Cariboni and Saltelli 2007",
+            ("mean of the absolute effects", "standard deviation of the effects"),
+            jump * np.array([indices["mu_star"], indices["sigma"]], float),
+            jump * np.array(halves, float),
+            noise=math.nan if points.noise_source == "none" else math.sqrt(4.0 / math.pi * noise),
+        )
+    variance, keys = float(values.var()), ["S1"]
+    if kind == "saltelli":
+        indices = sobol.analyze(problem, values, calc_second_order=False, **options)
+        variance = float(points.means[blocks[:, [0, -1]]].var())
+        method, keys = "Saltelli et al. 2010; total indices after Jansen 1999", ["S1", "ST"]
+    else:
+        indices = rbd_fast.analyze(problem, points.points[rows], values, M=RBD_HARMONICS, **options)
+        method = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012"
+    if variance <= noise:
         return None
-    rows = own.path.reshape(-1, size)
-    values, noise, variances = own.means[rows], own.noise[rows], own.variances[rows]
-    whole = np.isfinite(values).all(axis=1)
-    values, noise, variances = values[whole], noise[whole], variances[whole]
-    if len(values) < LEAST_BLOCKS:
-        return None
-    terms = block_terms(values, noise, variances)
-    mean = terms.mean(axis=0)
-    if mean[1] <= mean[0] ** 2:
-        return None
-    chaos, *found = intervals(*jackknife(terms, block_shares))
-    return Indices(
-        tuple(found[:dimension]),
-        tuple(found[dimension:]),
-        None if own.noise_source == "nothing" else chaos,
-        values.size,
-        "from blocks of points of which each changes one value (Saltelli and others 2010; total "
-        "indices after Jansen 1999)",
+    # Chaos adds its variance to the denominator, and to the numerator of total indices.
+    scale = variance / (variance - noise)
+    shares = scale * np.array([indices[key] for key in keys], float)
+    shares[1:] -= noise / (variance - noise)
+    return Sensitivity(
+        "Sobol' indices",
+        method,
+        ("first-order index", "total index")[: len(keys)],
+        shares,
+        scale * np.array([indices[f"{key}_conf"] for key in keys], float),
+        is_share=True,
     )
 
 
-def block_terms(values: Array, noise: Array, variances: Array) -> Array:
-    """What the indices of blocks are means of, shape (n, terms).
-
-    Parameters
-    ----------
-    values, noise, variances : ndarray, shape (n, d + 2)
-        Means at the points of the blocks, their variances, and those of single runs.
-    """
-    values = values - values[:, [0, -1]].mean()
-    first, last, mixed = values[:, 0], values[:, -1], values[:, 1:-1]
-    off = 0.5 * (noise[:, 0] + noise[:, -1])
-    return np.column_stack(
-        [
-            0.5 * (first + last),
-            0.5 * (first**2 + last**2) - off,
-            0.5 * (variances[:, 0] + variances[:, -1]),
-            last[:, None] * (mixed - first[:, None]),
-            0.5 * (np.square(mixed - first[:, None]) - noise[:, 1:-1] - noise[:, :1]),
-        ]
-    )
-
-
-def block_shares(mean: Array) -> Array:
-    """Shares from means of ``block_terms``: of chaos, then first and total ones of each factor."""
-    variance = mean[..., 1:2] - mean[..., :1] ** 2
-    chaos = mean[..., 2:3]
-    return np.concatenate([chaos / (variance + chaos), mean[..., 3:] / variance], axis=-1)
-
-
-def _are_blocks(points: Array, size: int) -> bool:
-    """Tell whether rows are blocks of a plan of Saltelli: A, A with one value of B each, B."""
-    if len(points) < size or len(points) % size or size < 4:
-        return False
-    blocks = points.reshape(-1, size, size - 2)
-    first, last, mixed = blocks[:, :1], blocks[:, -1:], blocks[:, 1:-1]
-    is_own = np.eye(size - 2, dtype=np.bool_)
-    return bool(np.array_equal(mixed, np.where(is_own, last, first)))
-
-
-def screening(own: Responses) -> tuple[Screening, ...] | None:
-    """Effects of each factor along paths on which each changes once; None where there are none.
-
-    A path with a point that has no value is left out.
-    """
-    size = own.points.shape[1] + 1
-    rows = own.path
-    if not _are_paths(own.points[rows], size):
+def _changes(points: Points) -> Sensitivity | None:
+    """Return the changes of a one-at-a-time design; None if its middle point has no value."""
+    if not points.has_value[0]:
         return None
-    rows = rows.reshape(-1, size)
-    points, values, noise = own.points[rows], own.means[rows], own.noise[rows]
-    whole = np.isfinite(values).all(axis=1)
-    if np.count_nonzero(whole) < LEAST_BLOCKS:
-        return None
-    steps = np.diff(points[whole], axis=1)
-    changes = np.diff(values[whole], axis=1)
-    doubt = noise[whole, 1:] + noise[whole, :-1]
-    found = []
-    for k in range(size - 1):
-        path, step = np.nonzero(steps[..., k])
-        effects = changes[path, step] * np.sign(steps[path, step, k])
-        chance = np.sqrt(2.0 / np.pi * doubt[path, step])
-        floor = math.nan if own.noise_source == "nothing" else float(chance.mean())
-        sizes = np.abs(effects)
-        half = half_width(sizes) or 0.0
-        mean = float(sizes.mean())
-        found.append(Screening(Estimate(mean, mean - half, mean + half), _scatter(effects), floor))
-    return tuple(found)
+    values, variances = np.full((2, 2, len(points.parameters)), np.nan)
+    for k, column in enumerate(points.points.T):
+        rows = np.flatnonzero((column != column[0]) & points.has_value)
+        for side, pick in enumerate((np.argmin, np.argmax)):
+            if rows.size:
+                row = rows[pick(column[rows])]
+                values[side, k] = points.means[row] - points.means[0]
+                variances[side, k] = points.noise[row] + points.noise[0]
+    halves = np.array([points.half_widths(row) for row in variances])
+    names = ("change at the lowest value", "change at the highest value")
+    return Sensitivity("One parameter at a time", "change from the middle", names, values, halves)
 
 
-def _scatter(effects: Array) -> Estimate:
-    """Standard deviation with the interval of its logarithm by the jackknife."""
-    value = float(effects.std(ddof=1))
-    if value == 0.0:
-        return Estimate(0.0, 0.0, 0.0)
-    off = effects - effects.mean()
-    _, half = jackknife(
-        np.column_stack([off, off**2]),
-        lambda mean: 0.5 * np.log(mean[..., 1:] - mean[..., :1] ** 2),
-    )
-    factor = math.exp(float(half[0]))
-    return Estimate(value, value / factor, value * factor)
+def chaotic_share(points: Points) -> tuple[float, float, float] | None:
+    """Return the share of the variance of single runs that is chaos, with its 95 % interval.
 
-
-def _are_paths(points: Array, size: int) -> bool:
-    """Tell whether rows are paths on which each value changes once."""
-    if len(points) < size or len(points) % size or size < 3:
-        return False
-    jumps = np.diff(points.reshape(-1, size, size - 1), axis=1) != 0.0
-    return bool((jumps.sum(axis=1) == 1).all() and (jumps.sum(axis=2) == 1).all())
-
-
-def swings(own: Responses) -> tuple[Swing | None, ...] | None:
-    """The measure with each factor alone at its lowest and highest; None where nothing is alone.
-
-    The first point is the middle; of a factor whose ends have no value there is nothing.
+    One-way analysis of variance with random effects (Searle, Casella and McCulloch, Variance
+    Components, chapter 3). The interval is that of the ratio F, exact for normal points and runs.
+    None without replicates.
     """
-    middle = own.points[0]
-    apart = own.points != middle
-    if len(own.points) < 3 or not (apart[1:].sum(axis=1) == 1).all() or not own.has_value[0]:
+    from scipy import stats  # slow to import
+
+    rows = points.has_value
+    count, within = int(rows.sum()), float(points.variances.mean())
+    if points.noise_source != "replicates" or count < 3 or within == 0.0:
         return None
-    found: list[Swing | None] = []
-    for k, factor in enumerate(own.points.T):
-        rows = np.flatnonzero(apart[:, k] & own.has_value)
-        if not rows.size:
-            found.append(None)
-            continue
-        low, high = (int(rows[place]) for place in (factor[rows].argmin(), factor[rows].argmax()))
-        ends = (own.difference(low, 0), own.difference(high, 0))
-        found.append(Swing(float(factor[low]), float(factor[high]), *ends))
-    return tuple(found)
+    counts, means = points.counts[rows], points.means[rows]
+    total = counts.sum()
+    size = (total - (counts**2).sum() / total) / (count - 1.0)
+    between = (counts * (means - (counts * means).sum() / total) ** 2).sum() / (count - 1.0)
+    ratios = between / within / np.append(1.0, stats.f(count - 1, points.freedom).ppf(ENDS))
+    value, low, high = size / (size + np.maximum(ratios - 1.0, 0.0))
+    return float(value), float(min(low, high)), float(max(low, high))
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Distribution of a response: quantiles at `PROBABILITIES` with their 95 % intervals."""
+
+    source: str
+    values: Array  # shape (99,); NaN if unknown
+    low: Array
+    high: Array
+    violation: tuple[float, float, float] | None  # probability of a violation with its interval
+
+
+def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread | None:
+    """Return the distribution of a response over the first replicates of a sample.
+
+    Intervals of quantiles are those of order statistics (David and Nagaraja, Order Statistics,
+    section 7.1), the interval of a probability is that of Clopper and Pearson (1934). A censored
+    value may be any larger one: intervals contain all possibilities. None without values.
+    """
+    from scipy import stats
+
+    k = table.index(key)
+    values = table.values[:: table.replicates, k]
+    censored = table.censored[:: table.replicates, k][np.isfinite(values)]
+    values = values[np.isfinite(values)]
+    count = len(values)
+    if count == 0:
+        return None
+    least, most = np.sort(values), np.sort(np.where(censored, np.inf, values))
+    first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
+    last = stats.binom.ppf(ENDS[1], count, PROBABILITIES).astype(int)
+    place = np.ceil(count * PROBABILITIES).astype(int) - 1
+    low = np.where(first > 0, least[first - 1], np.nan)
+    high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
+    violation = None
+    if limit is not None:
+        fewest, largest = limit.count(values, censored)
+        violation = (
+            0.5 * (fewest + largest) / count,
+            float(stats.binomtest(fewest, count).proportion_ci(LEVEL).low),
+            float(stats.binomtest(largest, count).proportion_ci(LEVEL).high),
+        )
+    middle = np.where(least[place] == most[place], least[place], np.nan)
+    high = np.where(np.isinf(high), np.nan, high)
+    return Spread("by the runs alone", middle, low, high, violation)

@@ -1,222 +1,220 @@
-"""A sweep in its folder: the plan, what is measured, and the table of what came out.
+"""Sweeps: run a scene at many points or a list of scenes, and keep the responses in a folder."""
 
-The folder holds ``sweep.json``, and the folders that ``store`` describes.
-"""
-
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from presswear.results.provenance import (
-    Provenance,
-    program_digest,
-    provenance,
-    provenance_differs,
-)
+from presswear.results.provenance import Provenance, program_digest, provenance
+from presswear.results.result import Result, load
 from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
-from presswear.sweeps.cluster import Say
-from presswear.sweeps.executors import runner_of
-from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
-from presswear.sweeps.plan import Plan
-from presswear.sweeps.run import Gate, Standing, run_rows
-from presswear.sweeps.spread import Required, requirements
-from presswear.sweeps.store import RUNS, Records, Store, can_begin
-from presswear.sweeps.table import NOT_RUN, Column, Table
-from presswear.sweeps.text import counts_of, lines_of
-from presswear.sweeps.values import texts_of
-from presswear.sweeps.work import SceneWork
-from presswear.tools.documents import plain, read_json, typed, write_shared_json
-from presswear.tools.errors import InputError
-from presswear.tools.files import inside
+from presswear.scene.settings import changed
+from presswear.sweeps.parameters import Column, texts_of
+from presswear.sweeps.plan import NOT_RUN, Plan, Table
+from presswear.sweeps.responses import (
+    Limit,
+    Requested,
+    User,
+    digest_of,
+    parse_limits,
+    request,
+    stored_key,
+)
+from presswear.sweeps.runner import (
+    RUNS,
+    Notify,
+    Progress,
+    open_executor,
+    read_row,
+    run_row,
+    run_rows,
+)
+from presswear.tools.documents import plain, read_json, typed, write_json
+from presswear.tools.errors import InputError, RunFailed, not_installed
+from presswear.tools.files import digest, write_bytes
+from presswear.tools.folders import FolderLock, check_name, is_free
+from presswear.tools.quantities import Choice
 
 FILE = "sweep.json"
-SCHEMA = 1
-KEEP = ("measures", "all")
-LONG = 3600.0
-"""Time above which a sweep is to be asked for twice, s."""
-_SHOWN = 20
-"""Rows of a table in a terminal."""
+SCHEMA = 2
+Keep = Literal["responses", "results"]
+SHOWN_ROWS = 20
+EXUDYN_KEYS = ("computationIndex", "functionData")  # added to the parameters by Exudyn's studies
 
 
 @dataclass(frozen=True)
 class StoredSweep:
-    """The whole of ``sweep.json``; the plan is checked by ``Plan`` itself."""
+    """Content of ``sweep.json``."""
 
     plan: dict[str, Any]
     columns: tuple[Column, ...]
     keys: tuple[str, ...]
-    dear: tuple[str, ...]
-    further: str
-    is_own: bool
-    keep: Literal["measures", "all"]
+    optional: tuple[str, ...]
+    extra: str
+    limits: tuple[str, ...]
+    keep: Keep
     program: str
     provenance: Provenance
-    required: tuple[str, ...] = ()
+    schema: int = SCHEMA
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A plan, what is measured and required, and the folder of the runs.
+    """Sweep in its folder, with the table of its rows.
 
     Attributes
     ----------
     plan : Plan
-    asked : Asked
+    requested : Requested
+        Responses of the table.
     path : Path
-    keep : str
-        ``measures``, or ``all`` for whole results.
+    keep : {"responses", "results"}
+    limits : tuple of str
     program : str
-        Digest of the program that computes, or computed, the numbers.
-    required : tuple of str
-        What measures are not to miss, as typed, such as ``"life>=2e6"``.
+        Digest of the program that computed the rows.
     """
 
     plan: Plan
-    asked: Asked
+    requested: Requested
     path: Path
-    keep: str = KEEP[0]
+    keep: Keep = "responses"
+    limits: tuple[str, ...] = ()
     program: str = field(default_factory=program_digest)
-    required: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """InputError names what cannot be required."""
-        _ = self.requirements
+        """Check the options; `InputError` names the one that does not fit."""
+        Choice(get_args(Keep), "").check("keep", self.keep)
+        _ = self.limit_of
 
     @cached_property
-    def requirements(self) -> dict[str, Required]:
-        """What measures are not to miss, by key."""
-        return requirements(self.required, self.asked.columns)
+    def limit_of(self) -> dict[str, Limit]:
+        """Limits by response."""
+        return parse_limits(self.limits, self.requested.columns)
 
-    @property
-    def work(self) -> SceneWork:
-        """Its rows as work."""
-        folder = self.path.resolve() if self.keep == "all" else None
-        return SceneWork(self.plan, self.asked, self.program, folder)
+    def name(self, row: int) -> str:
+        """Return the name of the file of a row."""
+        parts = (self.plan.identity(row), self.program, self.requested.extra)
+        return digest(" ".join(parts).encode())
+
+    def result(self, row: int) -> Result:
+        """Return the complete result of a row of a sweep with ``keep="results"``."""
+        return load(self.path / RUNS / self.name(row))
 
     @cached_property
     def table(self) -> Table:
-        """What was varied and measured, a row a run, as far as it is sealed."""
-        records = Records(self.path)
-        records.refresh()
-        try:
-            return table_of(self.plan, self.asked, self.work.shortcut, records)
-        finally:
-            records.close()
-
-    def report(self) -> Path:
-        """Write figures and report of what has run into its folder; gives the page."""
-        # Slow to import.
-        from presswear.sweeps.report import write_report
-
-        plan = self.plan
-        return write_report(
-            self.table,
-            self.path,
-            f"Sweep: {title_of(plan.scene)}",
-            sample=plan.sample.partition(":")[0],
-            crossed=plan.crossed,
-            distributions=plan.distributions,
-            required=self.requirements,
+        """Table of the rows that are stored now."""
+        plan, keys = self.plan, self.requested.keys
+        values, halves = (np.full((plan.rows, len(keys)), np.nan) for _ in range(2))
+        censored = np.zeros(values.shape, np.bool_)
+        errors = []
+        for row in range(plan.rows):
+            outcome = read_row(self.path, self.name(row))
+            errors.append(NOT_RUN if outcome is None else outcome.error)
+            for k, key in enumerate(keys):
+                response = outcome and outcome.values.get(stored_key(key, outcome.stages))
+                if response:
+                    numbers = (response.value, response.half_width)
+                    values[row, k], halves[row, k] = (
+                        math.nan if number is None else number for number in numbers
+                    )
+                    censored[row, k] = response.censored
+        points = np.repeat(plan.points, plan.replicates, axis=0)
+        columns = self.requested.columns
+        return Table(
+            plan.columns, columns, points, values, halves, censored, tuple(errors), plan.replicates
         )
 
+    def report(self) -> Path:
+        """Write figures, ``table.csv`` and ``report.html`` into the folder; return the page."""
+        from presswear.sweeps.report import write_report  # slow to import
+
+        title = f"Sweep of {len(self.plan.scenes)} scenes"
+        if not self.plan.scenes:
+            title = f"Sweep: {title_of(self.plan.scene)}"
+        return write_report(self.table, self.plan, self.path, title, self.limit_of)
+
+    @property
+    def summary(self) -> str:
+        """Number of rows, with the first error."""
+        errors = [error for error in self.table.errors if error and error != NOT_RUN]
+        waiting = self.table.errors.count(NOT_RUN)
+        text = f"{len(self.table.errors)} rows in {self.path}"
+        text += f", {waiting} not run yet" if waiting else ""
+        return text + (f"; {len(errors)} failed, the first: {errors[0]}" if errors else "")
+
     def __str__(self) -> str:
-        """The first rows of its table, and how many there are."""
-        lines = lines_of(self.table, _SHOWN)
+        from presswear.sweeps.report import text_table  # slow to import
+
+        lines = text_table(self.table, SHOWN_ROWS)
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
-        told = [
-            "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-            for line in lines
-        ]
-        return "\n".join([*told, counts_of(self.table, self.path)])
-
-
-def table_of(plan: Plan, asked: Asked, shortcut: Callable[[int], str], records: Records) -> Table:
-    """The table of a plan from the records that there are.
-
-    Parameters
-    ----------
-    shortcut : callable
-        Gives the digest under which a row is found.
-    """
-    rows, measures = plan.rows, len(asked.keys)
-    points = np.empty((rows, len(plan.columns)))
-    values, halves = (np.full((rows, measures), np.nan) for _ in range(2))
-    is_beyond = np.zeros((rows, measures), dtype=bool)
-    reasons = []
-    for row in range(rows):
-        points[row] = plan.point(row)
-        record = records.get(shortcut(row))
-        reasons.append(NOT_RUN if record is None else record.reason)
-        if record is not None and not record.reason:
-            for k, key in enumerate(asked.keys):
-                found = record.values.get(at_last(key, record.stages))
-                if found is not None:
-                    value, half, is_beyond[row, k] = found
-                    values[row, k] = np.nan if value is None else value
-                    halves[row, k] = np.nan if half is None else half
-    draws = np.arange(rows) % plan.draws
-    return Table(
-        plan.columns, asked.columns, points, values, halves, is_beyond, draws, tuple(reasons)
-    )
+        rows = ("  ".join(map(str.ljust, line, widths)).rstrip() for line in lines)
+        return "\n".join([*rows, self.summary])
 
 
 def is_sweep(folder: Path) -> bool:
-    """True where a folder is that of a sweep."""
+    """Return whether a folder holds a sweep."""
     return (folder / FILE).exists()
 
 
 def load_sweep(folder: Path) -> Sweep:
-    """The sweep of a folder; InputError says what is wrong with it."""
-    stored = _stored(folder)
-    asked = Asked(stored.columns, stored.keys, stored.dear, (), stored.further)
+    """Return the sweep of a folder; `InputError` if it holds none."""
+    file = folder / FILE
+    data = read_json(file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA)
+    stored = typed(data, StoredSweep, f"{file}")
+    requested = Requested(stored.columns, stored.keys, stored.optional, (), stored.extra)
     try:
         plan = Plan.from_dict(stored.plan)
     except (KeyError, TypeError) as error:
-        raise InputError(f"{folder / FILE}: this is no plan: {error}") from None
-    return Sweep(plan, asked, folder, stored.keep, stored.program, stored.required)
+        raise InputError(f"{file}: the plan cannot be read: {error}") from None
+    return Sweep(plan, requested, folder, stored.keep, stored.limits, stored.program)
 
 
-def _stored(folder: Path) -> StoredSweep:
-    file = folder / FILE
-    data = read_json(file, f"{folder} is no folder of a sweep: it has no {FILE}", SCHEMA)
-    return typed(data, StoredSweep, f"{file}")
+def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
+    """Raise `InputError` if a sweep may not write into its folder.
 
-
-def begun(sweep: Sweep, resume: bool, is_shared: bool = False) -> Sweep:
-    """A sweep whose folder may be written into, as it runs there.
-
-    Parameters
-    ----------
-    resume : bool
-        True: the folder may hold a sweep; another one is widened to this.
-    is_shared : bool
-        True: it may hold this very sweep, which others have begun.
-
-    Raises
-    ------
-    InputError
-        Where the folder holds something and nothing is to be resumed, or anything but a sweep, or
-        measures of one's own that are not given again.
+    The folder may hold a sweep with `resume`, or with `is_part` this sweep, started by another
+    part of it.
     """
-    if can_begin(sweep.path):
-        return sweep
-    if not resume and not is_shared:
-        raise InputError(
-            f"--out {sweep.path}: it exists and is not empty; name a new one or --resume"
-        )
-    stored = _stored(sweep.path)
-    if not resume and stored.plan != plain(sweep.plan.as_dict()):
-        raise InputError(f"--out {sweep.path}: it holds another sweep; --resume widens it to this")
-    if stored.is_own and not sweep.asked.own and sweep.asked.further == stored.further:
-        raise InputError(
-            f"{sweep.path} has measures of one's own: the script that gave them goes on with it"
-        )
-    return replace(sweep, program=program_digest())
+    if is_free(sweep.path):
+        return
+    if not (resume or is_part):
+        raise InputError(f"--out {sweep.path}: the folder is not empty; use another or --resume")
+    stored = load_sweep(sweep.path)
+    if not resume and plain(stored.plan.as_dict()) != plain(sweep.plan.as_dict()):
+        raise InputError(f"--out {sweep.path}: it holds another sweep; --resume extends it")
+
+
+def export_table(table: Table, path: Path) -> None:
+    """Write a table as ``.csv`` or ``.parquet``; the file must not exist."""
+    kind = path.suffix.lower()
+    if kind not in (".csv", ".parquet"):
+        raise InputError(f"{path}: the name must end in .csv or .parquet")
+    check_name(path)
+    if path.exists():
+        raise InputError(f"{path} exists; name a new file")
+    if not path.parent.is_dir():
+        raise InputError(f"{path.parent} is not a folder")
+    if kind == ".csv":
+        write_bytes(path, table.csv().encode())
+        return
+    try:
+        write_bytes(path, table.to_pandas().to_parquet(index=False))
+    except ImportError:
+        raise not_installed(f"{path}: Parquet", "pyarrow", "sweep") from None
+
+
+def parse_shard(text: str) -> tuple[int, int]:
+    """Read a part ``K/N`` of the rows."""
+    part, _, count = text.partition("/")
+    digits = all(word.isascii() and word.isdigit() and len(word) < 8 for word in (part, count))
+    if not (digits and 1 <= int(part) <= int(count)):
+        raise InputError(f"--shard {text}: expected K/N with K from 1 to N, such as 3/10")
+    return int(part), int(count)
 
 
 def run_sweep(
@@ -224,145 +222,171 @@ def run_sweep(
     on: str = "",
     jobs: int | None = None,
     shard: tuple[int, int] = (1, 1),
-    told: Callable[[Standing], None] = lambda standing: None,
-    gate: Gate | None = None,
-    say: Say = lambda line: None,
-) -> Standing:
-    """Run what is not sealed of a sweep.
-
-    Parameters
-    ----------
-    on : str
-        What does the rows; see ``executors``.
-    shard : tuple of int
-        Which part of how many, from 1: every so many-th row.
-    told, gate : callable
-        See ``run_rows``.
-    say : callable
-        Told lines for the person who waits.
-    """
-    sweep.plan.scene.check_trusted()
-    inside(sweep.path, RUNS)
-    runner = runner_of(on, jobs, say)
-    if is_sweep(sweep.path):
-        other = provenance_differs(_stored(sweep.path).provenance, provenance())
-        if other:
-            say(f"{sweep.path} was begun by another program ({other}): its runs run anew")
-    with Store(sweep.path) as store:
-        if store.warning:
-            say(store.warning)
-        if store.damaged:
-            say(f"{store.damaged} records are cut off or altered: these rows run again")
-        rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
-        return run_rows(sweep.work, store, runner, rows, told, gate, lambda: _write(sweep))
+    on_progress: Callable[[Progress], object] = lambda progress: None,
+    notify: Notify = print,
+) -> None:
+    """Run the missing rows of part K of N of a sweep; see `sweep` for the options."""
+    for scene in sweep.plan.scenes or (sweep.plan.scene,):
+        scene.check_trusted()
+    requested = sweep.requested
+    if requested.extra != digest_of(requested.optional, requested.functions):
+        raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
+    sweep = replace(sweep, program=program_digest())
+    rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
+    scenes = {sweep.name(row): partial(sweep.plan.scene_of, row) for row in rows}
+    with open_executor(on, jobs, notify) as (executor, slots):
+        # Parts of a sweep share its folder; one process at a time runs each part.
+        folder = sweep.path / "parts" / "-of-".join(map(str, shard))
+        lock = FolderLock(sweep.path if shard[1] == 1 else folder)
+        try:
+            _write(sweep)
+            keep_results = sweep.keep == "results"
+            run_rows(
+                sweep.path, scenes, sweep.requested, executor, slots, keep_results, on_progress
+            )
+        finally:
+            lock.release()
 
 
 def _write(sweep: Sweep) -> None:
-    """Write ``sweep.json``; several processes may at once."""
-    asked = sweep.asked
-    document = {
-        "schema": SCHEMA,
-        "plan": sweep.plan.as_dict(),
-        "columns": [asdict(own) for own in asked.columns],
-        "keys": asked.keys,
-        "dear": asked.dear,
-        "further": asked.further,
-        "is_own": bool(asked.own),
-        "required": list(sweep.required),
-        "keep": sweep.keep,
-        "program": sweep.program,
-        "provenance": provenance(),
-    }
-    write_shared_json(sweep.path / FILE, document)
-
-
-def shard_given(text: str) -> tuple[int, int]:
-    """Read a part ``K/N``; InputError where it is none."""
-    part, slash, of = text.partition("/")
-    are_counts = all(own.isascii() and own.isdigit() and len(own) < 8 for own in (part, of))
-    if not (slash and are_counts and 1 <= int(part) <= int(of)):
-        raise InputError(f"--shard {text}: K/N is expected, K from 1 to N, such as 3/10")
-    return int(part), int(of)
+    requested = sweep.requested
+    stored = StoredSweep(
+        plan=sweep.plan.as_dict(),
+        columns=requested.columns,
+        keys=requested.keys,
+        optional=requested.optional,
+        extra=requested.extra,
+        limits=sweep.limits,
+        keep=sweep.keep,
+        program=sweep.program,
+        provenance=provenance(),
+    )
+    write_json(sweep.path / FILE, asdict(stored))
 
 
 def sweep(
-    scene: Scene,
+    scene: Scene | None = None,
     vary: Any = None,
     folder: str | Path = "",
-    measures: Sequence[str | Own] = (),
+    responses: Sequence[str | User] = (),
     sample: str = "",
     ranges: Any = None,
-    draws: int = 1,
+    replicates: int = 1,
     seed: int = 0,
-    keep: str = KEEP[0],
+    keep: Keep = "responses",
     on: str = "",
     jobs: int | None = None,
     shard: str = "1/1",
-    required: Sequence[str] = (),
-    say: Say = print,
+    limits: Sequence[str] = (),
+    scenes: Any = None,
+    notify: Notify = print,
 ) -> Sweep:
-    """Run a scene at many points, or go on with that; what stands in its folder is not run again.
+    """Run a scene at many points, or a list of scenes; rows in the folder do not run again.
 
     Parameters
     ----------
-    scene : Scene
-        What is not varied.
+    scene : Scene or None
+        Scene whose settings vary; None with `scenes`.
     vary : mapping
-        Values by key: as typed, ``"0.2mm:1.0mm:9"``, or a list of numbers, SI, or words.
+        Values by key: a text such as ``"0.2mm:1.0mm:9"``, or a list of numbers in SI units or of
+        words. Every value is combined with every value of the other keys.
     folder : path
-        Where its runs are kept; runs of other plans may stand in it.
-    measures : sequence of str or callable
-        Such as ``"A.force_max"``, or functions of a ``Result`` that give a number; none: all
+        Folder of the sweep.
+    responses : sequence of str or callable
+        Names such as ``"A.force_max"``, or functions of a `Result` that return a number; none: all
         usual ones.
     sample : str
-        A design, such as ``"sobol:512"``, of what ``ranges`` says.
+        Design of the parameters in `ranges`, such as ``"sobol:512"``.
     ranges : mapping of str to str
         Distributions by key, such as ``"normal(0.8mm, 0.05mm)"``.
-    draws : int
-        Independent runs at each point.
+    replicates : int
+        Independent runs at each point, which differ in their seed.
     seed : int
-        Of the design.
-    keep : {"measures", "all"}
-        What is kept of each run: its numbers, or its whole result.
+        Seed of the design.
+    keep : {"responses", "results"}
+        Whether the complete result of each run is stored.
     on : str
-        What does the runs: processes of this machine, ``dask``, ``dask://HOST:PORT`` or
-        ``MODULE:FACTORY``.
+        Executor: processes of this machine, ``dask``, ``dask://HOST:PORT`` or ``MODULE:FACTORY``.
     jobs : int or None
-        Runs at a time here; None: as many as there are cores.
+        Runs at a time on this machine; None: number of cores.
     shard : str
-        ``K/N``: every N-th row, from the K-th.
-    required : sequence of str
-        What measures are not to miss, such as ``"life>=2e6"``: the report tells how probable that
-        is.
-    say : callable
-        Told lines for the person who waits: where the dashboard of Dask is, what was lost.
+        ``K/N``: only every N-th row from the K-th.
+    limits : sequence of str
+        Limits on responses, such as ``"life>=2e6"``; the report estimates violations.
+    scenes : sequence of Scene or mapping of str to Scene
+        Scenes of the rows, in place of `scene`, `vary` and `sample`.
+    notify : callable
+        Called with a line for the user, such as the address of the Dask dashboard.
 
     Returns
     -------
     Sweep
-        With its ``table``, and a ``report`` that it writes.
 
     Raises
     ------
     InputError
-        Before anything runs, for what is unknown, empty or out of range.
+        Before anything runs, if an option is unknown, missing or out of range.
     RunFailed
-        Where what does the runs is lost again and again.  A run that fails is a row.
+        If the executor fails. A run that fails is a row with its error.
     """
     if f"{folder}" == "":
-        raise InputError("folder: a sweep needs a folder for its runs")
-    if keep not in KEEP:
-        raise InputError(f"keep = {keep!r}: allowed is one of {', '.join(KEEP)}")
+        raise InputError("folder: a sweep needs a folder")
+    if isinstance(scenes, Mapping):
+        scenes = [replace(item, name=name) for name, item in scenes.items()]
+    if (scene is None) == (not scenes):
+        raise InputError("a sweep needs either one scene or a list of scenes")
+    base = scene or scenes[0]
     plan = Plan(
-        scene,
-        texts_of(scene, vary or {}),
+        base,
+        texts_of(base, vary or {}),
         sample,
         tuple(f"{key}={text}" for key, text in (ranges or {}).items()),
-        draws,
+        replicates,
         seed,
+        tuple(scenes or ()),
     )
-    asked = measures_asked(plan.example, list(measures))
-    own = Sweep(plan, asked, Path(folder), keep, required=tuple(required))
-    found = begun(own, resume=True)
-    run_sweep(found, on, jobs, shard_given(shard), say=say)
-    return found
+    requested = request(plan.example, list(responses))
+    made = Sweep(plan, requested, Path(folder), keep, tuple(limits))
+    check_folder_of(made, resume=True)
+    run_sweep(made, on, jobs, parse_shard(shard), notify=notify)
+    return made
+
+
+def function_of(
+    scene: Scene, responses: str | User | Sequence[str | User], failed: float | None = None
+) -> Callable[[Mapping[str, Any]], float | list[float]]:
+    """Return a function from a dictionary of settings to responses of a run; it can be pickled.
+
+    Exudyn's `ParameterVariation`, `GeneticOptimization` and `ComputeSensitivities` accept it.
+
+    Parameters
+    ----------
+    responses : str, callable, or sequence of these
+        As in `sweep`; a single one gives a number, a sequence gives a list.
+    failed : float or None
+        Value of a run that fails, such as 1e9 for an optimizer; None: `RunFailed` is raised.
+    """
+    is_scalar = isinstance(responses, str) or callable(responses)
+    items = [responses] if isinstance(responses, str) or callable(responses) else list(responses)
+    return partial(_evaluate, scene, request(scene, items), is_scalar, failed)
+
+
+def _evaluate(
+    scene: Scene,
+    requested: Requested,
+    is_scalar: bool,
+    failed: float | None,
+    parameters: Mapping[str, Any],
+) -> float | list[float]:
+    """Return responses of the scene with changed settings."""
+    settings = {**parameters.get(EXUDYN_KEYS[1], {}), **parameters}
+    settings = {key: value for key, value in settings.items() if key not in EXUDYN_KEYS}
+    outcome = run_row(changed(scene, settings), requested, None, program_digest())
+    if outcome.error and failed is None:
+        raise RunFailed(outcome.error)
+    numbers = []
+    for key in requested.keys:
+        response = outcome.values.get(stored_key(key, outcome.stages))
+        value = response.value if response else failed if outcome.error else None
+        numbers.append(math.nan if value is None else value)
+    return numbers[0] if is_scalar else numbers

@@ -11,8 +11,8 @@ import presswear as pw
 from presswear.results.folder import ResultFolder
 from presswear.scene.files import example_file, scene_from
 from presswear.sweeps import sweep as sweeps
-from presswear.sweeps.measures import measures_asked
 from presswear.sweeps.plan import Plan
+from presswear.sweeps.responses import request
 from presswear.tools.user_function import UntrustedLaw, UserFunction
 
 PROBE = """
@@ -55,7 +55,7 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with ResultFolder(folder / "halted", scene) as halted:
         halted.interrupt()
     plan = Plan(scene, ("friction=0.01,0.02",))
-    sweep = sweeps.Sweep(plan, measures_asked(scene, ["B.force_max"]), folder / "sweep")
+    sweep = sweeps.Sweep(plan, request(scene, ["B.force_max"]), folder / "sweep")
     (folder / "sweep").mkdir()
     sweeps._write(sweep)
     for name in ("executed", "laws.py", "mine.toml"):

@@ -15,7 +15,7 @@ from presswear.engines.settings import InHouse
 from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import Scene
-from presswear.sweeps.files import read_sweep
+from presswear.sweeps.plan import read_sweep
 from presswear.tools.errors import InputError, one_line
 from presswear.tools.user_function import UserFunction
 
@@ -183,7 +183,7 @@ DEEP = ".".join(["a"] * 20_000)
         (f"[settings]\ncycles = {'9' * 5000}\n", "an integer is too long; allowed is up to 1e+15"),
         (f"[settings]\ncycles = -{'9' * 4301}\n", "an integer is too long; allowed is"),
         (f"[settings]\ncycles = 0x{'f' * 5000}\n", "settings.cycles: an integer is too large"),
-        (f"[sweep]\ndraws = 0b{'1' * 50000}\n", "sweep.draws: an integer is too large"),
+        (f"[sweep]\nreplicates = 0b{'1' * 50000}\n", "sweep.replicates: an integer is too large"),
         ("[settings]\nrows = [1, 9000000000000000]\n", "settings.rows: an integer is too large"),
         (f"title = 'a'\n{DEEP} = 1\n", "line 2: a key has up to 20 parts"),
         (f"[{DEEP}]\n", "line 1: a key has up to 20 parts"),

@@ -1,108 +1,130 @@
-"""Plans: rows counted and made one by one."""
+"""Plans: the scene of each row, and the table of the rows for other programs."""
 
+import csv
+import io
 import itertools
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
+from made_up_sweep import table_of
 
 import presswear as pw
 from presswear.sweeps.plan import Plan, scene_digest
+from presswear.sweeps.sweep import export_table
 from presswear.tools.documents import plain
+from presswear.tools.errors import InputError
 
 SCENE = pw.scenes.wear_times(engine="dae", wear_updates=0, cycles=1)
 VARY = ("clearance=0.2mm,0.4mm", "A.friction=0.1,0.2 & C.friction=0.3,0.4", "engine=dae,exudyn")
 
 
-def test_every_value_goes_with_every_other() -> None:
-    plan = Plan(SCENE, VARY, draws=3)
-    assert (plan.points, plan.rows) == (8, 24)
-    found = [tuple(plan.point(row)) for row in range(0, plan.rows, plan.draws)]
+def test_all_values_are_combined() -> None:
+    plan = Plan(SCENE, VARY, replicates=3)
+    assert (len(plan.points), plan.rows) == (8, 24)
     pairs = itertools.product((2e-4, 4e-4), ((0.1, 0.3), (0.2, 0.4)), (0.0, 1.0))
-    assert found == [(c, *both, e) for c, both, e in pairs]
-    assert [plan.draw(row) for row in range(4)] == [0, 1, 2, 0]
+    assert plan.points.tolist() == [[c, *both, e] for c, both, e in pairs]
 
 
 def test_a_row_is_the_scene_with_its_values() -> None:
-    plan = Plan(SCENE, VARY, draws=2)
+    plan = Plan(SCENE, VARY, replicates=2)
     scene = plan.scene_of(plan.rows - 1)
-    found = (scene.bearing("A").clearance, scene.bearing("A").friction, scene.bearing("C").friction)
-    assert found == (4e-4, 0.2, 0.4)
+    values = (scene.bearing("A").clearance, *(scene.bearing(joint).friction for joint in "AC"))
+    assert values == (4e-4, 0.2, 0.4)
     assert (scene.engine, scene.seed) == ("exudyn", SCENE.seed + 1)
 
 
-def test_a_sample_takes_the_values_of_its_distributions() -> None:
+def test_a_sample_has_the_quantiles_of_its_distributions() -> None:
     ranges = ("clearance=0.2mm:1mm", "friction=normal(0.05, 0.01)")
     plan = Plan(SCENE, ("engine=dae,exudyn",), "sobol:64", ranges)
     assert plan.rows == 128
-    points = np.array([plan.point(row) for row in range(0, 128, 2)])
+    points = plan.points[::2]
     # A scrambled Sobol' sequence of 64 has one point in each 64th of a range.
     places = np.sort((points[:, 0] - 2e-4) / 8e-4 * 64.0).astype(int)
     assert places.tolist() == list(range(64))
     assert np.mean(points[:, 1]) == pytest.approx(0.05, abs=5e-4)
     assert np.std(points[:, 1]) == pytest.approx(0.01, abs=1e-3)
-    assert Plan(SCENE, (), "sobol:64", ranges, seed=1).point(0)[0] != points[0, 0]
 
 
-def test_names_are_of_what_decides_the_numbers() -> None:
-    plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), draws=2)
-    assert len({plan.shortcut(row) for row in range(4)}) == 4
-    assert len({scene_digest(plan.scene_of(row)) for row in range(4)}) == 4
-    # The same scene, however it came about, is one: of another plan, or under another title.
-    other = Plan(pw.scenes.wear_times(wear_updates=0, cycles=1, clearance="0.4mm"), ("engine=dae",))
-    assert scene_digest(other.scene_of(0)) == scene_digest(plan.scene_of(2))
-    assert other.shortcut(0) != plan.shortcut(2)
+def test_equal_rows_of_two_plans_have_one_identity() -> None:
+    plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), replicates=2)
+    assert len({plan.identity(row) for row in range(4)}) == 4
+    wider = Plan(SCENE, ("clearance=0.1mm,0.4mm", f"friction={SCENE.bearing('A').friction},0.3"))
+    assert wider.identity(2) == plan.identity(2)
+    assert scene_digest(wider.scene_of(2)) == scene_digest(plan.scene_of(2))
 
 
-def test_plans_come_back_from_plain_data() -> None:
-    ranges = ("friction=uniform(0, 0.1)",)
-    plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), "latin:5", ranges, 2, 3)
+def test_rows_may_be_scenes() -> None:
+    scenes = (SCENE, pw.scenes.slider_crank(engine="dae"))
+    plan = Plan(SCENE, scenes=scenes, replicates=2)
+    assert [plan.scene_of(row).name for row in range(4)] == ["wear-times"] * 2 + [
+        "slider-crank"
+    ] * 2
+    assert plan.scene_of(3).seed == scenes[1].seed + 1
+    assert len({plan.identity(row) for row in range(4)}) == 4
+    with pytest.raises(InputError, match="the same name"):
+        Plan(SCENE, scenes=(SCENE, SCENE))
+
+
+def test_plans_are_stored_as_plain_data() -> None:
+    plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), "latin:5", ("friction=uniform(0, 0.1)",), 2, 3)
     again = Plan.from_dict(plain(plan.as_dict()))
     assert again == plan
-    assert [again.shortcut(row) for row in range(20)] == [plan.shortcut(row) for row in range(20)]
+    assert [again.identity(row) for row in range(20)] == [plan.identity(row) for row in range(20)]
 
 
 SAMPLED = partial(Plan, SCENE, sample="sobol:8")
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
-        (partial(Plan, SCENE), "nothing is varied"),
-        (SAMPLED, "--sample and --range go together"),
-        (partial(Plan, SCENE, ranges=("friction=0:0.1",)), "--sample and --range go together"),
-        (partial(SAMPLED, ranges=("friction=0:0.1",), sample="sobol"), "KIND:SIZE is expected"),
-        (partial(SAMPLED, ranges=("friction=0:0.1",), sample="sobl:8"), "did you mean sobol"),
-        (partial(SAMPLED, ranges=("engine=dae",)), "engine is no number"),
-        (partial(SAMPLED, ranges=("frction=0:0.1",)), "did you mean friction"),
-        (partial(SAMPLED, ranges=("friction",)), "KEY=DISTRIBUTION is expected"),
-        (partial(Plan, SCENE, ("friction=0.1", "friction=0.2")), "friction is varied twice"),
-        (partial(Plan, SCENE, ("seed=1,2",), draws=2), "seed is varied, and draws ask"),
-        (partial(Plan, SCENE, ("friction=0.1",), draws=0), "draws = 0: allowed is 1"),
+        (partial(Plan, SCENE), "nothing varies"),
+        (SAMPLED, "--sample and --range must be used together"),
+        (partial(SAMPLED, ranges=("friction=0:0.1",), sample="sobol"), "expected KIND:SIZE"),
+        (partial(SAMPLED, ranges=("engine=dae",)), "engine is not a number"),
+        (partial(SAMPLED, ranges=("friction",)), "expected KEY=DISTRIBUTION"),
+        (partial(Plan, SCENE, ("friction=0.1", "friction=0.2")), "friction varies twice"),
+        (partial(Plan, SCENE, ("seed=1,2",), replicates=2), "cannot be combined"),
+        (partial(Plan, SCENE, ("friction=0.1",), replicates=0), "replicates = 0: must be 1"),
         (partial(Plan, SCENE, ("length_3=0.1m,0.11m",)), "no scene of this plan .*assembled"),
         (
             partial(Plan, SCENE, ("friction=0:0.1:10000", "clearance=0.1mm:1mm:10000")),
-            "100000000 rows are planned",
+            "the plan has 100000000 rows",
         ),
     ],
 )
-def test_what_cannot_run_is_refused_before_anything_runs(
-    make: Callable[[], Plan], told: str
-) -> None:
-    with pytest.raises(pw.InputError, match=told):
+def test_wrong_plans_are_refused(make: Callable[[], Plan], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         make()
 
 
-def test_one_point_that_cannot_be_put_together_is_no_reason_to_refuse_the_others() -> None:
+def test_one_impossible_point_does_not_refuse_the_others() -> None:
     plan = Plan(SCENE, ("length_3=0.1m,0.2m",))
-    with pytest.raises(pw.InputError, match="assembled"):
+    with pytest.raises(InputError, match="assembled"):
         plan.scene_of(0)
     assert plan.example == plan.scene_of(1)
 
 
-def test_keys_of_a_process_are_known_once_it_is_varied() -> None:
-    plan = Plan(SCENE, ("process=blanking", "process.height=6mm,8mm"))
-    assert plan.scene_of(1).process is not None
-    with pytest.raises(pw.InputError, match=r"unknown key 'process\.height'"):
-        Plan(SCENE, ("process.height=6mm,8mm",))
+def test_tables_are_written_for_other_programs(tmp_path: Path) -> None:
+    grid = np.array([[x, y] for x in (1.0, 2.0, 3.0) for y in (0.1, 0.2)])
+    censored = np.arange(6) == 4
+    table = table_of(grid, np.array([1.0, 2.0, np.nan, 4.0, 5.0, 1 / 3]), 2, censored=censored)
+    rows = list(csv.DictReader(io.StringIO(table.csv().replace("# units", "units"))))
+    assert rows[0]["y"] == "y N"
+    assert [row["y"] for row in rows[1::2]][2] == ""
+    assert float(rows[-1]["y"]) == 1 / 3
+    assert [int(row["y_is_lower_bound"]) for row in rows[1::2]] == list(censored)
+    for file in ("a.csv", "a.parquet"):
+        export_table(table, tmp_path / file)
+    read = pandas.read_parquet(tmp_path / "a.parquet")
+    assert np.array_equal(read["y"], table.values[:, 0], equal_nan=True)
+    assert np.array_equal(pandas.read_csv(tmp_path / "a.csv", comment="#")["x2"], read["x2"])
+    data = table.to_xarray()
+    assert data["y"].sel(x1=3.0, x2=0.2, replicate=1).item() == 1 / 3
+    for name, message in (("a.csv", "exists"), ("a.xls", ".csv or .parquet"), ("n/a.csv", "n is")):
+        with pytest.raises(InputError, match=message):
+            export_table(table, tmp_path / name)

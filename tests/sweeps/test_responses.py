@@ -1,83 +1,181 @@
-"""Rows put together by points."""
+"""Responses of a result, against its arrays and statistics."""
+
+import math
+from typing import cast
 
 import numpy as np
 import pytest
-from made_up_sweep import swept
 
-from presswear.recording.statistics import Estimate, quantile
-from presswear.sweeps.responses import responses
-from presswear.sweeps.table import Table
+import presswear as pw
+from presswear.physics.statics import total_clearance
+from presswear.sweeps.parameters import Column
+from presswear.sweeps.responses import (
+    RESPONSES,
+    Limit,
+    Response,
+    User,
+    available,
+    parse_limits,
+    request,
+    responses_of,
+    stored_key,
+)
 from presswear.tools.errors import InputError
 
-POINTS = np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 0.5]])
+SCENE = pw.scenes.wear_times(
+    engine="dae",
+    integrator="dopri5",
+    integration_tolerance=1e-6,
+    wear_updates=1,
+    cycles=3,
+    replicates=3,
+)
+USUAL = request(SCENE)
 
 
-def table(values: list[float], draws: int) -> Table:
-    found = swept(POINTS, np.zeros(3), draws=draws)
-    found.values[:, 0] = values
-    return found
+@pytest.fixture(scope="module")
+def result() -> pw.Result:
+    return pw.run(SCENE, jobs=1)
 
 
-def test_draws_are_put_together_in_the_order_of_their_points() -> None:
-    own = responses(table([5.0, 7.0, 1.0, np.nan, 2.0, 6.0], draws=2), "y")
-    assert np.array_equal(own.points, POINTS)
-    assert own.means.tolist() == [6.0, 1.0, 4.0]
-    assert own.counts.tolist() == [2.0, 1.0, 2.0]
-    assert own.variances.tolist() == [2.0, 5.0, 8.0]  # of one draw: the mean of the others
-    assert own.noise.tolist() == [1.0, 5.0, 4.0]
-    assert own.noise_source == "draws"
-    assert own.freedoms.tolist() == [1.0, 2.0, 1.0]  # of one draw: those of all others
+def test_peak_forces_are_means_over_settled_cycles(result: pw.Result) -> None:
+    for index, stage in enumerate(result.stages):
+        response = responses_of(result, USUAL)[f"A.force_max@{index}"]
+        forces = stage.joints["A"].each_cycle("force_max")
+        assert response.value is not None
+        assert forces.min() <= response.value <= forces.max()
+        assert response.half_width is not None
 
 
-def test_a_point_without_a_value_is_none() -> None:
-    own = responses(table([5.0, np.nan, 3.0], draws=1), "y")
-    assert own.has_value.tolist() == [True, False, True]
-    assert own.noise_source == "nothing"
-    assert own.only(own.has_value).points.tolist() == [[3.0, 1.0], [2.0, 0.5]]
+def test_depth_and_volume_are_those_of_the_surfaces(result: pw.Result) -> None:
+    values, bearing = responses_of(result, USUAL), SCENE.bearing("A")
+    for index in (0, 1):
+        depths = [side.depth for side in result.stages[index].surfaces["A"]]
+        assert values[f"A.depth@{index}"].value == max(depth.max() for depth in depths)
+        area = 2.0 * math.pi * bearing.bearing_radius * bearing.width
+        volume = area * sum(float(depth.mean()) for depth in depths)
+        assert values[f"A.wear_volume@{index}"].value == pytest.approx(volume, rel=1e-12, abs=0)
+    worn = values["A.wear_volume@1"]
+    rate = values["A.wear_rate@0"]
+    assert worn.value is not None
+    assert worn.value > 0.0
+    assert rate.value == pytest.approx(worn.value / SCENE.cycles_per_update, rel=1e-9, abs=0)
+    half_width = cast(float, worn.half_width) / SCENE.cycles_per_update
+    assert rate.half_width == pytest.approx(half_width, rel=1e-9, abs=0)
 
 
-def test_intervals_of_runs_tell_the_noise_of_single_draws() -> None:
-    half = quantile(np.inf) * np.array([1.0, 2.0, 3.0])
-    own = responses(swept(POINTS, np.zeros(3), halves=half), "y")
-    assert own.noise == pytest.approx([1.0, 4.0, 9.0], rel=1e-12)
-    assert own.noise_source == "intervals"
-    assert responses(swept(POINTS, np.zeros(3), halves=half, draws=2), "y").noise_source == "draws"
+def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> None:
+    values = responses_of(result, USUAL)
+    first, second = (cast(float, values[f"bdc_error@{k}"].value) for k in (0, 1))
+    heights = result.stages[1].each_cycle("bottom_height") - SCENE.bottom
+    assert heights.min() <= second <= heights.max()
+    assert values["bdc_drift@1"].value == pytest.approx(second - first, rel=1e-9, abs=0)
+    assert values["bdc_drift@0"] == Response(0.0, 0.0)
 
 
-def test_a_draw_that_is_there_twice_is_one() -> None:
-    again = np.vstack([POINTS, POINTS[:1]])
-    own = responses(swept(again, np.array([5.0, 1.0, 3.0, 5.0])), "y")
-    assert own.counts.tolist() == [1.0, 1.0, 1.0]
-    assert own.noise_source == "nothing"
-    assert own.path.tolist() == [0, 1, 2, 0]
+def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
+    assert not any(key.startswith("total_clearance") for key in responses_of(result, USUAL))
+    requested = request(SCENE, ["total_clearance"])
+    assert requested.extra != USUAL.extra
+    value = responses_of(result, requested)["total_clearance@1"].value
+    assert value == total_clearance(SCENE.linkage(result.stages[1].surfaces))
 
 
-def test_one_lower_bound_makes_the_mean_one() -> None:
-    found = swept(POINTS, np.zeros(3), draws=2)
-    found.is_beyond[3, 0] = True
-    assert responses(found, "y").is_beyond.tolist() == [False, True, False]
+def test_a_life_that_did_not_end_is_censored() -> None:
+    scene = pw.scenes.press_blanking(
+        engine="dae",
+        integrator="dopri5",
+        integration_tolerance=1e-6,
+        conventions="refined",
+        replicates=2,
+        wear_updates=1,
+        cycles=1,
+        **{"life": "limits", "life.until": "depth > 1 um", "life.max_cycles": 64},
+    )
+    result = pw.run(scene, jobs=1, check=False)
+    assert result.life is not None
+    response = responses_of(result, request(scene))["life"]
+    assert response.value == result.life.strokes
+    assert response.censored == (result.life.first is None)
+    assert "life" in available(scene)
+    assert "life" not in available(SCENE)
 
 
-def test_an_unknown_measure_is_refused() -> None:
-    with pytest.raises(InputError, match="unknown measure 'yy'; did you mean y"):
-        responses(swept(POINTS, np.zeros(3)), "yy")
+def peak(result: pw.Result) -> float:
+    """Highest force at A in all stages."""
+    return max(float(stage.joints["A"].force.max()) for stage in result.stages)
 
 
-def test_means_and_differences_hold_where_points_scatter_unequally() -> None:
-    scatter = np.array([10.0, 0.1, 1.0])
-    held = []
-    for seed in range(300):
-        found = swept(POINTS, np.zeros(3), draws=3, noise=1.0, seed=seed)
-        found.values[:, 0] *= np.repeat(scatter, 3)
-        own = responses(found, "y")
-        apart = own.difference(0, 1)
-        assert apart.low is not None
-        assert apart.high is not None
-        held.append([*(np.abs(own.means) <= own.half_widths), apart.low <= 0.0 <= apart.high])
-    assert np.mean(held, axis=0) == pytest.approx(0.95, abs=0.04)
+def highest(result: pw.Result) -> float:
+    return peak(result)
 
 
-def test_nothing_is_told_of_single_draws() -> None:
-    own = responses(swept(POINTS, np.arange(3.0)), "y")
-    assert np.isnan(own.half_widths).all()
-    assert own.difference(2, 0) == Estimate(2.0, None, None)
+def word(result: pw.Result) -> str:
+    return "a word"
+
+
+def test_responses_may_be_user_functions(result: pw.Result) -> None:
+    requested = request(SCENE, [peak, "A.force_max"])
+    assert [column.key for column in requested.columns] == ["peak", "A.force_max"]
+    assert requested.columns[0].text == "Highest force at A in all stages."
+    assert responses_of(result, requested)["peak"] == Response(peak(result))
+    assert requested.extra != request(SCENE, [highest]).extra
+    with pytest.raises(InputError, match="response word = 'a word': must be a number"):
+        responses_of(result, request(SCENE, [cast(User, word)]))
+
+
+def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> None:
+    requested = request(SCENE, ["A.force_max", "A.force_max@0", "bdc_error"])
+    keys = [stored_key(key, len(result.stages)) for key in requested.keys]
+    assert keys == ["A.force_max@1", "A.force_max@0", "bdc_error@1"]
+    assert set(keys) <= responses_of(result, USUAL).keys()
+    assert [column.unit for column in requested.columns] == ["N", "N", "m"]
+    stored = responses_of(result, USUAL).keys() | {"repeatability@1"}
+    assert {stored_key(key, 2) for key in USUAL.keys} <= stored
+    assert {column.key.rpartition(".")[2] for column in USUAL.columns} == {
+        name for name, item in RESPONSES.items() if not item.optional and name != "life"
+    }
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["A.forcemax"], r"did you mean A\.force_max"),
+        (["B.depth"], "unknown response 'B.depth'"),
+        (["A.depth@2"], "the stage must be 0 to wear_updates = 1"),
+        (["A.depth@x"], "NAME@STAGE"),
+        (["life"], "unknown response 'life'"),
+        (["A.depth", "A.depth"], "is repeated"),
+    ],
+)
+def test_wrong_responses_are_refused(names: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        request(SCENE, names)
+
+
+COLUMNS = (Column("life", "", "strokes"), Column("A.force_max", "N", "peak"))
+
+
+def test_limits_have_units() -> None:
+    limits = parse_limits(["life >= 2e6", "A.force_max<=15kN"], COLUMNS)
+    assert limits == {"life": Limit(2e6, True), "A.force_max": Limit(15e3, False)}
+
+
+def test_lower_bounds_may_leave_a_violation_open() -> None:
+    values, censored = np.array([1.0, 1.0, 3.0, 3.0]), np.array([True, False, True, False])
+    assert Limit(2.0, True).count(values, censored) == (1, 2)
+    assert Limit(2.0, False).count(values, censored) == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("texts", "message"),
+    [
+        (["life"], "expected RESPONSE>=VALUE or RESPONSE<=VALUE"),
+        (["lif>=2e6"], "unknown response 'lif'; did you mean life"),
+        (["A.force_max<=15"], "has no unit"),
+        (["life>=2e6", "life<=3e6"], "life already has a limit"),
+    ],
+)
+def test_wrong_limits_are_refused(texts: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_limits(texts, COLUMNS)

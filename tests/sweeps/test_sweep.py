@@ -1,30 +1,29 @@
-"""Sweeps of scenes, from a script and from the command line."""
+"""Sweeps from a script and from the command line."""
 
-import csv
-import io
 import json
 import math
+import pickle
+import re
 import subprocess
 import sys
+from html import unescape
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
+from exudyn.processing import GeneticOptimization, ParameterVariation
+from made_up_sweep import table_of
 
 import presswear as pw
 from presswear.__main__ import main
 from presswear.cli import sweep as command
-from presswear.results.provenance import program_digest
-from presswear.sweeps import sweep as sweeps
-from presswear.sweeps import work as works
-from presswear.sweeps.measures import measures_asked
-from presswear.sweeps.plan import Plan
-from presswear.sweeps.sweep import load_sweep
-from presswear.sweeps.table import Column, Table
-from presswear.sweeps.work import SceneWork
-from presswear.tools.errors import InputError
-from presswear.tools.folders import FolderLock
+from presswear.scene.files import example_file, scene_from
+from presswear.scene.settings import changed
+from presswear.sweeps.plan import NOT_RUN, Plan, read_sweep
+from presswear.sweeps.report import write_report
+from presswear.sweeps.responses import Limit
+from presswear.sweeps.sweep import load_sweep, run_sweep
+from presswear.tools.errors import InputError, RunFailed
 
 QUICK = {
     "engine": "dae",
@@ -36,141 +35,115 @@ QUICK = {
 }
 SCENE = pw.scenes.wear_times(**QUICK)
 OPTIONS = [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
-VARY = ["--vary", "clearance=0.4mm,0.6mm", "--measure", "A.force_max,bdc_error"]
+VARY = ["--vary", "clearance=0.4mm,0.6mm", "--response", "A.force_max,bdc_error"]
 
 
-def test_a_row_holds_what_a_run_of_its_scene_gives(tmp_path: Path) -> None:
-    found = pw.sweep(
+def peak(result: pw.Result) -> float:
+    """Largest force."""
+    return float(result.stages[0].joints["A"].force.max())
+
+
+def run_at(settings: dict[str, float]) -> pw.Result:
+    return pw.run(changed(SCENE, settings), jobs=1)
+
+
+def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
+    sweep = pw.sweep(
         SCENE,
         {"clearance": [4e-4, 6e-4], "A.friction": "0.02,0.05"},
         tmp_path / "sweep",
-        ["A.force_max", "bdc_error"],
-        draws=2,
+        [peak, "bdc_error"],
+        replicates=2,
         jobs=1,
     )
-    table = found.table
-    assert [own.key for own in (*table.factors, *table.measures)] == [
-        "clearance",
-        "A.friction",
-        "A.force_max",
-        "bdc_error",
-    ]
+    table = sweep.table
+    keys = [column.key for column in (*table.parameters, *table.responses)]
+    assert keys == ["clearance", "A.friction", "peak", "bdc_error"]
     assert table.points[::2].tolist() == [[4e-4, 0.02], [4e-4, 0.05], [6e-4, 0.02], [6e-4, 0.05]]
-    assert table.draws.tolist() == [0, 1] * 4
-    assert set(table.reasons) == {""}
-    settings = {**QUICK, "clearance": 6e-4, "A.friction": 0.02, "seed": 1}
-    alone = pw.run(pw.scenes.wear_times(**settings), jobs=1).stages[0]
-    peak = alone.joints["A"].statistics.peak_force_per_cycle.mean
-    assert table.values[5].tolist() == [peak, alone.bdc.error.mean]
-    assert np.isnan(table.halves).all()  # one cycle tells no interval
-    # Two runs at one point differ, for their seeds do.
+    assert set(table.errors) == {""}
+    alone = run_at({"clearance": 6e-4, "A.friction": 0.02, "seed": 1})
+    bottom = alone.stages[0].each_cycle("bottom_height")[0] - SCENE.bottom
+    assert table.values[5].tolist() == [peak(alone), pytest.approx(bottom, rel=1e-9, abs=0)]
+    assert np.isnan(table.half_widths).all()  # one cycle has no interval
     assert table.values[4, 0] != table.values[5, 0]
-    assert "8 rows in" in str(found)
-    again = load_sweep(tmp_path / "sweep").table
-    assert np.array_equal(again.values, table.values)
-    # Another measure of the same runs needs no run.
-    records = list((tmp_path / "sweep" / "records").glob("*/*.jsonl"))
-    more = pw.sweep(SCENE, {"clearance": [4e-4]}, tmp_path / "sweep", ["C.force_max"], jobs=1)
-    assert math.isfinite(more.table.values[0, 0])
-    assert len(records) == 1
+    assert "8 rows in" in str(sweep)
+    again = load_sweep(tmp_path / "sweep")
+    assert np.array_equal(again.table.values, table.values)
+    with pytest.raises(InputError, match="user functions as responses"):
+        run_sweep(again)
 
 
-def test_numbers_are_the_same_wherever_rows_run(tmp_path: Path) -> None:
-    varied = {"clearance": [4e-4, 6e-4], "cycles": [4]}
-    places = {"alone": 1, "": 2, "dask": 2, "concurrent.futures:ProcessPoolExecutor": 2}
-    tables = [
-        pw.sweep(SCENE, varied, tmp_path / f"{k}", on=on.removeprefix("alone"), jobs=jobs).table
-        for k, (on, jobs) in enumerate(places.items())
-    ]
-    assert np.isfinite(tables[0].values[:, 0]).all()
-    for table in tables[1:]:
-        assert np.array_equal(table.values, tables[0].values, equal_nan=True)
-        assert np.array_equal(table.halves, tables[0].halves, equal_nan=True)
-
-
-def test_a_run_that_fails_is_a_row_with_its_reason(tmp_path: Path) -> None:
-    varied = {"integrator": ["dopri5", "rk4-paper"]}
-    found = pw.sweep(SCENE, varied, tmp_path / "sweep", ["A.force_max"], jobs=1)
-    table = found.table
-    assert table.reasons[0] == ""
-    assert "no longer finite" in table.reasons[1]
-    assert np.isnan(table.values[1]).all()
-    assert math.isfinite(table.values[0, 0])
-    assert "1 without values, the first: " in str(found)
-
-
-def test_whole_results_are_kept_where_that_is_asked(tmp_path: Path) -> None:
-    folder = tmp_path / "sweep"
+def test_other_responses_of_stored_rows_need_no_run(tmp_path: Path) -> None:
     few = {"clearance": [4e-4]}
-    numbers = pw.sweep(SCENE, few, folder, ["A.force_max"], jobs=1).table
-    assert not (folder / "runs").exists()
-    whole = pw.sweep(SCENE, few, folder, ["A.force_max"], jobs=1, keep="all").table
-    (run,) = (folder / "runs").iterdir()
-    told = pw.load(run).stages[0].joints["A"].statistics.peak_force_per_cycle.mean
-    assert whole.values.tolist() == numbers.values.tolist() == [[told]]
+    first = pw.sweep(SCENE, few, tmp_path / "sweep", ["A.force_max"], jobs=1)
+    rows = {file: file.stat().st_mtime_ns for file in (tmp_path / "sweep" / "rows").iterdir()}
+    second = pw.sweep(SCENE, few, tmp_path / "sweep", ["C.force_max"], jobs=1)
+    assert rows == {file: file.stat().st_mtime_ns for file in rows}
+    assert math.isfinite(second.table.values[0, 0])
+    results = pw.sweep(SCENE, few, tmp_path / "sweep", ["A.force_max"], jobs=1, keep="results")
+    assert results.table.values.tolist() == first.table.values.tolist()
+    assert results.result(0).scene.bearing("A").clearance == 4e-4
 
 
-def test_a_run_that_outlived_its_submitter_is_waited_for(tmp_path: Path) -> None:
-    plan = Plan(SCENE, ("clearance=0.4mm",))
-    work = SceneWork(plan, measures_asked(SCENE, ["A.force_max"]), program_digest(), tmp_path)
-    _, job = work.job(0)
-    assert job.folder is not None
-    lock = FolderLock(job.folder)
-    told: list[float] = []
-
-    def report(done: float, word: str = "", rows: object = None) -> None:
-        told.append(done)
-        if len(told) == 3:
-            lock.release()
-
-    assert job(report).reason == ""
-    assert told[:3] == [0.0, 0.0, 0.0]
+@pytest.mark.parametrize("on", ["", "dask", "concurrent.futures:ProcessPoolExecutor"])
+def test_numbers_do_not_depend_on_the_executor(
+    on: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    vary = {"clearance": [4e-4, 6e-4], "cycles": [4]}
+    alone = pw.sweep(SCENE, vary, tmp_path / "1", jobs=1).table
+    table = pw.sweep(SCENE, vary, tmp_path / "2", on=on, jobs=2).table
+    assert np.isfinite(alone.values[:, 0]).all()
+    assert np.array_equal(table.values, alone.values, equal_nan=True)
+    assert np.array_equal(table.half_widths, alone.half_widths, equal_nan=True)
+    assert on != "dask" or "dashboard at http://127.0.0.1" in capsys.readouterr().out
 
 
-def first_force(result: pw.Result) -> float:
-    """Force at the first row."""
-    return float(result.stages[0].joints["A"].force[0, 0])
+def test_a_list_of_scenes_is_a_sweep(tmp_path: Path) -> None:
+    scenes = {"press": SCENE, "crank": pw.scenes.slider_crank(**QUICK)}
+    table = pw.sweep(
+        scenes=scenes, folder=tmp_path / "sweep", responses=["bdc_error"], jobs=1
+    ).table
+    assert table.parameters[0].choices == ("press", "crank")
+    alone = pw.run(scenes["crank"], jobs=1).stages[0].each_cycle("bottom_height")[0]
+    assert table.values[1, 0] == pytest.approx(alone - scenes["crank"].bottom, rel=1e-9, abs=0)
+    page = load_sweep(tmp_path / "sweep").report().read_text()
+    assert "Sweep of 2 scenes" in page
+    with pytest.raises(InputError, match="either one scene or a list"):
+        pw.sweep(SCENE, scenes=[SCENE], folder=tmp_path)
 
 
-def test_a_measure_of_ones_own_goes_to_the_processes(tmp_path: Path) -> None:
-    found = pw.sweep(SCENE, {"clearance": [4e-4, 6e-4]}, tmp_path / "sweep", [first_force], jobs=2)
-    assert np.isfinite(found.table.values).all()
-    with pytest.raises(InputError, match="the script that gave them goes on with it"):
-        sweeps.begun(load_sweep(tmp_path / "sweep"), resume=True)
+def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
+    vary = {"integrator": ["dopri5", "rk4-paper"]}
+    sweep = pw.sweep(SCENE, vary, tmp_path / "sweep", ["A.force_max"], jobs=1)
+    assert sweep.table.errors[0] == ""
+    assert "no longer finite" in sweep.table.errors[1]
+    assert np.isfinite(sweep.table.values[:, 0]).tolist() == [True, False]
+    assert "1 failed, the first: " in str(sweep)
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["--vary", "clearence=1mm"], "did you mean clearance"),
-        (["--vary", "clearance="], "KEY=VALUES is expected"),
-        (["--vary", "clearance=1mm", "--measure", "A.forcemax"], "did you mean A.force_max"),
+        (["--vary", "clearance=1mm", "--response", "A.forcemax"], "did you mean A.force_max"),
         (["--vary", "clearance=1mm:3m:4"], "clearance = 3 m: allowed is"),
-        ([], "nothing is varied"),
-        (["--vary", "clearance=1mm", "--on", "dsk"], "MODULE:FACTORY is expected"),
-        (["--vary", "clearance=1mm", "--shard", "3/2"], "K/N is expected"),
-        (["--vary", "clearance=1mm", "--draws", "0"], "--draws 0: a whole number from 1 to 10000"),
-        (["--vary", "clearance=1mm", "--draws", "1e5"], "a whole number from 1 to 10000"),
+        ([], "nothing varies"),
+        (["--vary", "clearance=1mm", "--on", "dsk"], "MODULE:FACTORY"),
+        (["--vary", "clearance=1mm", "--shard", "3/2"], "expected K/N"),
+        (["--vary", "clearance=1mm", "--replicates", "few"], "--replicates few"),
         (["--vary", "clearance=1mm", "--seed", "-1"], "a whole number from 0 is expected"),
-        (
-            ["--vary", "clearance=1mm", "--measure", "bdc_error@7"],
-            "a stage from 0 to wear_updates = 2",
-        ),
-        (["--vary", "clearance=1mm", "--draws", "few"], "--draws few"),
-        (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of measures, all"),
+        (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of responses, results"),
         (["--vary", "clearance=1mm", "--set", "colour=red"], "unknown key 'colour'"),
-        (["--sample", "sobol:8"], "--sample and --range go together"),
-        (["--vary", "clearance=1mm", "--require", "bdc_eror>=1mm"], "did you mean bdc_"),
-        (["--vary", "clearance=1mm", "--require", "bdc_error>=1"], "has no unit"),
-        (["--vary", "clearance=1mm", "--require", "bdc_error"], "MEASURE>=VALUE"),
+        (["--vary", "clearance=1mm", "--cycles", "1", "--set", "cycles=2"], "cannot be combined"),
+        (["--sample", "sobol:8"], "--sample and --range must be used together"),
+        (["--vary", "clearance=1mm", "--limit", "bdc_eror>=1mm"], "did you mean bdc_"),
         (["--resume"], "--resume needs the folder"),
-        (["--resume", "--out", "nowhere"], "nowhere: there is no such folder"),
-        (["--resume", "--out", "."], "no folder of a sweep"),
+        (["--resume", "--out", "."], "is not the folder of a sweep"),
     ],
 )
-def test_bad_input_is_one_line_and_nothing_is_written(
+def test_bad_input_is_one_line_and_writes_nothing(
     words: list[str],
-    told: str,
+    message: str,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -180,196 +153,114 @@ def test_bad_input_is_one_line_and_nothing_is_written(
     line = capsys.readouterr().err
     assert line.startswith("presswear: ")
     assert line.count("\n") == 1
-    assert told in line
+    assert message in line
     assert not list(tmp_path.iterdir())
 
 
-def test_a_sweep_is_run_gone_on_with_and_widened(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_a_sweep_is_resumed_extended_reported_and_exported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out = ["--out", str(tmp_path / "sweep")]
-    assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out, "--jobs", "1"]) == 0
-    first = capsys.readouterr().out
-    assert "2 points, 2 runs" in first
-    assert "1 run of about" in first
-    assert "2 rows in" in first
+    folder, out = tmp_path / "sweep", ["--out", str(tmp_path / "sweep"), "--jobs", "1"]
+    assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out, "--shard", "1/2"]) == 0
+    assert "2 points, 2 runs" in capsys.readouterr().out
+    assert load_sweep(folder).table.errors == ("", NOT_RUN)
     assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out]) == 2
-    assert "it exists and is not empty" in capsys.readouterr().err
-    assert main(["sweep", "wear-times", "--resume", *out]) == 0
-    assert "of about" not in capsys.readouterr().out
-    wider = [word.replace("0.6mm", "0.6mm,0.8mm") for word in VARY]
-    shard = ["--shard", "1/2"]
-    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, *shard]) == 2
-    assert "--resume widens it to this" in capsys.readouterr().err
-    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--resume", "--jobs", "1"]) == 0
-    assert np.isfinite(load_sweep(tmp_path / "sweep").table.values).all()
-
-
-def test_a_sweep_is_reported_and_exported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = tmp_path / "sweep"
-    found = pw.sweep(SCENE, {"clearance": "0.3mm:0.9mm:3"}, folder, ["A.force_max"], jobs=1)
-    assert main(["report", str(folder)]) == 0
-    assert "clearance" in (folder / "report.html").read_text()
-    file = tmp_path / "rows.csv"
-    assert main(["export", str(folder), str(file)]) == 0
-    with file.open() as opened:
-        read = list(csv.DictReader(line for line in opened if not line.startswith("#")))
-    assert [float(own["clearance"]) for own in read] == found.table.points[:, 0].tolist()
-    assert [float(own["A.force_max"]) for own in read] == found.table.values[:, 0].tolist()
+    assert "the folder is not empty" in capsys.readouterr().err
+    assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out, "--shard", "2/2"]) == 0
+    wider = [word.replace("0.6mm", "0.6mm,0.8mm,0.9mm") for word in VARY]
+    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--shard", "1/2"]) == 2
+    assert "--resume extends it" in capsys.readouterr().err
+    monkeypatch.setattr(command, "LONG", 1e-6)
+    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--resume"]) == 2
+    assert "continue with --resume --yes" in capsys.readouterr().err
+    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--resume", "--yes"]) == 0
+    table = load_sweep(folder).table
+    assert np.isfinite(table.values).all()
     capsys.readouterr()
-    assert main(["export", str(folder), str(file), "--life"]) == 2
-    assert "--strokes and --life do not go" in capsys.readouterr().err
-
-
-def test_what_is_required_stands_in_its_folder_and_in_its_report(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = tmp_path / "a sweep"
-    measured = SCENE, {"clearance": "0.3mm:0.9mm:2"}, folder, ["A.force_max"]
-    found = pw.sweep(*measured, jobs=1, required=["A.force_max<=1N"])
-    assert load_sweep(folder).required == ("A.force_max<=1N",)
-    page = found.report()
-    assert "2 of 2 points miss what is required of A.force_max, at most 1.00 N" in page.read_text()
-    assert main(["report", str(folder), "--require", "A.force_max<=1MN"]) == 0
-    assert "0 of 2 points miss what is required" in page.read_text()
-    capsys.readouterr()
-    assert main(["report", str(folder), "--require", "B.force_max<=1MN"]) == 2
+    assert main(["report", str(folder), "--limit", "A.force_max<=1N"]) == 0
+    page = (folder / "report.html").read_text()
+    assert "4 of 4 points violate the upper limit 1.00 N of A.force_max" in page
+    assert (folder / "figures" / "lines-A-force_max.png").exists()
+    assert main(["report", str(folder), "--limit", "B.force_max<=1MN"]) == 2
     assert "did you mean A.force_max" in capsys.readouterr().err
-    assert main(["report", str(tmp_path), "--require", "A.force_max<=1MN"]) == 2
-    assert "--require goes with a sweep" in capsys.readouterr().err
+    assert main(["report", str(tmp_path), "--limit", "A.force_max<=1MN"]) == 2
+    assert "--limit is for sweeps" in capsys.readouterr().err
+    assert main(["export", str(folder), str(tmp_path / "rows.csv")]) == 0
+    assert (tmp_path / "rows.csv").read_text() == table.csv()
+    assert main(["export", str(folder), str(tmp_path / "rows.csv"), "--life"]) == 2
+    assert "--strokes and --life cannot be used" in capsys.readouterr().err
+    (folder / "sweep.json").write_text(json.dumps({"schema": 2, "plan": {}}))
+    assert main(["report", str(folder)]) == 2
+    assert "sweep.json" in capsys.readouterr().err
 
 
-def test_a_script_is_told_where_the_dashboard_is(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    pw.sweep(SCENE, {"clearance": [4e-4]}, tmp_path / "sweep", ["A.force_max"], on="dask", jobs=1)
-    assert "dashboard at http" in capsys.readouterr().out
+SAMPLED = Plan(
+    SCENE, ("engine=dae,exudyn",), "sobol:64", ("clearance=0.2mm:1mm", "friction=0:0.1"), 2
+)
 
 
-def test_runs_of_another_program_are_told_of_and_not_mixed_in(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    words = ["sweep", "wear-times", *VARY, *OPTIONS, "--out", str(tmp_path / "sweep")]
-    assert main([*words, "--jobs", "1"]) == 0
-    file = tmp_path / "sweep" / "sweep.json"
-    stored = json.loads(file.read_text())
-    stored["provenance"]["packages"]["numpy"] = "0.1"
-    file.write_text(json.dumps(stored))
-    for module in (sweeps, works):
-        monkeypatch.setattr(module, "program_digest", lambda: "another")
-    capsys.readouterr()
-    assert main([*words, "--jobs", "1", "--resume"]) == 0
-    told = capsys.readouterr().out
-    assert "was begun by another program (numpy 0.1 there and" in told
-    assert "1 run of about" in told
-
-
-def test_a_table_shows_as_many_measures_as_there_is_room_for() -> None:
-    columns = tuple(Column(f"measure_{k}", "m", "") for k in range(12))
-    values = np.full((2, 12), 1.25)
-    table = Table(
-        (Column("clearance", "m", ""),),
-        columns,
-        np.array([[1e-4], [2e-4]]),
-        values,
-        np.full((2, 12), np.nan),
-        np.zeros((2, 12), dtype=bool),
-        np.zeros(2, dtype=np.int64),
-        ("", ""),
-    )
-    for width in (60, 100):
-        console = Console(width=width, record=True, file=io.StringIO())
-        command._print(console, table)
-        lines = console.export_text().splitlines()
-        assert "…" not in "".join(lines)
-        named = [f"measure_{k} (m)" for k in range(12)]
-        shown = [name for name in named if name in lines[1]]
-        assert shown == named[: len(shown)]
-        assert 1 <= len(shown) < 12
-        assert lines[-1] == f"and {', '.join(named[len(shown) :])}"
-
-
-def test_shards_of_one_command_share_a_folder(tmp_path: Path) -> None:
-    words = ["sweep", "wear-times", *VARY, *OPTIONS, "--out", str(tmp_path / "sweep")]
-    for part in ("1/2", "2/2"):
-        assert main([*words, "--jobs", "1", "--shard", part]) == 0
-    assert np.isfinite(load_sweep(tmp_path / "sweep").table.values).all()
-    assert len(list((tmp_path / "sweep" / "records").iterdir())) == 2
-
-
-def test_what_takes_longer_than_an_hour_is_asked_for_twice(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sweeps, "LONG", 1e-6)
-    words = ["sweep", "wear-times", *VARY, *OPTIONS, "--out", str(tmp_path / "sweep")]
-    assert main([*words, "--jobs", "1"]) == 2
-    told = capsys.readouterr().err
-    assert "1 run of about" in told
-    assert "--yes" in told
-    values = load_sweep(tmp_path / "sweep").table.values[:, 0]
-    assert math.isfinite(values[0])
-    assert math.isnan(values[1])
-    assert main([*words, "--jobs", "1", "--resume", "--yes"]) == 0
-    assert np.isfinite(load_sweep(tmp_path / "sweep").table.values).all()
+def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None:
+    points = SAMPLED.points
+    values = 1e6 * points[:, 0] + 1e3 * points[:, 2]
+    table = table_of(points, values, 2, noise=10.0)
+    table = type(table)(SAMPLED.columns, *list(vars(table).values())[1:])
+    table.values[5] = np.nan
+    page = write_report(table, SAMPLED, tmp_path, "Title", {"y": Limit(800.0, False)}).read_text()
+    page = re.sub(r"data:image/png;base64,[^\"]*", "", page)
+    text = unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", page)))
+    assert "256 runs at 128 points" in text
+    for engine in ("dae", "exudyn"):
+        assert f"At engine = {engine}: y depends most on clearance." in text
+        assert f"At engine = {engine}: Chaos is" in text
+        assert f"At engine = {engine}: The probability that the upper limit 800" in text
+    assert (tmp_path / "figures" / "1" / "map-y.png").exists()
+    assert (tmp_path / "table.csv").read_text() == table.csv()
 
 
 FILE = """
 [sweep]
 scene = "wear-times"
 vary = ["clearance=0.4mm,0.6mm", "engine=dae"]
-measures = ["A.force_max, bdc_error"]
-draws = 2
+responses = ["A.force_max, bdc_error"]
+replicates = 2
 """
 
 
-def test_a_sweep_may_stand_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_sweep_may_be_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "my.toml"
     file.write_text(FILE)
-    out = ["--out", str(tmp_path / "sweep")]
-    assert main(["sweep", str(file), *OPTIONS, *out, "--draws", "1", "--jobs", "1"]) == 0
+    out = ["--out", str(tmp_path / "sweep"), "--replicates", "1", "--jobs", "1"]
+    assert main(["sweep", str(file), *OPTIONS, *out]) == 0
     assert "2 points, 2 runs" in capsys.readouterr().out
-    plan = load_sweep(tmp_path / "sweep").plan
-    assert (plan.scene.name, plan.rows) == ("wear-times", 2)
-    stored = json.loads((tmp_path / "sweep" / "sweep.json").read_text())
-    assert stored["keys"] == ["A.force_max@last", "bdc_error@last"]
+    assert load_sweep(tmp_path / "sweep").requested.keys == ("A.force_max@last", "bdc_error@last")
+    text = example_file("slider-crank")
+    file.write_text(text + '\n[sweep]\nvary = ["clearance=0.1mm,0.2mm"]\n')
+    scene, options = read_sweep(file)
+    assert scene == scene_from(file)
+    assert options.vary == ("clearance=0.1mm,0.2mm",)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (FILE.replace("vary", "varry"), "unknown key of [sweep]"),
-        (FILE.replace("draws = 2", 'draws = "2"'), "draws"),
+        (FILE.replace("replicates = 2", 'replicates = "2"'), "replicates"),
         (FILE.replace("wear-times", "wear-time"), "did you mean wear-times"),
         (FILE + '\n[mechanism]\nkind = "x"\n', "the file describes one"),
-        ("sweep = 3\n", "a table is expected"),
-        ("[sweep\n", "my.toml"),
+        ("sweep = 3\n", "expected a table"),
     ],
 )
-def test_a_file_that_does_not_fit_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, told: str
+def test_a_wrong_file_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, message: str
 ) -> None:
     file = tmp_path / "my.toml"
     file.write_text(text)
     assert main(["sweep", str(file), "--out", str(tmp_path / "sweep")]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not (tmp_path / "sweep").exists()
 
 
-def test_the_file_of_a_scene_may_hold_its_sweep(tmp_path: Path) -> None:
-    from presswear.scene.files import example_file, scene_from
-    from presswear.sweeps.files import read_sweep
-
-    file = tmp_path / "own.toml"
-    text = example_file("slider-crank")
-    file.write_text(text + '\n[sweep]\nvary = ["clearance=0.1mm,0.2mm"]\n')
-    scene, written = read_sweep(file)
-    assert scene == scene_from(file)
-    assert written.vary == ("clearance=0.1mm,0.2mm",)
-
-
-def test_without_the_extra_one_line_says_what_to_install(tmp_path: Path) -> None:
+def test_without_dask_one_line_names_the_package(tmp_path: Path) -> None:
     code = (
         "import sys; sys.modules['distributed'] = None; from presswear.__main__ import main; "
         "sys.exit(main(['sweep', 'wear-times', '--vary', 'clearance=1mm', '--on', 'dask', "
@@ -379,3 +270,54 @@ def test_without_the_extra_one_line_says_what_to_install(tmp_path: Path) -> None
     assert answer.returncode == 2
     assert "pip install 'presswear[sweep]'" in answer.stderr
     assert not (tmp_path / "sweep").exists()
+
+
+def force_at(settings: dict[str, float]) -> float:
+    response = pw.function_of(SCENE, "A.force_max")(settings)
+    assert isinstance(response, float)
+    return response
+
+
+def test_a_scene_is_a_function_of_its_settings() -> None:
+    function = pw.function_of(SCENE, [peak, "A.force_max"])
+    point = {"clearance": 5e-4, "A.friction": 0.03}
+    values = pickle.loads(pickle.dumps(function))({**point, "clearance": "0.5 mm"})
+    alone = run_at(point)
+    assert values == [peak(alone), force_at(point)]
+    with pytest.raises(RunFailed, match="no longer finite"):
+        pw.function_of(SCENE, "A.force_max")({"integrator": "rk4-paper"})
+    assert pw.function_of(SCENE, peak, failed=1e9)({"integrator": "rk4-paper"}) == 1e9
+    with pytest.raises(InputError, match="did you mean clearance"):
+        function({"clearence": 1e-3})
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_parameter_variation_of_exudyn_accepts_it(several: bool) -> None:
+    varied, values = ParameterVariation(
+        pw.function_of(SCENE, "A.force_max"),
+        {"clearance": (4e-4, 6e-4, 2), "friction": [0.02, 0.05]},
+        useMultiProcessing=several,
+        numberOfThreads=2,
+        showProgress=False,
+        addComputationIndex=True,
+        parameterFunctionData={"seed": 1},
+    )
+    points = zip(varied["clearance"], varied["friction"], strict=True)
+    assert values == [
+        force_at({"clearance": float(c), "friction": float(f), "seed": 1}) for c, f in points
+    ]
+
+
+def test_genetic_optimization_of_exudyn_accepts_it() -> None:
+    best, value, _, values = GeneticOptimization(
+        pw.function_of(SCENE, "A.force_max", failed=1e9),
+        {"clearance": (3e-4, 8e-4)},
+        populationSize=4,
+        numberOfGenerations=2,
+        elitistRatio=0.25,
+        randomizerInitialization=1,
+        addComputationIndex=True,
+        showProgress=False,
+    )
+    assert value == min(values)
+    assert force_at({"clearance": float(best["clearance"])}) == value

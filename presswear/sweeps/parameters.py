@@ -1,0 +1,330 @@
+"""Parameters of a sweep: lists of values, distributions and designs, read from text.
+
+================================================  ================================================
+``clearance=0.2mm:1.0mm:9``                       a range or a list, see `presswear.scene.settings`
+``engine=dae,exudyn``                             words
+``A.friction=0.1,0.2 & C.friction=0.1,0.3``       values that vary together
+``clearance=normal(0.8mm, 0.05mm)``               a distribution, see `parse_distribution`
+``sobol:512``                                     a design, see `design`
+================================================  ================================================
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from presswear.scene.scene import Scene
+from presswear.scene.settings import Setting, setting_of, values_of
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.files import read_checked
+from presswear.tools.folders import check_file
+from presswear.tools.quantities import Choice, Quantity, parse_quantity
+
+TOGETHER = "&"
+MAX_CUT = 0.05  # probability that may lie outside the allowed range of a setting
+TAIL = 2.0**-40  # distance of a probability from 0 and 1: a quantile there may be infinite
+MORRIS_LEVELS = 4  # values that a parameter takes in a Morris design
+MORRIS_JUMP = 0.5  # change of a parameter in a Morris design, in probability
+OAT_REACH = 0.45  # largest distance from the median in a one-at-a-time design, in probability
+MAX_SOBOL_DIMENSION = 21201  # limit of scipy.stats.qmc.Sobol
+Value = str | float | int
+
+
+@dataclass(frozen=True)
+class Column:
+    """Column of the table of a sweep: a parameter or a response."""
+
+    key: str  # as on the command line, such as A.friction or A.force_max
+    unit: str  # SI; empty for a pure number
+    text: str
+    choices: tuple[str, ...] = ()  # words of a parameter; the table holds their indices
+    whole: bool = False  # whether the values are whole numbers
+
+    def setting(self, value: float) -> Value:
+        """Return a value of the table as the value of a setting."""
+        if self.choices:
+            return self.choices[int(value)]
+        return int(value) if self.whole else float(value)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Parameters that vary together, with their values, shape (points, columns)."""
+
+    columns: tuple[Column, ...]
+    values: Array
+
+
+def column_of(setting: Setting, choices: tuple[str, ...] = ()) -> Column:
+    """Return the column of a setting."""
+    meaning = setting.meaning
+    whole = isinstance(meaning, Quantity) and meaning.whole
+    return Column(setting.key, meaning.unit, meaning.text, choices, whole)
+
+
+def parse_group(scene: Scene, text: str) -> Group:
+    """Read one ``--vary`` option; `InputError` if a value is missing, repeated or out of range."""
+    columns, rows = [], []
+    for part in text.split(TOGETHER):
+        key, _, listed = (word.strip() for word in part.partition("="))
+        if not listed:
+            raise InputError(f"--vary {text}: expected KEY=VALUES, such as friction=0.02,0.05")
+        setting = setting_of(scene, key)
+        choices: tuple[str, ...] = ()
+        if isinstance(setting.meaning, Quantity):
+            values = values_of(key, listed, setting.meaning)
+        else:
+            choices = tuple(word.strip() for word in listed.split(","))
+            if isinstance(setting.meaning, Choice):
+                for word in choices:
+                    setting.meaning.check(key, word)
+            values = [float(index) for index in range(len(choices))]
+        if len(set(choices or values)) < len(values) and TOGETHER not in text:
+            raise InputError(f"--vary {text}: a value is repeated")
+        columns.append(column_of(setting, choices))
+        rows.append(values)
+    counts = [len(values) for values in rows]
+    if len(set(counts)) > 1:
+        listed = " and ".join(map(str, counts))
+        raise InputError(f"--vary {text}: expected as many values of each key, got {listed}")
+    return Group(tuple(columns), np.array(rows, dtype=float).T)
+
+
+def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
+    """Return Python values of parameters as ``--vary`` texts.
+
+    A value is a text as on the command line, or a list of numbers in SI units or of words; for
+    several keys joined by ``&`` a list of rows.
+    """
+    return tuple(_text_of(scene, key, values) for key, values in vary.items())
+
+
+def _text_of(scene: Scene, key: str, values: object) -> str:
+    if isinstance(values, str):
+        return f"{key}={values}"
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    if not isinstance(values, Sequence) or len(values) == 0:
+        raise InputError(f"{key} = {shown(values)}: expected a text or a list of values")
+    keys = [word.strip() for word in key.split(TOGETHER)]
+    rows = [list(row) if len(keys) > 1 and isinstance(row, Sequence) else [row] for row in values]
+    if any(len(row) != len(keys) for row in rows):
+        raise InputError(f"{key}: expected rows of {len(keys)} values")
+    parts = []
+    for index, name in enumerate(keys):
+        setting = setting_of(scene, name)
+        parts.append(f"{name}={','.join(_value_text(setting, row[index]) for row in rows)}")
+    return f" {TOGETHER} ".join(parts)
+
+
+def _value_text(setting: Setting, value: object) -> str:
+    if isinstance(value, str):
+        return value
+    number = value.item() if isinstance(value, np.number) else value
+    if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
+        raise InputError(f"{setting.key} = {shown(value)}: expected a finite number or a text")
+    return f"{number!r} {setting.meaning.unit}".strip()
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Frozen distribution of `scipy.stats`, truncated to the allowed range of a parameter.
+
+    `low` and `high` are the cumulative probabilities at the ends of that range.
+    """
+
+    text: str
+    frozen: Any
+    low: float = 0.0
+    high: float = 1.0
+
+    def ppf(self, probability: Array) -> Array:
+        """Return quantiles in SI units at probabilities from 0 to 1, any shape."""
+        inside = np.clip(probability, TAIL, 1.0 - TAIL)
+        return np.asarray(self.frozen.ppf(self.low + (self.high - self.low) * inside), np.float64)
+
+
+ARGUMENTS = {
+    "uniform": "LOW, HIGH",
+    "normal": "MEAN, DEVIATION",
+    "lognormal": "MEDIAN, SPREAD",
+    "table": "FILE.csv",
+}
+
+
+def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
+    """Read the distribution of a parameter.
+
+    ``0.2mm:1mm`` and ``uniform(0.2mm, 1mm)`` are uniform. ``normal(0.8mm, 0.05mm)`` has a mean
+    and a standard deviation. ``lognormal(1e-15/Pa, 50%)`` has a median and a coefficient of
+    variation, ``lognormal(1e-15/Pa, x1.6)`` a median and a factor that corresponds to one standard
+    deviation of the logarithm. ``table(FILE.csv)`` has a value in each line of a file, with its
+    unit, and optionally a weight after a comma.
+
+    Raises
+    ------
+    InputError
+        If the text is not a distribution, or more than `MAX_CUT` of it is out of range.
+    """
+    kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
+    if not bracket and ":" in text:
+        kind, bracket, rest = "uniform", "(", f"{text.strip().replace(':', ',')})"
+    if kind not in ARGUMENTS and bracket:
+        raise unknown(f"distribution of {key}", kind, ARGUMENTS)
+    if not bracket or not rest.endswith(")"):
+        kinds = ", ".join(f"{name}({arguments})" for name, arguments in ARGUMENTS.items())
+        raise InputError(f"{key} = {text!r}: expected a range such as 1:2 or one of {kinds}")
+    if meaning.whole and kind != "table":
+        raise InputError(f"{key} = {text!r}: a whole number can only have table(FILE.csv)")
+    words = [word.strip() for word in rest[:-1].split(",")]
+    if len(words) != len(ARGUMENTS[kind].split(",")):
+        raise InputError(f"{key} = {text!r}: expected {kind}({ARGUMENTS[kind]})")
+    if kind == "table":
+        return Distribution(text.strip(), _discrete(Path(words[0]), key, meaning))
+    frozen = _frozen(kind, words, key, meaning)
+    low, high = float(frozen.cdf(meaning.low)), float(frozen.cdf(meaning.high))
+    if low + 1.0 - high > MAX_CUT:
+        raise InputError(
+            f"{key} = {text!r}: {100.0 * (low + 1.0 - high):.3g} % of it lies outside the allowed "
+            f"range {meaning.range_text()}; at most {100.0 * MAX_CUT:g} % may"
+        )
+    return Distribution(text.strip(), frozen, low, high)
+
+
+def _frozen(kind: str, words: list[str], key: str, meaning: Quantity) -> Any:
+    from scipy import stats  # slow to import
+
+    first = float(parse_quantity(key, words[0], meaning))
+    if kind == "uniform":
+        last = float(parse_quantity(key, words[1], meaning))
+        if not first < last:
+            raise InputError(f"{key} = {', '.join(words)}: the first end must be below the second")
+        return stats.uniform(first, last - first)
+    if kind == "normal":
+        positive = Quantity(meaning.unit, 0.0, math.inf, "", "", open_low=True)
+        return stats.norm(first, parse_quantity(f"standard deviation of {key}", words[1], positive))
+    if first <= 0.0:
+        raise InputError(f"{key} = {words[0]}: the median must be positive")
+    spread = words[1]
+    if spread.endswith("%"):
+        limits = Quantity("", 0.0, 1e4, "", "", open_low=True)
+        part = parse_quantity(f"coefficient of variation of {key}, %,", spread[:-1], limits) / 100.0
+        # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter 14.
+        return stats.lognorm(math.sqrt(math.log1p(part**2)), scale=first)
+    if spread.startswith("x"):
+        limits = Quantity("", 1.0, 1e4, "", "", open_low=True)
+        factor = parse_quantity(f"factor of {key}", spread[1:], limits)
+        return stats.lognorm(math.log(factor), scale=first)
+    raise InputError(
+        f"spread of {key} = {spread!r}: expected a factor such as x1.6 or a coefficient of "
+        "variation such as 50%"
+    )
+
+
+def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
+    """Return the discrete distribution of the values and weights of a file."""
+    from scipy import stats
+
+    check_file(file)
+    weight = Quantity("", 0.0, math.inf, "", "")
+    rows = []
+    try:
+        lines = read_checked(file).decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError(f"{file} is not a text file: {error}") from None
+    for number, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        value, _, share = (part.strip() for part in line.partition(","))
+        try:
+            pair = (
+                parse_quantity(key, value, meaning),
+                parse_quantity("weight", share or "1", weight),
+            )
+        except InputError as error:
+            raise InputError(f"{file}, line {number}: {error}") from None
+        rows.append((float(pair[0]), float(pair[1])))
+    values, weights = np.array(sorted(rows)).reshape(-1, 2).T
+    if len(values) < 2 or weights.sum() <= 0.0:
+        raise InputError(f"{file}: expected at least two values and a positive weight")
+    return stats.rv_discrete(values=(values, weights / weights.sum()))
+
+
+DESIGNS = ("sobol", "latin", "saltelli", "morris", "oat")
+
+
+def design(kind: str, size: int, dimension: int, seed: int) -> Array:
+    """Return the points of a design in the unit cube, shape (rows, dimension).
+
+    Parameters
+    ----------
+    kind : {"sobol", "latin", "saltelli", "morris", "oat"}
+        ``sobol``: scrambled Sobol' points, `size` rows. ``latin``: Latin hypercube, `size` rows.
+        ``saltelli``: points A, A with one column of B each, and B [1]_, ``size (d + 2)`` rows.
+        ``morris``: trajectories on which each parameter changes once [2]_, ``size (d + 1)`` rows.
+        ``oat``: the middle, then each parameter alone in `size` steps to each side,
+        ``1 + 2 size d`` rows.
+    size : int
+        A power of two for ``sobol`` and ``saltelli``.
+
+    References
+    ----------
+    .. [1] A. Saltelli et al., Variance based sensitivity analysis of model output, Computer
+       Physics Communications 181 (2010) 259-270.
+    .. [2] M. D. Morris, Factorial sampling plans for preliminary computational experiments,
+       Technometrics 33 (1991) 161-174.
+    """
+    if kind not in DESIGNS:
+        raise unknown("design", kind, DESIGNS)
+    if size < 1 or dimension < 1:
+        raise InputError(f"{kind}:{size}: expected a size and a number of parameters of at least 1")
+    if kind in ("sobol", "saltelli") and size & (size - 1):
+        lower = 1 << (size.bit_length() - 1)
+        raise InputError(
+            f"{kind}:{size}: must be a power of two, {lower} or {2 * lower}, for balanced points"
+        )
+    random = np.random.default_rng(seed)
+    if kind == "morris":
+        return _morris(size, dimension, random)
+    if kind == "oat":
+        return _one_at_a_time(size, dimension)
+    from scipy.stats import qmc  # slow to import
+
+    if kind == "latin":
+        return np.asarray(qmc.LatinHypercube(dimension, seed=random).random(size))
+    width = dimension if kind == "sobol" else 2 * dimension
+    if width > MAX_SOBOL_DIMENSION:
+        raise InputError(f"{kind}:{size}: {dimension} parameters are too many for Sobol' points")
+    points = np.asarray(qmc.Sobol(width, seed=random).random(size))
+    if kind == "sobol":
+        return points
+    first, second = points[:, :dimension], points[:, dimension:]
+    blocks = np.repeat(first[:, None], dimension + 2, axis=1)
+    for k in range(dimension):
+        blocks[:, k + 1, k] = second[:, k]
+    blocks[:, -1] = second
+    return blocks.reshape(-1, dimension)
+
+
+def _morris(size: int, dimension: int, random: np.random.Generator) -> Array:
+    points = np.empty((size, dimension + 1, dimension))
+    for trajectory in points:
+        start = random.integers(MORRIS_LEVELS, size=dimension)
+        trajectory[:] = (start + 0.5) / MORRIS_LEVELS
+        for step, k in enumerate(random.permutation(dimension), start=1):
+            trajectory[step:, k] += MORRIS_JUMP if start[k] < MORRIS_LEVELS // 2 else -MORRIS_JUMP
+    return points.reshape(-1, dimension)
+
+
+def _one_at_a_time(size: int, dimension: int) -> Array:
+    steps = OAT_REACH * np.arange(1, size + 1) / size
+    points = np.full((1 + 2 * size * dimension, dimension), 0.5)
+    for k in range(dimension):
+        first = 1 + 2 * size * k
+        points[first : first + 2 * size, k] += np.concatenate([-steps[::-1], steps])
+    return points

@@ -1,0 +1,347 @@
+"""Runner of a sweep: each row is one file, and any executor computes the rows.
+
+A row is the file ``rows/DIGEST.json``. It is created exclusively and empty when the row starts, and
+replaced by the complete file when the row ends. A killed sweep leaves empty files for the rows that
+were running; the next run of the same rows removes them.
+
+======================  =====================================================================
+``--on``                executor
+======================  =====================================================================
+nothing                 processes of this machine
+``dask``                local Dask cluster, which accepts connections from this machine only
+``dask://HOST:PORT``    Dask cluster of a running scheduler
+``MODULE:FACTORY``      object with the method `submit` of `concurrent.futures.Executor`
+======================  =====================================================================
+"""
+
+import importlib
+import logging
+import multiprocessing
+import os
+import signal
+import statistics
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from presswear.results.provenance import program_digest
+from presswear.scene.scene import Scene
+from presswear.sweeps.responses import Requested, Response, responses_of
+from presswear.tools.errors import InputError, RunFailed, not_installed
+from presswear.tools.files import inside, write_bytes
+from presswear.tools.folders import holder
+from presswear.tools.stopping import is_stopped
+from presswear.tools.workers import cores
+
+ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
+POLL = 0.2  # time between two reports of the progress, s
+QUEUED = 2  # rows submitted for each worker, so that no worker waits for the next row
+CONNECT = 10.0  # time in which a Dask scheduler must answer, s
+CLOSE = 5.0  # time in which a Dask cluster must close, s
+LOCAL = "127.0.0.1"
+Notify = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Content of the file of a row: responses by key, or the reason why the run failed."""
+
+    values: dict[str, Response] = field(default_factory=dict)
+    stages: int = 0
+    error: str = ""
+    seconds: float = 0.0  # wall time
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a sweep."""
+
+    rows: int
+    done: int
+    failed: int
+    slots: int  # rows that are computed at a time
+    seconds: float  # median wall time of the completed rows; 0 before the first
+
+
+def run_row(scene: Scene, requested: Requested, folder: Path | None, program: str) -> Outcome:
+    """Run the scene of a row in this process and return its responses.
+
+    The complete result goes into `folder`, if there is one. An error of the machine is raised, an
+    error of the scene or of a user function is the outcome. A process with another program than
+    the one that submitted the row raises `InputError`, because its numbers would differ.
+    """
+    if program_digest() != program:
+        raise InputError(
+            "a worker has another program: install the same presswear, Python and packages there"
+        )
+    from presswear.campaign.single import run  # slow to import
+
+    while folder is not None and holder(folder):
+        time.sleep(POLL)  # a worker of a killed sweep ends within a second
+    start = time.perf_counter()
+    try:
+        result = run(scene, folder, jobs=1, check=False)
+        is_failed = result.status == "failed"
+        values = {} if is_failed else responses_of(result, requested)
+        seconds = time.perf_counter() - start
+        return Outcome(values, len(result.stages), result.message if is_failed else "", seconds)
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        # Any error may follow a signal; a user function may raise anything.
+        if is_stopped():
+            raise KeyboardInterrupt from None
+        if isinstance(error, RunFailed) and error.finding is None:
+            raise
+        expected = isinstance(error, InputError | RunFailed)
+        message = f"{error}" if expected else f"{type(error).__name__}: {error}"
+        return Outcome(error=message, seconds=time.perf_counter() - start)
+
+
+def read_row(folder: Path, name: str) -> Outcome | None:
+    """Return the stored row of a sweep folder; None if it is missing, empty or damaged."""
+    import msgspec
+
+    try:
+        return msgspec.json.decode((folder / ROWS / f"{name}.json").read_bytes(), type=Outcome)
+    except (OSError, msgspec.DecodeError):
+        return None
+
+
+def write_row(folder: Path, name: str, outcome: Outcome) -> None:
+    """Write the file of a row."""
+    import msgspec
+
+    write_bytes(folder / ROWS / f"{name}.json", msgspec.json.encode(outcome))
+
+
+def run_rows(
+    folder: Path,
+    scenes: Mapping[str, Callable[[], Scene]],
+    requested: Requested,
+    executor: Executor,
+    slots: int,
+    keep_results: bool = False,
+    on_progress: Callable[[Progress], object] = lambda progress: None,
+) -> None:
+    """Run the rows that a sweep folder does not hold.
+
+    Parameters
+    ----------
+    scenes : mapping of str to callable
+        Functions that make the scenes of the rows, by the names of the rows.
+    slots : int
+        Number of rows that the executor computes at a time.
+    keep_results : bool
+        Whether the complete result of each row is stored as well.
+    on_progress : callable
+        Called several times a second; an exception ends the sweep.
+
+    Raises
+    ------
+    RunFailed
+        If the executor fails; completed rows are kept.
+    """
+    inside(folder, ROWS).mkdir(exist_ok=True)
+    runs = inside(folder, RUNS)
+    stored = {name: read_row(folder, name) for name in scenes}
+    done: list[Outcome] = []
+    missing = []
+    for name, outcome in stored.items():
+        if outcome is None or (keep_results and not (outcome.error or (runs / name).exists())):
+            (folder / ROWS / f"{name}.json").unlink(missing_ok=True)
+            missing.append(name)
+        else:
+            done.append(outcome)
+    running: dict[Future[Outcome], str] = {}
+    claims: set[str] = set()
+    program, queue = program_digest(), iter(missing)
+
+    def report() -> None:
+        seconds = [outcome.seconds for outcome in done if outcome.seconds > 0.0]
+        failed = sum(bool(outcome.error) for outcome in done)
+        median = statistics.median(seconds) if seconds else 0.0
+        on_progress(Progress(len(scenes), len(done), failed, slots, median))
+
+    def submit(name: str) -> None:
+        try:
+            (folder / ROWS / f"{name}.json").open("x").close()
+        except FileExistsError:
+            return  # another part of the sweep has an equal row
+        claims.add(name)
+        try:
+            scene = scenes[name]()
+        except InputError as error:
+            store(name, Outcome(error=str(error)))
+            return
+        result_folder = runs / name if keep_results else None
+        future = executor.submit(run_row, scene, requested, result_folder, program)
+        running[future] = name
+
+    def store(name: str, outcome: Outcome) -> None:
+        write_row(folder, name, outcome)
+        claims.discard(name)
+        done.append(outcome)
+
+    try:
+        report()
+        while True:
+            for name in islice(queue, QUEUED * slots - 1 - len(running)):
+                submit(name)
+            if not running:
+                break
+            for future in wait(running, POLL, FIRST_COMPLETED).done:
+                store(running.pop(future), _outcome(future))
+            report()
+        report()
+    finally:
+        for future in running:
+            future.cancel()
+        for name in claims:
+            (folder / ROWS / f"{name}.json").unlink(missing_ok=True)
+
+
+def _outcome(future: Future[Outcome]) -> Outcome:
+    try:
+        return future.result()
+    except (InputError, RunFailed):
+        raise
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}".rstrip(": ")
+        raise RunFailed(
+            f"the executor failed ({reason}); a script that starts processes needs "
+            'if __name__ == "__main__":'
+        ) from None
+
+
+class SerialExecutor(Executor):
+    """Executor that computes each row in this process as it is submitted."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@contextmanager
+def open_executor(
+    on: str, jobs: int | None, notify: Notify = print
+) -> Iterator[tuple[Executor, int]]:
+    """Open the executor of the option ``--on``, see the table at the head of this module.
+
+    Yields the executor and the number of rows that it computes at a time. `notify` is called with
+    a line for the user, such as the address of the Dask dashboard. `InputError` if the executor
+    does not exist or does not answer.
+    """
+    count = jobs or cores()
+    if on == "dask" or on.startswith("dask://"):
+        with _dask_executor(on, count, notify) as opened:
+            yield opened
+    elif on:
+        executor = _user_executor(on)
+        slots = getattr(executor, "_max_workers", None) or getattr(executor, "max_workers", None)
+        try:
+            yield executor, slots if isinstance(slots, int) else count
+        finally:
+            executor.shutdown(wait=False, cancel_futures=True)
+    elif count == 1 or multiprocessing.current_process().daemon:
+        yield SerialExecutor(), 1
+    else:
+        with _process_executor(count) as executor:
+            yield executor, count
+
+
+@contextmanager
+def _process_executor(count: int) -> Iterator[Executor]:
+    # A fork would copy the locks of numerical libraries and of the progress bar.
+    context = multiprocessing.get_context("forkserver" if sys.platform == "linux" else "spawn")
+    context.set_forkserver_preload([__name__, "presswear.campaign.single"])
+    before = set(multiprocessing.active_children())
+    executor = ProcessPoolExecutor(count, context, _prepare_worker)
+    try:
+        yield executor
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - before:
+            process.terminate()
+        raise
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _prepare_worker() -> None:
+    """Let the submitting process decide when a worker ends, even if that process is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def end_with_parent() -> None:
+        if parent is not None:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
+
+
+def _user_executor(on: str) -> Executor:
+    module, _, name = on.partition(":")
+    if not (module and name):
+        raise InputError(
+            f"--on {on}: expected dask, dask://HOST:PORT or MODULE:FACTORY, such as "
+            "concurrent.futures:ProcessPoolExecutor"
+        )
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
+    try:
+        executor = getattr(importlib.import_module(module), name)()
+    except (ImportError, AttributeError, TypeError) as error:
+        raise InputError(f"--on {on}: {error}") from None
+    if not isinstance(executor, Executor):
+        raise InputError(f"--on {on}: {type(executor).__name__} is not an Executor")
+    return executor
+
+
+@contextmanager
+def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Executor, int]]:
+    try:
+        import dask
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise not_installed(f"--on {on}", "distributed", "sweep") from None
+    address = on.removeprefix("dask").removeprefix("://")
+    if on != "dask" and not address.rpartition(":")[2].isdigit():
+        raise InputError(f"--on {on}: expected dask://HOST:PORT, such as dask://head:8786")
+    for name in ("distributed", "tornado", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    with dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}):
+        cluster = None
+        if not address:
+            cluster = LocalCluster(
+                host=LOCAL,
+                n_workers=count,
+                threads_per_worker=1,
+                dashboard_address=f"{LOCAL}:0",
+                silence_logs=logging.CRITICAL,
+            )
+            notify(f"Dask dashboard at {cluster.dashboard_link}")
+        try:
+            client = Client(cluster or f"tcp://{address}", timeout=CONNECT)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise InputError(
+                f"--on {on}: no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
+            ) from None
+        try:
+            yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
+        finally:
+            opened: Any
+            for opened in filter(None, (client, cluster)):
+                with suppress(Exception):  # the scheduler may be gone
+                    opened.close(timeout=CLOSE)

@@ -1,0 +1,207 @@
+"""Parameters from texts and Python values, distributions and designs."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.stats import qmc
+
+import presswear as pw
+from presswear.sweeps.parameters import (
+    MORRIS_JUMP,
+    design,
+    parse_distribution,
+    parse_group,
+    texts_of,
+)
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import Quantity
+
+SCENE = pw.scenes.wear_times()
+LENGTH = Quantity("m", 0.0, 1.0, "", "")
+PURE = Quantity("", 0.0, 1.0, "", "", open_low=True)
+PRESSURE = Quantity("1/Pa", 0.0, math.inf, "", "")
+U = np.linspace(0.01, 0.99, 99)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("clearance=0.2mm:1.0mm:5", [[2e-4], [4e-4], [6e-4], [8e-4], [1e-3]]),
+        ("wear_coefficient=1e-16/Pa:1e-14/Pa:3:log", [[1e-16], [1e-15], [1e-14]]),
+        ("A.friction=0.02,0.05,0.1", [[0.02], [0.05], [0.1]]),
+        ("engine=dae,exudyn", [[0.0], [1.0]]),
+        ("A.friction=0.1,0.2 & C.friction=0.1,0.3", [[0.1, 0.1], [0.2, 0.3]]),
+    ],
+)
+def test_text_gives_values(text: str, values: list[list[float]]) -> None:
+    assert parse_group(SCENE, text).values.tolist() == values
+
+
+def test_values_have_the_type_of_the_setting() -> None:
+    (whole,) = parse_group(SCENE, "cycles=2,3").columns
+    (word,) = parse_group(SCENE, "engine=dae,exudyn").columns
+    assert [repr(whole.setting(value)) for value in (2.0, 3.0)] == ["2", "3"]
+    assert [word.setting(value) for value in (0.0, 1.0)] == ["dae", "exudyn"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("clearence=1mm", "unknown key 'clearence'; did you mean clearance"),
+        ("clearance=", "expected KEY=VALUES"),
+        ("clearance=0.4,0.5", "clearance = '0.4' has no unit"),
+        ("engine=dae,exudyntree", "did you mean exudyn-tree"),
+        ("friction=0.1,0.1", "a value is repeated"),
+        ("A.friction=0.1,0.2 & C.friction=0.1", "as many values of each key, got 2 and 1"),
+    ],
+)
+def test_wrong_values_are_refused(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_group(SCENE, text)
+
+
+def test_python_values_equal_texts() -> None:
+    vary = {
+        "clearance": np.array([1e-4, 2.5e-4]),
+        "A.friction & C.friction": [(0.1, 0.2), (0.3, 0.4)],
+        "engine": ["dae", "exudyn"],
+        "cycles": [2, 3],
+        "friction": "0:0.1:3",
+    }
+    groups = [parse_group(SCENE, text) for text in texts_of(SCENE, vary)]
+    assert [group.values.tolist() for group in groups] == [
+        [[1e-4], [2.5e-4]],
+        [[0.1, 0.2], [0.3, 0.4]],
+        [[0.0], [1.0]],
+        [[2.0], [3.0]],
+        [[0.0], [0.05], [0.1]],
+    ]
+
+
+@pytest.mark.parametrize("values", [[], 3, [None], [float("nan")], [True], {"a": 1}])
+def test_other_python_values_are_refused(values: object) -> None:
+    with pytest.raises(InputError, match="friction"):
+        texts_of(SCENE, {"friction": values})
+
+
+@pytest.mark.parametrize(
+    ("text", "meaning", "reference"),
+    [
+        ("0.2mm:1mm", LENGTH, stats.uniform(0.2e-3, 0.8e-3)),
+        ("uniform( 200um,0.1cm )", LENGTH, stats.uniform(0.2e-3, 0.8e-3)),
+        ("normal(0.8mm, 0.05mm)", LENGTH, stats.norm(0.8e-3, 0.05e-3)),
+        ("normal(0.5, 0.2)", PURE, stats.truncnorm(-2.5, 2.5, loc=0.5, scale=0.2)),
+        ("lognormal(1e-15/Pa, x1.6)", PRESSURE, stats.lognorm(math.log(1.6), scale=1e-15)),
+    ],
+)
+def test_distributions_have_their_quantiles(
+    text: str, meaning: Quantity, reference: stats.rv_continuous
+) -> None:
+    quantiles = parse_distribution(text, "key", meaning).ppf(U)
+    assert quantiles == pytest.approx(reference.ppf(U), rel=1e-9, abs=0)
+
+
+def test_a_coefficient_of_variation_is_deviation_over_mean() -> None:
+    distribution = parse_distribution("lognormal(1.2e-15/Pa, 50%)", "wear_coefficient", PRESSURE)
+    draws = distribution.ppf((np.arange(200_000) + 0.5) / 200_000)
+    assert np.median(draws) == pytest.approx(1.2e-15, rel=1e-4, abs=0)
+    assert draws.std() / draws.mean() == pytest.approx(0.5, rel=2e-3, abs=0)
+
+
+def test_values_of_a_file_have_weights(tmp_path: Path) -> None:
+    file = tmp_path / "measured.csv"
+    file.write_text("# bushings\n0.4mm, 1\n\n0.2mm, 3\n")
+    draws = parse_distribution(f"table({file})", "clearance", LENGTH).ppf(
+        (np.arange(400) + 0.5) / 400
+    )
+    assert np.count_nonzero(draws == 0.2e-3) == 300
+    assert np.count_nonzero(draws == 0.4e-3) == 100
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nromal(0.8mm, 0.05mm)", "did you mean normal"),
+        ("0.8mm", "expected a range such as"),
+        ("normal(0.8mm)", r"expected normal\(MEAN, DEVIATION\)"),
+        ("normal(0.8, 0.05mm)", "has no unit"),
+        ("normal(0.8mm, 0.5mm)", "5.48 % of it lies outside the allowed range 0 to 1 m"),
+        ("0.2mm:2m", "allowed is 0 to 1 m"),
+        ("1mm:0.2mm", "the first end must be below the second"),
+        ("lognormal(0.8mm, 0.5)", "a factor such as x1.6"),
+        ("lognormal(0m, 50%)", "the median must be positive"),
+        ("table(nowhere.csv)", "no such file"),
+    ],
+)
+def test_wrong_distributions_are_refused(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_distribution(text, "clearance", LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("0.2mm\nred\n", "line 2: clearance = 'red'"),
+        ("0.2mm,-1\n0.3mm\n", "line 1: weight"),
+        ("0.2mm,0\n0.3mm,0", "at least two values and a positive weight"),
+    ],
+)
+def test_a_wrong_file_is_refused(tmp_path: Path, lines: str, message: str) -> None:
+    file = tmp_path / "v.csv"
+    file.write_text(lines)
+    with pytest.raises(InputError, match=message):
+        parse_distribution(f"table({file})", "clearance", LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "rows"),
+    [
+        ("sobol", 64, 64),
+        ("latin", 50, 50),
+        ("saltelli", 16, 80),
+        ("morris", 12, 48),
+        ("oat", 3, 19),
+    ],
+)
+def test_designs_are_reproducible(kind: str, size: int, rows: int) -> None:
+    points = design(kind, size, 3, seed=3)
+    assert points.shape == (rows, 3)
+    assert points.min() >= 0.0
+    assert points.max() <= 1.0
+    assert np.array_equal(points, design(kind, size, 3, seed=3))
+    assert kind == "oat" or not np.array_equal(points, design(kind, size, 3, seed=4))
+
+
+def test_sobol_points_are_balanced() -> None:
+    random = np.random.default_rng(1).random((64, 3))
+    assert qmc.discrepancy(design("sobol", 64, 3, seed=1)) < 0.5 * qmc.discrepancy(random)
+
+
+def test_saltelli_blocks_change_one_value_each() -> None:
+    blocks = design("saltelli", 8, 3, seed=1).reshape(8, 5, 3)
+    for k in range(3):
+        others = np.delete(np.arange(3), k)
+        assert np.array_equal(blocks[:, k + 1, k], blocks[:, -1, k])
+        assert np.array_equal(blocks[:, k + 1, others], blocks[:, 0, others])
+
+
+def test_morris_trajectories_change_each_value_once() -> None:
+    jumps = np.diff(design("morris", 40, 4, seed=1).reshape(40, 5, 4), axis=1)
+    assert np.all(np.count_nonzero(jumps, axis=1) == 1)
+    assert np.all(np.abs(jumps[jumps != 0.0]) == MORRIS_JUMP)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "message"),
+    [
+        ("sobel", 8, "did you mean sobol"),
+        ("sobol", 500, "must be a power of two, 256 or 512"),
+        ("morris", 0, "a size and a number of parameters of at least 1"),
+    ],
+)
+def test_wrong_designs_are_refused(kind: str, size: int, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        design(kind, size, 2, seed=0)

@@ -1,0 +1,161 @@
+"""Rows as files: claims, resuming, killed sweeps and executors."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.sweeps import runner
+from presswear.sweeps.responses import Response, request
+from presswear.sweeps.runner import Outcome, Progress, SerialExecutor, read_row, run_rows
+from presswear.sweeps.sweep import load_sweep
+from presswear.tools.errors import InputError, RunFailed
+
+SCENE = pw.scenes.slider_crank(engine="dae", cycles=1, wear_updates=0, replicates=1)
+REQUESTED = request(SCENE, ["bdc_error"])
+NAMES = {f"{k}": lambda: SCENE for k in range(4)}
+
+
+class Counting(SerialExecutor):
+    """Executor that stores a made-up outcome, and may end the sweep after some rows."""
+
+    def __init__(self, most: int = 100) -> None:
+        self.count, self.most = 0, most
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        if self.count == self.most:
+            raise KeyboardInterrupt
+        self.count += 1
+        future: Future[Any] = Future()
+        future.set_result(Outcome({"bdc_error@0": Response(1.5, None, True)}, 1, "", 2.0))
+        return future
+
+
+def rows_in(folder: Path) -> dict[str, int]:
+    return {file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")}
+
+
+def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
+    first, second = Counting(3), Counting()
+    with pytest.raises(KeyboardInterrupt):
+        run_rows(tmp_path, NAMES, REQUESTED, first, 1)
+    stored = rows_in(tmp_path)
+    assert len(stored) == 3  # no claim is left
+    reports: list[Progress] = []
+    run_rows(tmp_path, NAMES, REQUESTED, second, 1, on_progress=reports.append)
+    assert second.count == 1
+    assert stored.items() <= rows_in(tmp_path).items()
+    assert reports[0] == Progress(4, 3, 0, 1, 2.0)
+    assert reports[-1].done == 4
+    outcome = read_row(tmp_path, "0")
+    assert outcome is not None
+    assert outcome.values["bdc_error@0"] == Response(1.5, None, True)
+
+
+def test_empty_and_damaged_rows_run_again(tmp_path: Path) -> None:
+    run_rows(tmp_path, NAMES, REQUESTED, Counting(), 1)
+    for name, text in (("0", ""), ("1", '{"values": {'), ("2", '{"stages": "x"}')):
+        (tmp_path / "rows" / f"{name}.json").write_text(text)
+        assert read_row(tmp_path, name) is None
+    again = Counting()
+    run_rows(tmp_path, NAMES, REQUESTED, again, 1)
+    assert again.count == 3
+
+
+def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path: Path) -> None:
+    class Claiming(Counting):
+        def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+            (tmp_path / "rows" / "3.json").touch()
+            return super().submit(fn, *args, **kwargs)
+
+    executor = Claiming()
+    run_rows(tmp_path, NAMES, REQUESTED, executor, 1)
+    assert executor.count == 3
+    assert (tmp_path / "rows" / "3.json").exists()
+
+
+def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> None:
+    def impossible() -> pw.Scene:
+        raise InputError("no such linkage")
+
+    run_rows(tmp_path, {"a": impossible}, REQUESTED, Counting(), 1)
+    outcome = read_row(tmp_path, "a")
+    assert outcome is not None
+    assert outcome.error == "no such linkage"
+
+    class Broken(Counting):
+        def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+            future: Future[Any] = Future()
+            future.set_exception(MemoryError())
+            return future
+
+    with pytest.raises(RunFailed, match="the executor failed"):
+        run_rows(tmp_path, NAMES, REQUESTED, Broken(), 1)
+    assert set(rows_in(tmp_path)) == {"a"}
+
+
+def test_another_program_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "program_digest", lambda: "another")
+    with pytest.raises(InputError, match="another program"):
+        runner.run_row(SCENE, REQUESTED, None, "this")
+
+
+@pytest.mark.parametrize(
+    ("on", "message"),
+    [
+        ("dsk", "MODULE:FACTORY"),
+        ("nowhere:Executor", "nowhere"),
+        ("builtins:dict", "dict is not an Executor"),
+        ("dask://nowhere", "expected dask://HOST:PORT"),
+    ],
+)
+def test_unknown_executors_are_refused(on: str, message: str) -> None:
+    with pytest.raises(InputError, match=message), runner.open_executor(on, 1):
+        pass
+
+
+def test_a_user_executor_is_shut_down() -> None:
+    with runner.open_executor("concurrent.futures:ThreadPoolExecutor", 1) as (executor, slots):
+        assert isinstance(executor, Executor)
+        assert slots > 1
+    with pytest.raises(RuntimeError, match="shutdown"):
+        executor.submit(int)
+
+
+WORDS = ["sweep", "slider-crank", "--engine", "dae", "--cycles", "3", "--set", "wear_updates=0"]
+WORDS += ["--set", "replicates=1", "--vary", "clearance=0.1mm:0.5mm:8", "--response", "bdc_error"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    command = [sys.executable, "-m", "presswear", *WORDS, "--out", str(folder), "--jobs", "2"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+        until = time.monotonic() + 120.0
+        while not any(file.stat().st_size for file in folder.glob("rows/*.json")):
+            assert process.poll() is None
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        os.kill(process.pid, number)
+        process.wait(30.0)
+        assert process.stderr is not None
+        errors = process.stderr.read().decode()
+    assert number == signal.SIGKILL or "all finished runs are kept; continue with" in errors
+    stored = {name: when for name, when in rows_in(folder).items() if read_row(folder, name)}
+    assert stored
+    command = [*command[:5], "--resume", "--out", str(folder), "--jobs", "1"]
+    assert subprocess.run(command, stdout=subprocess.DEVNULL).returncode == 0
+    assert stored.items() <= rows_in(folder).items()
+    assert np.isfinite(load_sweep(folder).table.values).all()
+    assert json.loads((folder / "sweep.json").read_text())["schema"] == 2
