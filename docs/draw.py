@@ -25,13 +25,12 @@ from presswear.campaign.progress import Forecast
 from presswear.campaign.single import workers_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
+from presswear.linkage.drives import RISES, Drive, Rise
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
 from presswear.linkage.loads import Force, OverPosition
-from presswear.linkage.motions import Drive
-from presswear.linkage.pieces import RISES, Rise
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
-from presswear.scene.life import Limit
+from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures.style import LINES, SETTINGS, WIDTH

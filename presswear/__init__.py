@@ -18,16 +18,29 @@ if TYPE_CHECKING:
     from presswear.engines.settings import ExudynJoints as ExudynJoints
     from presswear.engines.settings import ExudynTree as ExudynTree
     from presswear.engines.settings import InHouse as InHouse
+    from presswear.linkage.drives import Drive as Drive
+    from presswear.linkage.drives import Dwell as Dwell
+    from presswear.linkage.drives import Follow as Follow
+    from presswear.linkage.drives import Forming as Forming
+    from presswear.linkage.drives import Pendulum as Pendulum
+    from presswear.linkage.drives import Rise as Rise
+    from presswear.linkage.elements import Attachment as Attachment
     from presswear.linkage.elements import Bar as Bar
     from presswear.linkage.elements import Body as Body
     from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
     from presswear.linkage.elements import Guide as Guide
+    from presswear.linkage.elements import OutputPoint as OutputPoint
     from presswear.linkage.elements import Pin as Pin
     from presswear.linkage.elements import Revolute as Revolute
     from presswear.linkage.elements import WearLaw as WearLaw
     from presswear.linkage.laws import FrictionLaw as FrictionLaw
+    from presswear.linkage.laws import Materials as Materials
     from presswear.linkage.laws import NormalLaw as NormalLaw
     from presswear.linkage.linkage import Linkage as Linkage
+    from presswear.linkage.linkage import assemble as assemble
+    from presswear.linkage.loads import Blanking as Blanking
+    from presswear.linkage.loads import Coining as Coining
+    from presswear.linkage.loads import Drawing as Drawing
     from presswear.linkage.loads import Force as Force
     from presswear.linkage.loads import Harmonics as Harmonics
     from presswear.linkage.loads import Load as Load
@@ -35,20 +48,8 @@ if TYPE_CHECKING:
     from presswear.linkage.loads import OverPosition as OverPosition
     from presswear.linkage.loads import OverTime as OverTime
     from presswear.linkage.loads import Spring as Spring
-    from presswear.linkage.materials import Materials as Materials
-    from presswear.linkage.motions import Drive as Drive
-    from presswear.linkage.motions import Follow as Follow
-    from presswear.linkage.pieces import Rise as Rise
-    from presswear.linkage.points import Attachment as Attachment
-    from presswear.linkage.points import Probe as Probe
-    from presswear.linkage.press import Press as Press
-    from presswear.linkage.process import Blanking as Blanking
-    from presswear.linkage.process import Coining as Coining
-    from presswear.linkage.process import Drawing as Drawing
-    from presswear.linkage.servo import Dwell as Dwell
-    from presswear.linkage.servo import Forming as Forming
-    from presswear.linkage.servo import Pendulum as Pendulum
-    from presswear.linkage.slider_crank import SliderCrank as SliderCrank
+    from presswear.linkage.mechanisms import Press as Press
+    from presswear.linkage.mechanisms import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
     from presswear.physics.statics import deflection as deflection
     from presswear.physics.statics import total_clearance as total_clearance
@@ -62,8 +63,8 @@ if TYPE_CHECKING:
     from presswear.results.surfaces import read_surfaces as read_surfaces
     from presswear.scene.bearing import Bearing as Bearing
     from presswear.scene.bearing import Conventions as Conventions
-    from presswear.scene.life import Life as Life
-    from presswear.scene.recording import Recording as Recording
+    from presswear.scene.options import Life as Life
+    from presswear.scene.options import Recording as Recording
     from presswear.scene.scene import Scene as Scene
     from presswear.scene.settings import changed as changed
     from presswear.sweeps.sweep import Sweep as Sweep
@@ -78,18 +79,24 @@ _ROOMS = {
     "campaign.scenes": ("run_scenes",),
     "campaign.single": ("run",),
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
+    "linkage.drives": ("Drive", "Dwell", "Follow", "Forming", "Pendulum", "Rise"),
     "linkage.elements": (
+        "Attachment",
         "Bar",
         "Body",
         "ClearanceJoint",
         "Guide",
+        "OutputPoint",
         "Pin",
         "Revolute",
         "WearLaw",
     ),
-    "linkage.laws": ("FrictionLaw", "NormalLaw"),
-    "linkage.linkage": ("Linkage",),
+    "linkage.laws": ("FrictionLaw", "Materials", "NormalLaw"),
+    "linkage.linkage": ("Linkage", "assemble"),
     "linkage.loads": (
+        "Blanking",
+        "Coining",
+        "Drawing",
         "Force",
         "Harmonics",
         "Load",
@@ -98,13 +105,7 @@ _ROOMS = {
         "OverTime",
         "Spring",
     ),
-    "linkage.materials": ("Materials",),
-    "linkage.motions": ("Drive", "Follow", "Rise"),
-    "linkage.points": ("Attachment", "Probe"),
-    "linkage.press": ("Press",),
-    "linkage.process": ("Blanking", "Coining", "Drawing"),
-    "linkage.servo": ("Dwell", "Forming", "Pendulum"),
-    "linkage.slider_crank": ("SliderCrank",),
+    "linkage.mechanisms": ("Press", "SliderCrank"),
     "linkage.surface": ("Surface",),
     "physics.statics": ("deflection", "total_clearance"),
     "recording.observer": ("Progress", "Observer"),
@@ -113,8 +114,7 @@ _ROOMS = {
     "results.stage": ("JointResult", "StageResult"),
     "results.surfaces": ("read_surfaces",),
     "scene.bearing": ("Bearing", "Conventions"),
-    "scene.life": ("Life",),
-    "scene.recording": ("Recording",),
+    "scene.options": ("Life", "Recording"),
     "scene.scene": ("Scene",),
     "scene.settings": ("changed",),
     "sweeps.sweep": ("Sweep", "function_of", "sweep"),

@@ -20,7 +20,7 @@ pins = [
     pw.Pin("P", (0.18, 0.0), "rocker.tail"),
 ]
 guess = {"coupler": 0.6, "rocker": 1.4}  # rad: which way it is put together
-four_bar = pw.Linkage(bars, pins, [pw.Drive("crank", 30.0)], "rocker.head", guess)
+four_bar = pw.assemble(bars, pins, [pw.Drive("crank", 30.0)], "rocker.head", guess)
 bearings = {
     "A": pw.Bearing(clearance=0.1e-3, normal_law="flores", restitution=0.6),
     "B": pw.Bearing(clearance=0.3e-3, friction=0.1, friction_law=rub),

@@ -13,7 +13,7 @@ pin = pw.ClearanceJoint(
     pw.NormalLaw(1e10, damping=0.1), pw.FrictionLaw(0.05),
 )  # fmt: skip
 bob = pw.Body("bob", mass=1.0, inertia=0.01)
-pendulum = pw.Linkage((bob,), clearances=(pin,))
+pendulum = pw.assemble((bob,), clearances=(pin,))
 swung = Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
 run = pw.InHouse().simulate(pendulum, swung, Plan(1.0, 2))
 print(f"after {run.time:g} s: {run.recorder.book.tally['contacts'][0]} contacts, {run.status}")

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 def branching() -> pw.Linkage:
     """A driven crank with two rods in a row, and an inclined slider with a pendulum."""
-    return pw.Linkage(
+    return pw.assemble(
         (
             pw.Body("crank", 0.1, 1e-4),
             pw.Body("pendulum", 0.4, 2e-3),
@@ -34,7 +34,7 @@ def branching() -> pw.Linkage:
             pw.Guide("guide", "slider", 0.1, 0.2, direction=0.4, angle=-0.9),
         ),
         (pw.Drive("crank", -30.0, 0.7),),
-        pw.Probe("slider", 0.4),
+        pw.OutputPoint("slider", 0.4),
     )
 
 

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.linkage.materials import Materials
+from presswear.linkage.laws import Materials
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import CONVENTIONS
-from presswear.scene.numerics import Numerics
+from presswear.scene.options import Numerics
 
 Array = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ def bush(
         ]
     shoe = 0.1
     ends = ("crank.tail", "arm.bore") if turns == "bush" else ("arm.bore", "crank.tail")
-    linkage = pw.Linkage(
+    linkage = pw.assemble(
         # The arm and the shoe are as heavy along as across.
         bodies=[
             pw.Bar("crank", length=0.1, mass=0.1),
@@ -94,7 +94,7 @@ def bush(
             pw.Spring("along", "arm.bore", (0.0, -50.0), 0.0, 50.0, damping),
         ],
         loads=loads,
-        watch="shoe.centre",
+        output="shoe.centre",
     )
     bearing = pw.Bearing(
         clearance=CLEARANCE,

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import Attachment
-from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press, SliderCrank
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 
@@ -247,14 +246,14 @@ def servo_turning(press: Press, time: Array, slider: Array, guess: float) -> Tur
     linkage, angle, still = press.linkage(), np.full(time.size, guess), np.zeros(time.size)
 
     def moved(rates: tuple[float, float]) -> Array:
-        return press_motion(press, time, rates, (angle, still, still)).watched(linkage)
+        return press_motion(press, time, rates, (angle, still, still)).output(linkage)
 
     for _ in range(30):
         place, influence, _ = moved((0.0, 1.0)).T
         angle = angle - np.clip((place - slider[:, 0]) / influence, -0.2, 0.2)
     influence, driven = moved((0.0, 1.0))[:, 1], moved((-press.speed, 0.0))[:, 1]
     speed = (slider[:, 1] - driven) / influence
-    bare = press_motion(press, time, None, (angle, speed, still)).watched(linkage)[:, 2]
+    bare = press_motion(press, time, None, (angle, speed, still)).output(linkage)[:, 2]
     return angle, speed, (slider[:, 2] - bare) / influence
 
 

@@ -15,7 +15,7 @@ def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, floa
     result = pw.run(scene, engine="dae")
     time, ideal = result.stages[0].time, scene.ideal
     rows, needed = time > 2.0 * ideal.period, joint_forces(scene.loaded, ideal, time)
-    path = ideal.at(time).watched(scene.linkage())[:, 0] - scene.bottom
+    path = ideal.at(time).output(scene.linkage())[:, 0] - scene.bottom
     told = {"bottom (m)": result.stages[0].bdc.error.mean}
     told["slider (m)"] = np.abs(result.height(0) - path)[rows].max()
     for name, own in result.stages[0].joints.items():

@@ -1,10 +1,10 @@
 """Linkages of which a part has no freedom once a joint is open."""
 
+from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Guide, Pin
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
+from presswear.linkage.linkage import assemble
 
-PUMP = Linkage(
+PUMP = assemble(
     bodies=[
         Bar("crank", 0.04, 0.3),
         Bar("rod", 0.15, 0.4),
@@ -26,7 +26,7 @@ PUMP = Linkage(
     name="slider-crank with a rocker",
 )
 """A driven slider whose angle is not that of its guide moves a rocker; the drive is uneven."""
-STEPHENSON = Linkage(
+STEPHENSON = assemble(
     bodies=[
         Bar("crank", 0.04, 0.3),
         Bar("coupler", 0.16, 0.4),
@@ -48,7 +48,7 @@ STEPHENSON = Linkage(
     name="Stephenson's six-bar",
 )
 """Four bodies behind the crank move only together: no two of them close alone."""
-ARM = Linkage(
+ARM = assemble(
     bodies=[
         Bar("upper", 0.05, 0.3),
         Bar("fore", 0.06, 0.4),

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.recording.recorder import Recorder
 
 QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}

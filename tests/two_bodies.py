@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.linkage.elements import MapFrame
-from presswear.linkage.points import GROUND
+from presswear.linkage.elements import GROUND, MapFrame
 from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
 from presswear.physics.forces import JointLoad, load_of
 from presswear.physics.packed import Packed, pack
@@ -68,7 +67,9 @@ class Pair:
         """The two bodies, or the pin's alone when the frame holds the bearing."""
         names = ("pin",) if self.joint.bearing.body == GROUND else ("bearing", "pin")
         bodies = tuple(pw.Body(name, 0.1, 1e-3) for name in names)
-        return pw.Linkage(bodies, watch=pw.Probe("pin"), gravity=0.0, clearances=(self.joint,))
+        return pw.assemble(
+            bodies, output=pw.OutputPoint("pin"), gravity=0.0, clearances=(self.joint,)
+        )
 
     @property
     def packed(self) -> Packed:

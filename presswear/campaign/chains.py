@@ -15,7 +15,7 @@ from presswear.campaign.segment import Task, worn_out
 from presswear.linkage.elements import ClearanceJoint
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.stage import WearStep
-from presswear.scene.life import Service
+from presswear.scene.options import Service
 from presswear.tools.errors import RunFailed
 
 Array = NDArray[np.float64]

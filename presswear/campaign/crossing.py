@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.recording.statistics import half_width
-from presswear.scene.life import Limit
+from presswear.scene.options import Limit
 
 Array = NDArray[np.float64]
 

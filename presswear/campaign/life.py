@@ -27,7 +27,7 @@ from presswear.campaign.crossing import (
     sampling_error,
 )
 from presswear.recording.statistics import half_width
-from presswear.scene.life import Limit, Service
+from presswear.scene.options import Limit, Service
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]

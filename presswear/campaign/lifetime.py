@@ -13,7 +13,7 @@ from presswear.campaign.life import Known, Pass, Problem, known_by, live
 from presswear.campaign.phases import phases_of
 from presswear.recording.statistics import half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
-from presswear.scene.life import Life, Limit
+from presswear.scene.options import Life, Limit
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]

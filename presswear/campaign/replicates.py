@@ -79,8 +79,8 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     free = null_space(jacobian)
     if free.shape[1] == 0:
         return None
-    probe = 3 * linkage.index(linkage.probe.body)
-    along = [math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)]
+    probe = 3 * linkage.index(linkage.output.body)
+    along = [math.cos(linkage.output.direction), math.sin(linkage.output.direction)]
     weights = np.array(along) @ free[probe : probe + 2]
     moved = free @ weights if np.linalg.norm(weights) > 1e-6 else free[:, 0]
     position = start.position + distance * moved / np.abs(moved).max()

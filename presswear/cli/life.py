@@ -17,8 +17,8 @@ from presswear.cli.terminal import (
     scene_given,
     settings_given,
 )
-from presswear.linkage.materials import MATERIALS
-from presswear.scene.life import FOLLOWED, NEW, TURNED, Life
+from presswear.linkage.laws import MATERIALS
+from presswear.scene.options import FOLLOWED, NEW, TURNED, Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed
 from presswear.tools.errors import InputError

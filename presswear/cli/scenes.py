@@ -9,8 +9,7 @@ from typing import Any
 from rich.console import Console
 
 from presswear.cli.terminal import add_settings, scene_given, settings_given
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.written import values_of
+from presswear.linkage.linkage import Linkage, values_of
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import EXAMPLES, SUFFIX, example_file
 from presswear.scene.settings import changed, settings_of

@@ -1,14 +1,13 @@
-"""Parts of a planar linkage as data: bodies, ideal joints and clearance joints."""
+"""Parts of a planar linkage as data: points, bodies, ideal joints and clearance joints."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, cast
+from typing import Annotated, Any, Literal, cast
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
-from presswear.linkage.points import LARGE, Attachment, End, Place, angle, place
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Quantity
+from presswear.tools.quantities import Quantity, quantity
 from presswear.tools.serialize import check_fields
 
 MapFrame = Literal["fixed", "body"]
@@ -16,30 +15,87 @@ Slip = Literal["angle", "sliding"]
 WearDistribution = Literal["bin", "arc"]
 SurfaceContact = Literal["radial", "foundation"]
 
+GROUND = "frame"
+MAX_LENGTH = 1e5  # m: no machine is larger, and a floor is a part of a circle so large
+MAX_ANGLE = 1e4  # rad: beyond it a sine has lost four digits
+MIN_INERTIA = 1e-18  # of a body that can turn, kg m^2
 
+LENGTH = Quantity("m", -MAX_LENGTH, MAX_LENGTH)
+ANGLE = Quantity("rad", -MAX_ANGLE, MAX_ANGLE)
 MASS = Quantity("kg", 1e-9, 1e9, "", "mass")
 INERTIA = Quantity(
-    "kg m^2",
-    0.0,
-    1e15,
-    "",
-    "about the mass centre; of a bar m l^2 / 12 if not given; 0 for a body that cannot turn",
+    "kg m^2", 0.0, 1e15, "", "about the mass centre; 0 is allowed for a body that cannot turn"
 )
-LEAST_INERTIA = 1e-18
-"""Of a body that can turn, kg m^2."""
+BAR_LENGTH = Quantity("m", 1e-6, MAX_LENGTH, "", "length of a bar, tail to head")
+
+Place = tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]]
+"""Coordinates, m."""
+
+
+def place(text: str = "") -> Any:
+    """Return a data class field for a coordinate, m."""
+    return quantity(0.0, "m", -MAX_LENGTH, MAX_LENGTH, "", text)
+
+
+def angle(text: str = "", default: float | None = 0.0) -> Any:
+    """Return a data class field for an angle, rad."""
+    return quantity(default, "rad", -MAX_ANGLE, MAX_ANGLE, "", text)
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """Point of a body, in the frame of the body with origin at the mass centre, m."""
+
+    body: str
+    x: Annotated[float, LENGTH]
+    y: Annotated[float, LENGTH]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
+class OutputPoint:
+    """Coordinate that a study observes: a point of a body along a direction.
+
+    Attributes
+    ----------
+    direction : float
+        rad.
+    x, y : float
+        Point in the frame of the body with origin at the mass centre, m.
+    """
+
+    body: str
+    direction: float = angle("direction along which the output point is observed")
+    x: float = place()
+    y: float = place()
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def attachment(self) -> Attachment:
+        """Point without the direction."""
+        return Attachment(self.body, self.x, self.y)
+
+
+End = Attachment | str | Place
+"""Point: as it is, as ``body.point``, as ``body`` for its mass centre, or as coordinates on the
+frame, m."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body.
+    """Rigid body.
 
     Attributes
     ----------
     mass, inertia : float
-        kg; about its mass centre, kg m^2.  It may be 0 where the body cannot turn.
+        kg; about the mass centre, kg m^2. The inertia may be 0 where the body cannot turn.
     points : tuple of (str, (float, float))
-        Names for some of its points, in its frame with origin at the mass centre, m; a mapping
-        may be given.
+        Names of points, in the frame of the body with origin at the mass centre, m. A mapping is
+        accepted.
     """
 
     name: str
@@ -48,14 +104,16 @@ class Body:
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
 
     def __post_init__(self) -> None:
-        """InputError where a point is out of range."""
         check_fields(self)
         points = dict(self.points)
-        for name, ends in points.items():
-            Attachment(f"{self.name}.{name}", *ends)
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
             raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
         object.__setattr__(self, "points", tuple(points.items()))
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the body as plain data, its points by name."""
+        points = {name: list(place) for name, place in dict(self.points).items()}
+        return {"name": self.name, "mass": self.mass, "inertia": self.inertia, "points": points}
 
     @property
     def effective_inertia(self) -> float:
@@ -66,52 +124,49 @@ class Body:
         return self.inertia or self.mass  # mass times 1 m^2
 
 
-BAR = Quantity("m", 1e-6, LARGE, "", "of a bar: from its tail to its head, its mass centre halfway")
-"""The length of a bar."""
-
-
-def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
+def Bar(  # noqa: N802 - in a linkage it is a kind of body
     name: str,
     length: float | str,
     mass: float | str,
     inertia: float | str | None = None,
+    points: Mapping[str, Place] | None = None,
 ) -> Body:
-    """A bar: a body with the points ``tail`` and ``head`` at its ends.
+    """Return a bar: a body with the points ``tail`` and ``head`` at its ends.
 
     Its x axis points from tail to head, its mass centre is halfway.
 
     Parameters
     ----------
-    length, mass : float
-        m, kg.
-    inertia : float or None
+    length, mass : float or str
+        m, kg, or texts with units.
+    inertia : float, str or None
         About its mass centre, kg m^2; None: that of a thin rod, m l^2 / 12.
+    points : mapping or None
+        Names of more points.
     """
-    size = BAR.convert(f"length of {name}", length)
-    m = MASS.convert(f"mass of {name}", mass)
-    half = 0.5 * size
-    ends = (("tail", (-half, 0.0)), ("head", (half, 0.0)))
-    rod = m * size**2 / 12.0
-    return Body(name, m, rod if inertia is None else cast(float, inertia), ends)
-
-
-def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
-    """Tail and head of a bar along its x axis, its mass centre halfway between them."""
-    return Attachment(body, -0.5 * length, 0.0), Attachment(body, 0.5 * length, 0.0)
+    size = BAR_LENGTH.convert(f"length of {name}", length)
+    kilograms = MASS.convert(f"mass of {name}", mass)
+    rod = kilograms * size**2 / 12.0
+    ends = {"tail": (-0.5 * size, 0.0), "head": (0.5 * size, 0.0)}
+    total = rod if inertia is None else cast(float, inertia)
+    return Body(name, kilograms, total, ends | dict(points or {}))
 
 
 @dataclass(frozen=True)
 class Pin:
-    """A pin joint between two points as a person writes them; a linkage makes a Revolute of it."""
+    """Ideal pin joint between two points as a person writes them; see ``Revolute``."""
 
     name: str
     first: End
     second: End
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
 
 @dataclass(frozen=True)
 class Revolute:
-    """An ideal pin joint between two points."""
+    """Ideal pin joint between two points."""
 
     name: str
     first: Attachment
@@ -120,14 +175,14 @@ class Revolute:
 
 @dataclass(frozen=True)
 class Guide:
-    """A straight guide on the frame: the body slides along a line and does not turn.
+    """Straight guide on the frame: the body slides along a line and does not turn.
 
     Attributes
     ----------
     body : str
-        The body whose mass centre stays on the line.
+        Body whose mass centre stays on the line.
     x, y : float
-        A point of the line, m.
+        Point of the line, m.
     direction : float
         Angle of the line, rad.
     angle : float
@@ -136,13 +191,12 @@ class Guide:
 
     name: str
     body: str
-    x: float = place("a point of the line, to the right of the origin")
-    y: float = place("a point of the line, above the origin")
+    x: float = place("point of the line, to the right of the origin")
+    y: float = place("point of the line, above the origin")
     direction: float = angle("angle of the line")
     angle: float = angle("fixed angle of the body")
 
     def __post_init__(self) -> None:
-        """InputError where a number is out of range."""
         check_fields(self)
 
 
@@ -156,9 +210,9 @@ class WearLaw:
         K_d, 1/Pa.
     slip : {"angle", "sliding"}
         ``ds = (R_j + delta) |d phi|`` (equation 24), or ``|v_t| dt``.
-    footprint : {"bin", "arc"}
-        All into the bin of the contact with the mean pressure of equations 25 to
-        28, or over the contact arc in proportion to the pressure there.
+    wear_distribution : {"bin", "arc"}
+        All into the bin of the contact with the mean pressure of equations 25 to 28, or over the
+        contact arc in proportion to the pressure there.
     bearing_share : float
         Part of the depth that the bearing loses; the pin loses the rest.
     angles : int
@@ -174,7 +228,7 @@ class WearLaw:
 
 @dataclass(frozen=True)
 class ClearanceJoint:
-    """A pin joint with clearance: a pin loose in a bearing.
+    """Pin joint with clearance: a pin loose in a bearing.
 
     Attributes
     ----------
@@ -182,15 +236,13 @@ class ClearanceJoint:
         Centres of the hole and of the pin.
     bearing_radius, clearance, width : float
         R_i, c = R_i - R_j and axial width b, m.
-    normal, friction : NormalLaw, FrictionLaw
     wear : WearLaw or None
-        None keeps no wear account.
+        None: no wear account.
     map_frame : {"fixed", "body"}
-        Whether the wear maps stay fixed in direction or turn with their bodies.
+        Wear maps stay fixed in direction, or turn with their bodies.
     contact : {"radial", "foundation"}
-        How worn surfaces meet: the pin's nearest point alone along e, or all of the arc
-        through an elastic foundation.  Round ones meet by the normal law in both.
-    bearing_surface, pin_surface : Surface
+        Worn surfaces meet at the pin's nearest point along e, or over the arc through an elastic
+        foundation. Round ones meet by the normal law in both.
     """
 
     name: str
@@ -214,7 +266,7 @@ class ClearanceJoint:
 
     @property
     def bins(self) -> int:
-        """Angular bins of its wear maps; without an account those of its surfaces, or one."""
+        """Angular bins of the wear maps; without an account those of the surfaces, or one."""
         if self.wear is not None:
             return self.wear.angles
         return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)

@@ -1,87 +1,74 @@
-"""Springs and loads: where a force or a moment acts, and the law of its size.
+"""Springs, loads with their laws, and the process forces of a press.
 
-A law is continuous in position and speed, or in position and the deepest place so far, so that no
-load can switch itself on and off without end; the one jump, a release, is made good only by the
-whole way back.  Where a law
-bends or jumps is located by every engine: no step crosses it.  Where a function of one's own
-bends is its owner's business: no engine knows.
+A law is continuous in position and speed, or in position and the greatest depth so far, so that no
+load can switch on and off without end; the one jump, a release, is undone only by the whole way
+back. Every engine locates the corners and jumps of a law, and no step crosses them; it does not
+know the corners of a user function.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, ClassVar, Literal, cast, get_args
 
-from presswear.linkage.points import ANGLE, LARGE, TURNED, Attachment, End
-from presswear.tools.errors import InputError
-from presswear.tools.quantities import Quantity, quantity
-from presswear.tools.serialize import check_fields
+from presswear.linkage.elements import ANGLE, MAX_ANGLE, MAX_LENGTH, Attachment, End
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import Quantity, choice, quantity
+from presswear.tools.serialize import check_fields, make
 from presswear.tools.user_function import UserFunction
 
 Sense = Literal["both", "along", "against"]
-Outside = Literal["hold", "zero"]
-Table = Sequence[tuple[float, float]]
+Outside = Literal["zero", "hold"]
 
-STRONG = 1e12
-"""Greatest constant load, N or N m; the strongest press has 1e9."""
-STEEP = 1e16
-"""Steepest elastic line, N/m or N m/rad: the greatest process force over the least depth."""
-FAST = 1e6
-"""Greatest frequency, rad/s."""
-LEAST_REPEAT = 1e-6
-"""Of a table over position, m or rad; steps end at all its nodes."""
-LEAST_GAP = 1e-6
-"""Between two neighbours in a table, part of its length: closer ones are a jump."""
-ROUND_OFF = 1e-6
-"""Part by which a slope may differ from one that is computed from the nodes of a table."""
+MAX_LOAD = 1e12  # N or N m; the strongest press has 1e9
+MAX_SLOPE = 1e16  # of an elastic line, N/m or N m/rad: the greatest process force over MIN_DEPTH
+MAX_FREQUENCY = 1e6  # rad/s
+MIN_GAP = 1e-6  # between two nodes of a table, part of its length: closer ones are a jump
+SLOPE_TOL = 1e-6  # relative, of a slope that is computed from the nodes of a table
+
+_TIME = Annotated[float, Quantity("s", -1e15, 1e15)]
+_POSITION = Annotated[float, Quantity("m or rad", -1e15, 1e15)]
+_LOAD = Annotated[float, Quantity("N or N m", -1e15, 1e15)]
+Table = Sequence[tuple[float, float]]
 
 
 @dataclass(frozen=True)
 class Spring:
-    """A linear spring and damper between two points.
-
-    Attributes
-    ----------
-    stiffness, damping : float
-        N/m, N s/m.
-    length : float
-        Length without force, m.
-    """
+    """Linear spring and damper between two points."""
 
     name: str
     first: End
     second: End
     stiffness: Annotated[float, Quantity("N/m", 0.0, 1e12, "", "stiffness")]
-    length: Annotated[float, Quantity("m", 0.0, LARGE, "", "length without force")]
+    length: Annotated[float, Quantity("m", 0.0, MAX_LENGTH, "", "length without force")]
     damping: float = quantity(0.0, "N s/m", 0.0, 1e12, "", "damping")
 
     def __post_init__(self) -> None:
-        """InputError where a number is out of range."""
         check_fields(self)
 
     @property
     def ends(self) -> tuple[Attachment, Attachment]:
-        """Both its ends, which a linkage has found."""
+        """Both ends, in an assembled linkage."""
         return cast(tuple[Attachment, Attachment], (self.first, self.second))
 
 
 @dataclass(frozen=True)
 class Load:
-    """A constant force, N, at the mass centre of a body and moment, N m, on it."""
+    """Constant force, N, at the mass centre of a body and moment, N m, on it."""
 
     body: str
-    x: float = quantity(0.0, "N", -STRONG, STRONG, "", "force to the right, at the mass centre")
-    y: float = quantity(0.0, "N", -STRONG, STRONG, "", "force upwards")
-    moment: float = quantity(0.0, "N m", -STRONG, STRONG, "", "moment, counterclockwise")
+    x: float = quantity(0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force to the right, at the mass centre")
+    y: float = quantity(0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force upwards")
+    moment: float = quantity(0.0, "N m", -MAX_LOAD, MAX_LOAD, "", "moment, counterclockwise")
 
     def __post_init__(self) -> None:
-        """InputError where a number is out of range."""
         check_fields(self)
 
 
 @dataclass(frozen=True)
 class Harmonics:
-    """A Fourier series over time: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t.
+    """Fourier series over time: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t.
 
     Attributes
     ----------
@@ -93,12 +80,13 @@ class Harmonics:
         a_k and b_k, N or N m.
     """
 
-    mean: float = 0.0
-    frequency: float = quantity(0.0, "rad/s", 0.0, FAST, "", "frequency of the first harmonic")
-    harmonics: Table = ()
+    kind: ClassVar[str] = "harmonics"
+
+    mean: _LOAD = 0.0
+    frequency: float = quantity(0.0, "rad/s", 0.0, MAX_FREQUENCY, "", "of the first harmonic")
+    harmonics: Sequence[tuple[_LOAD, _LOAD]] = ()
 
     def __post_init__(self) -> None:
-        """InputError where a number is out of range, or harmonics have no frequency."""
         check_fields(self)
         if self.harmonics and not self.frequency > 0.0:
             raise InputError(
@@ -108,7 +96,7 @@ class Harmonics:
 
 @dataclass(frozen=True)
 class OverTime:
-    """A table over time, linear between its nodes.
+    """Table over time, linear between its nodes.
 
     Attributes
     ----------
@@ -119,161 +107,159 @@ class OverTime:
         and its ends are held.
     """
 
-    table: Table
+    kind: ClassVar[str] = "over-time"
+
+    table: Sequence[tuple[_TIME, _LOAD]]
     period: float | None = quantity(
-        None, "s", 0.0, 1e6, "", "after which the table repeats; 0: never; else after a cycle"
+        None, "s", 0.0, 1e6, "", "period of the table; 0: it does not repeat; default: a cycle"
     )
 
     def __post_init__(self) -> None:
-        """InputError where the table is none, or longer than its period."""
         check_fields(self)
-        _rising("over_time", self.table)
+        _check_rising(self.table)
         if self.period is not None:
-            self.check("period", self.period)
+            self.check_period("period", self.period)
 
-    def check(self, name: str, period: float) -> None:
-        """InputError unless the table fits into a period, s, of a name."""
-        last = self.table[-1][0]
-        if period > 0.0 and not (self.table[0][0] >= 0.0 and last <= period):
+    def check_period(self, name: str, period: float) -> None:
+        """Raise InputError unless the table fits into a period, s."""
+        first, last = self.table[0][0], self.table[-1][0]
+        if period > 0.0 and not (first >= 0.0 and last <= period):
             raise InputError(
-                f"over_time: from {self.table[0][0]:g} to {last:g} s; with a {name} of "
-                f"{period:g} s allowed is 0 to {period:g} s"
+                f"table: from {first:g} to {last:g} s; with a {name} of {period:g} s allowed is 0 "
+                f"to {period:g} s"
             )
 
 
 @dataclass(frozen=True)
 class OverPosition:
-    """A table over the position of the point along the force, or the angle of the body.
+    """Table over the position of the point along the force, or the angle of the body.
 
-    In one sense of motion alone, a load resists: it is 0 at rest and behind, grows with the
-    speed up to ``rise`` and is whole from there, as friction in a joint is.  A body it could
-    hold creeps, and nothing switches to and fro.  Where it is elastic-plastic, with ``unloading``,
-    no speed matters: it is the table on the way in; where the motion turns back it falls along a
-    straight line to zero and stays there, and on the way in again it rises along that line up to
-    the deepest place and then follows the table.  Of the energy that it takes it gives back what
-    is under that line.  A run that begins within the table begins at the deepest place.
+    In one sense of motion alone, a load resists: it is 0 at rest and behind, and grows with the
+    speed to its full size, as friction in a joint does. With ``unloading`` it is elastic-plastic
+    and no speed matters: it is the table on the way in; where the motion turns back it falls along
+    a straight line to zero and stays there, and on the way in again it rises along that line up to
+    the greatest depth and then follows the table. Of the energy that it takes it gives back what
+    is under that line. A run that begins within the table begins at the greatest depth.
 
     Attributes
     ----------
     table : tuple of (float, float)
-        Position, m, and force, N; or angle, rad, and moment, N m.  Linear between.
+        Position, m, and force, N; or angle, rad, and moment, N m. Linear between.
     sense : {"both", "along", "against"}
-        Motion in which it acts: both senses, along the force's direction alone (counterclockwise)
-        or against it.  Forces and moments are counted along the direction, so that one that
-        resists motion against it is positive.
+        Motion in which it acts: both senses, along the direction of the force alone
+        (counterclockwise) or against it. Forces and moments are counted along the direction, so
+        that one that resists motion against it is positive.
     outside : {"zero", "hold"}
         Beyond the ends of the table: nothing, or the value at the end.
     zero : float
         Position at which the table has its zero, m or rad.
-    rise : float
-        Speed from which a load in one sense is whole, m/s or rad/s.
     release : bool
-        Once the motion has passed the end of the table there is no load until it is back
-        where the table begins, as in blanking.
-    repeats : float
-        Position after which the table repeats, m or rad; 0: it does not.
+        Once the motion has passed the end of the table there is no load until it is back where
+        the table begins, as in blanking.
     unloading : float
-        Slope of the elastic line, N/m or N m/rad; 0: none.  The deepest place is forgotten where
+        Slope of the elastic line, N/m or N m/rad; 0: none. The greatest depth is forgotten where
         the table begins.
     """
 
-    table: Table
+    kind: ClassVar[str] = "over-position"
+
+    table: Sequence[tuple[_POSITION, _LOAD]]
     sense: Sense = "both"
     outside: Outside = "zero"
-    zero: float = quantity(0.0, "m or rad", -TURNED, TURNED, "", "where the table has its zero")
-    rise: float = quantity(
-        1e-3, "m/s or rad/s", 1e-9, 1e6, "", "speed from which a load in one sense is whole"
-    )
+    zero: float = quantity(0.0, "m or rad", -MAX_ANGLE, MAX_ANGLE, "", "zero of the table")
     release: bool = False
-    repeats: float = quantity(
-        0.0, "m or rad", 0.0, TURNED, "", "position after which the table repeats; 0: it does not"
-    )
     unloading: float = quantity(
-        0.0, "N/m or N m/rad", 0.0, STEEP, "", "slope of the elastic line back; 0: none"
+        0.0, "N/m or N m/rad", 0.0, MAX_SLOPE, "", "slope of the elastic line back; 0: none"
     )
 
     def __post_init__(self) -> None:
-        """InputError where the table is none, or the law would jump or drive the motion."""
+        """Raise InputError where the law would jump or drive the motion."""
         check_fields(self)
         table = self.table
-        _rising("over_position", table)
-        self._check_ends(table)
-        if 0.0 < self.repeats < LEAST_REPEAT:
-            raise InputError(
-                f"repeats = {self.repeats:g} m or rad: allowed is 0, or {LEAST_REPEAT:g} to "
-                f"{TURNED:g} m or rad"
-            )
-        if self.release and (self.sense == "both" or self.repeats or len(table) < 2):
-            raise InputError(
-                "release: it needs a table of two nodes that acts in one sense and does not repeat"
-            )
-        wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[self.sense]
-        for place, size in table:
-            if wrong * size > 0.0:
-                raise InputError(
-                    f"over_position: {size:g} N or N m at {place:g} m or rad would drive the "
-                    f"motion {self.sense} its direction; in one sense a load must resist it"
-                )
-
-        if self.unloading:
-            self._check_unloading(table)
-
-    def _check_unloading(self, table: Table) -> None:
-        """InputError where a table has no elastic line back, or one that gives what none took."""
-        if self.sense == "both" or self.repeats:
-            raise InputError(
-                "unloading: it needs a table that acts in one sense and does not repeat"
-            )
-        begin = table[0] if self.sense == "along" else table[-1]
-        if begin[1] != 0.0:
-            raise InputError(
-                f"over_position: {begin[1]:g} N or N m at {begin[0]:g} m or rad, where it begins; "
-                "with unloading allowed is 0"
-            )
-        # Resistance against the way, whose signs cancel in either sense.
-        steepest = max(
-            ((one[1] - other[1]) / (other[0] - one[0]) for one, other in pairwise(table)),
-            default=0.0,
-        )
-        if self.unloading < (1.0 - ROUND_OFF) * steepest:
-            raise InputError(
-                f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
-                f"steepest rise of the table, to {STEEP:g} N/m or N m/rad"
-            )
-
-    def _check_ends(self, table: Table) -> None:
-        """InputError where there would be a jump at an end of the table."""
-        if self.repeats:
-            if table[0][0] < 0.0 or table[-1][0] > self.repeats:
-                raise InputError(
-                    f"over_position: from {table[0][0]:g} to {table[-1][0]:g} m or rad; with "
-                    f"repeats = {self.repeats:g} allowed is 0 to {self.repeats:g}"
-                )
-            if table[-1][0] - table[0][0] == self.repeats and table[0][1] != table[-1][1]:
-                raise InputError(
-                    f"over_position: it repeats with a jump from {table[-1][1]:g} to "
-                    f"{table[0][1]:g} N or N m; allowed are equal values at both ends"
-                )
-        elif self.outside == "zero":
+        _check_rising(table)
+        if self.outside == "zero":
             ends = {"along": table[:1], "against": table[-1:], "both": (table[0], table[-1])}
             for place, size in ends[self.sense] if self.release else (table[0], table[-1]):
                 if size != 0.0:
                     raise InputError(
-                        f"over_position: {size:g} N or N m at the end, {place:g} m or rad, would "
-                        "be a jump to 0; allowed are 0 there, or outside = hold"
+                        f"table: {size:g} N or N m at the end, {place:g} m or rad, would be a "
+                        "jump to 0; allowed are 0 there, or outside = hold"
                     )
+        if self.release and (self.sense == "both" or len(table) < 2):
+            raise InputError("release: it needs a table of two nodes that acts in one sense")
+        wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[self.sense]
+        for place, size in table:
+            if wrong * size > 0.0:
+                raise InputError(
+                    f"table: {size:g} N or N m at {place:g} m or rad would drive the motion "
+                    f"{self.sense} its direction; in one sense a load must resist it"
+                )
+        if self.unloading:
+            self._check_unloading()
+
+    def _check_unloading(self) -> None:
+        """Raise InputError where the elastic line would give back more than the table takes."""
+        if self.sense == "both":
+            raise InputError("unloading: it needs a table that acts in one sense")
+        place, size = self.table[0] if self.sense == "along" else self.table[-1]
+        if size != 0.0:
+            raise InputError(
+                f"table: {size:g} N or N m at {place:g} m or rad, where it begins; with unloading "
+                "allowed is 0"
+            )
+        # Resistance against the way, whose signs cancel in either sense.
+        steepest = max(
+            ((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(self.table)), default=0.0
+        )
+        if self.unloading < (1.0 - SLOPE_TOL) * steepest:
+            raise InputError(
+                f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
+                f"steepest rise of the table, to {MAX_SLOPE:g} N/m or N m/rad"
+            )
 
 
+def _check_rising(table: Table) -> None:
+    """Raise InputError unless the first column of a table rises."""
+    if not table:
+        raise InputError("table: one row or more is expected")
+    least = MIN_GAP * (max(row[0] for row in table) - min(row[0] for row in table))
+    for k, (before, row) in enumerate(pairwise(table), start=1):
+        if not row[0] - before[0] > least:
+            raise InputError(
+                f"table[{k}]: {row[0]:g} does not lie above {before[0]:g}, the row before it, by "
+                "a millionth of the table's length"
+            )
+
+
+LAWS: Mapping[str, Any] = {law.kind: law for law in (Harmonics, OverTime, OverPosition)}
+LOAD_PARAMETERS = ("time", "position", "speed")  # of a user law: s; m or rad; m/s or rad/s
 Law = float | Harmonics | OverTime | OverPosition | UserFunction | Callable[..., float] | str
-"""Law of the size of a load: a constant, N or N m, one of these, or a function of one's own of
-LOAD_PARAMETERS, as ``FILE.py:NAME`` too."""
-LOAD_PARAMETERS = ("time", "position", "speed")
-"""What a law of one's own may ask for: s; m or rad; m/s or rad/s."""
+
+
+@dataclass(frozen=True)
+class _LawOf:
+    """Reader of the law of a force or of a moment."""
+
+    unit: str
+
+    def convert(self, name: str, value: Any) -> Any:
+        """Return a law from an instance, a constant, a function, ``FILE.py:NAME`` or plain data."""
+        if isinstance(value, tuple(LAWS.values())):
+            return value
+        if isinstance(value, Mapping) and "kind" in value:
+            kind = value["kind"]
+            if kind not in LAWS:
+                raise unknown(f"kind of {name}", kind, LAWS)
+            return make(name, LAWS[kind], value)
+        is_file = isinstance(value, str) and ".py:" in value
+        if callable(value) or isinstance(value, UserFunction | Mapping) or is_file:
+            return UserFunction.read(name, value, LOAD_PARAMETERS)
+        return Quantity(self.unit, -1e15, 1e15).convert(name, value)
 
 
 @dataclass(frozen=True)
 class Force:
-    """A force at a point of a body, along a direction that stays fixed on the frame.
+    """Force at a point of a body, along a direction that stays fixed on the frame.
 
     Attributes
     ----------
@@ -281,22 +267,26 @@ class Force:
         As ``body.point``, or as ``body`` for its mass centre.
     direction : float
         rad.
-    law : Law
-        Its size along the direction, N.  The position of a table is that of the point along
-        the direction, measured from the origin of the frame.
+    law : float, Harmonics, OverTime, OverPosition, callable or str
+        Size along the direction, N; a constant, a law, or a user function of LOAD_PARAMETERS, also
+        as ``FILE.py:NAME``. The position of a table is that of the point along the direction,
+        measured from the origin of the frame.
     name : str
-        What it stands for, by which a run tells that it was modelled.
+        Meaning of the force, for reports.
     """
 
     point: Attachment | str
-    direction: Annotated[float, replace(ANGLE, text="direction of the force")]
-    law: Law
+    direction: Annotated[float, ANGLE]
+    law: Annotated[Law, _LawOf("N")]
     name: str = ""
 
     def __post_init__(self) -> None:
-        """InputError where a number is out of range."""
         check_fields(self)
-        object.__setattr__(self, "law", _law(self.law))
+
+    @property
+    def attachment(self) -> Attachment:
+        """Point of the force, in an assembled linkage."""
+        return cast(Attachment, self.point)
 
     @property
     def body(self) -> str:
@@ -306,46 +296,223 @@ class Force:
 
 @dataclass(frozen=True)
 class Moment:
-    """A moment on a body, counterclockwise.
+    """Moment on a body, counterclockwise.
 
     Attributes
     ----------
-    law : Law
-        Its size, N m.  The position of a table is the angle of the body, which goes on counting
-        turn after turn.
+    law : Harmonics, OverTime, OverPosition, callable or str
+        Size, N m. The position of a table is the angle of the body, which goes on counting turn
+        after turn.
     """
 
     body: str
-    law: Law
+    law: Annotated[Law, _LawOf("N m")]
 
     def __post_init__(self) -> None:
-        """InputError where a number is none."""
-        object.__setattr__(self, "law", _law(self.law))
+        check_fields(self)
         if isinstance(self.law, float):
-            raise InputError(f"law = {self.law:g} N m: a constant moment is one of Load")
+            raise InputError(f"law = {self.law:g} N m: use Load for a constant moment")
 
 
 AnyLoad = Load | Force | Moment
 
 
-def _law(law: Any) -> Law:
-    """A law, a function made one of one's own; InputError where it is none."""
-    if isinstance(law, Harmonics | OverTime | OverPosition):
-        return law
-    if isinstance(law, UserFunction | dict | str) or callable(law):
-        return UserFunction.read("law", law, LOAD_PARAMETERS)
-    return float(law)
+# Process forces: the work lies towards an extreme of the output coordinate in the ideal motion, its
+# bottom dead centre: for the slider of a press the lowest place. Where that is the highest, a scene
+# observes the opposite direction, so that up is away from the work in every scene. Height is
+# counted from bottom dead centre, depth from where the work is touched.
+Extreme = Literal["lowest", "highest"]
+
+MAX_FORCE = 1e9  # of a process, N: that of the strongest press
+MAX_DEPTH = 10.0  # of a height or depth, m: the longest link of a machine
+MIN_DEPTH = 1e-6  # m
+_CURVE_PIECES = 4  # straight pieces of half a cosine
+Curve = tuple[tuple[float, float], ...]
 
 
-def _rising(name: str, rows: Table) -> None:
-    """InputError unless the first column of a table rises; names the row that does not."""
-    if not rows:
-        raise InputError(f"{name}: a table of one row or more is expected")
-    least = LEAST_GAP * (max(row[0] for row in rows) - min(row[0] for row in rows))
-    for k in range(1, len(rows)):
-        one, other = rows[k - 1][0], rows[k][0]
-        if not other - one > least:
-            raise InputError(
-                f"{name}[{k}]: {other:g} does not lie above {one:g}, the row before it, by a "
-                f"millionth of the table's length"
-            )
+def _force(text: str, default: float, low: float = 1e-3) -> Any:
+    return quantity(default, "N", low, MAX_FORCE, "chosen", text)
+
+
+def _depth(default: float, text: str) -> Any:
+    return quantity(default, "m", MIN_DEPTH, MAX_DEPTH, "chosen", text)
+
+
+def _height(default: float) -> Any:
+    text = "height over bottom dead centre, of the ideal motion, at which the work is touched"
+    return _depth(default, text)
+
+
+def _cushion() -> Any:
+    return _force("constant force beside it, which pushes on the way back as well", 0.0, 0.0)
+
+
+def _extreme() -> Any:
+    text = "extreme of the output coordinate that is bottom dead centre"
+    return choice("lowest", get_args(Extreme), text)
+
+
+@dataclass(frozen=True)
+class Blanking:
+    """Sheet that is cut: the force rises, stays, and snaps through to zero.
+
+    It is elastic-plastic: where the motion turns back, the force falls as steeply as it rose; see
+    ``laws_of``. The cushion beside it pushes both ways.
+    """
+
+    kind: ClassVar[str] = "blanking"
+
+    force: float = _force("force of the plateau", 500.0)
+    height: float = _height(5e-3)
+    thickness: float = _depth(1e-3, "thickness of the sheet")
+    stiffness: float | None = quantity(
+        None, "N/m", 1.0, 1e12, "chosen", "of the elastic rise; default: force over rise"
+    )
+    rise: float = _depth(1e-4, "depth of the elastic rise without a stiffness")
+    plateau: float = quantity(
+        0.4, "", 0.0, 1.0, "chosen", "part of the thickness after which it breaks", open_low=True
+    )
+    snap: float = _depth(5e-5, "depth over which the force falls to zero when it has broken")
+    cushion: float = _cushion()
+    bottom: Extreme = _extreme()
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.stiffness is not None:
+            low, high = self.force / MAX_DEPTH, self.force / MIN_DEPTH
+            if not low <= self.stiffness <= high:
+                raise InputError(
+                    f"stiffness = {self.stiffness:g} N/m: with force = {self.force:g} N allowed is "
+                    f"{low:g} to {high:g} N/m"
+                )
+
+    @property
+    def curve(self) -> Curve:
+        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+        rise = self.rise if self.stiffness is None else self.force / self.stiffness
+        broken = rise + self.plateau * self.thickness
+        return (0.0, 0.0), (rise, self.force), (broken, self.force), (broken + self.snap, 0.0)
+
+    @property
+    def fracture(self) -> float:
+        """Depth at which the sheet breaks, m."""
+        return self.curve[2][0]
+
+    @property
+    def work(self) -> float:
+        """Work of a stroke, J; the cushion gives back what it takes."""
+        _, (rise, _), (broken, _), (end, _) = self.curve
+        return self.force * (0.5 * rise + (broken - rise) + 0.5 * (end - broken))
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Cup that is drawn: the force rises and falls over the punch travel, as half cosines.
+
+    Each half cosine is made of straight pieces. It is elastic-plastic: where the motion turns back,
+    the force falls as steeply as the curve rises at most; see ``laws_of``. The cushion beside it
+    pushes both ways.
+    """
+
+    kind: ClassVar[str] = "drawing"
+
+    force: float = _force("greatest force", 300.0)
+    height: float = _height(10e-3)
+    depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
+    peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "part of the depth at its greatest")
+    cushion: float = _cushion()
+    bottom: Extreme = _extreme()
+
+    fracture: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def curve(self) -> Curve:
+        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+        peak = self.peak * self.depth
+        parts = [k / _CURVE_PIECES for k in range(_CURVE_PIECES + 1)]
+        sizes = [0.5 * self.force * (1.0 - math.cos(math.pi * part)) for part in parts]
+        rising = [(part * peak, size) for part, size in zip(parts, sizes, strict=True)]
+        falling = [
+            (peak + part * (self.depth - peak), size)
+            for part, size in zip(parts[1:], sizes[-2::-1], strict=True)
+        ]
+        return *rising, *falling
+
+    @property
+    def work(self) -> float:
+        """Work of a stroke, J; the cushion gives back what it takes."""
+        return 0.5 * self.force * self.depth
+
+
+@dataclass(frozen=True)
+class Coining:
+    """Stiff stop of die and work, elastic: it pushes on the way back as on the way in."""
+
+    kind: ClassVar[str] = "coining"
+
+    stiffness: float = quantity(1e6, "N/m", 1.0, 1e12, "chosen", "of die and work")
+    height: float = _height(3e-4)
+    bottom: Extreme = _extreme()
+
+    fracture: ClassVar[None] = None
+    cushion: ClassVar[float] = 0.0
+    curve: ClassVar[Curve] = ((0.0, 0.0),)
+    work: ClassVar[float] = 0.0  # it gives back what it takes, J
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+Process = Blanking | Drawing | Coining
+PROCESSES: Mapping[str, type[Process]] = {one.kind: one for one in (Blanking, Drawing, Coining)}
+
+
+def check_reach(process: Process, stroke: float, body: str) -> None:
+    """Raise InputError where the work is not reached in a stroke, m, or not worked through.
+
+    Parameters
+    ----------
+    body : str
+        Name of the body that presses, for the message.
+    """
+    depth = process.curve[-1][0]
+    if not depth <= process.height < stroke:
+        raise InputError(
+            f"process.height = {process.height:g} m: over the {process.bottom} place of the "
+            f"{body} allowed is {depth:g} m, to work it through, to below {stroke:.6g} m, its "
+            "stroke"
+        )
+
+
+def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
+    """Return the laws of a process and its cushion, of forces away from the work, by name.
+
+    Work that breaks or flows is loaded along its curve, and unloaded and loaded again along a
+    straight line as steep as the steepest rise of the curve, up to the greatest depth of the
+    stroke. Once it is worked through nothing acts until the stroke is over.
+
+    Parameters
+    ----------
+    contact : float
+        Position at which the work is touched, along the direction away from it, m.
+    lift : float
+        Height over the contact at which a stroke is over and a new blank lies there, m.
+    """
+
+    def table(curve: Curve) -> list[tuple[float, float]]:
+        return sorted((0.0 - depth, force) for depth, force in curve)
+
+    if isinstance(process, Coining):
+        stop = ((0.0, 0.0), (MAX_DEPTH, process.stiffness * MAX_DEPTH))
+        return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
+    steepest = max((b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(process.curve))
+    stroke = table(((-lift, 0.0), *process.curve))
+    law = OverPosition(stroke, "against", zero=contact, release=True, unloading=steepest)
+    laws = {process.kind: law}
+    if process.cushion > 0.0:
+        held = ((0.0, 0.0), (process.curve[1][0], process.cushion))
+        laws["cushion"] = OverPosition(table(held), outside="hold", zero=contact)
+    return laws

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.rows import Rows
 from presswear.tools.errors import AssemblyError
 
@@ -98,7 +98,7 @@ def assembled(linkage: Linkage) -> Array:
         Where it does not close, or closes more than a right angle from what was guessed.
     """
     # What follows a curve stands where its drive has it.
-    linkage = replace(linkage, drives=[replace(drive, follow=None) for drive in linkage.drives])
+    linkage = linkage.changed(drives=[replace(drive, follow=None) for drive in linkage.drives])
     check_freedoms(linkage)
     rows = Rows(linkage)
     start = np.zeros(1)

@@ -112,7 +112,7 @@ def _places(ideal: IdealMotion) -> Array:
     nodes = len(ideal.position) - 1
     levels = (ideal.position, ideal.velocity, ideal.acceleration)
     flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
-    return Motion(ideal.times[:nodes], *flat).watched(ideal.rows.linkage)[:, 0]
+    return Motion(ideal.times[:nodes], *flat).output(ideal.rows.linkage)[:, 0]
 
 
 def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
@@ -132,7 +132,7 @@ def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, floa
 
     def moved(time: float) -> tuple[float, float, float]:
         # Behind a run-up, and a cycle on: a time may lie before the first.
-        found = sign * ideal.at(np.array([started + period + time])).watched(linkage)[0]
+        found = sign * ideal.at(np.array([started + period + time])).output(linkage)[0]
         return float(found[0]), float(found[1]), float(found[2])
 
     for _ in range(_STEPS):

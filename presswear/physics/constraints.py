@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.motion import drive_motion, motions_of
 from presswear.tools.compile import Records, compiled, inlined
 

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.drives import MAX_PIECES, MIN_PIECE
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanism import Mechanism
-from presswear.linkage.pieces import LEAST_PIECE, MOST_PIECES
+from presswear.linkage.mechanisms import Mechanism
 from presswear.physics.assembly import ROUND_OFF, closed
 from presswear.physics.ideal import IdealMotion, ideal_motion
 from presswear.physics.rows import Rows
@@ -61,9 +61,9 @@ def followed(linkage: Linkage) -> Linkage:
     size = inverse.rows.size
     allowed = max(FOLLOWED * (np.ptp(curves, axis=0).max() or size), ROUND_OFF * size)
     off = math.inf
-    for parts in (*_PIECES, MOST_PIECES - len(breaks)):
+    for parts in (*_PIECES, MAX_PIECES - len(breaks)):
         counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)
-        if np.maximum(counts, 1).sum() > MOST_PIECES:
+        if np.maximum(counts, 1).sum() > MAX_PIECES:
             continue
         ends = [
             np.linspace(*pair, max(n, 1) + 1)
@@ -82,10 +82,10 @@ def followed(linkage: Linkage) -> Linkage:
     if math.isinf(off):
         raise AssemblyError(
             f"{name}: the curve has {len(breaks) - 1} pieces in the cycle of the linkage; allowed "
-            f"are {MOST_PIECES}"
+            f"are {MAX_PIECES}"
         )
     raise AssemblyError(
-        f"{name}: with {MOST_PIECES} pieces its point is {off:.3g} m off the curve; allowed is "
+        f"{name}: with {MAX_PIECES} pieces its point is {off:.3g} m off the curve; allowed is "
         f"{allowed:.3g} m, {FOLLOWED:g} of its stroke"
     )
 
@@ -106,7 +106,7 @@ def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
                 ]
             )
             drives[k] = replace(drive, frequency=base, table=table.tolist(), follow=None)
-    return replace(linkage, drives=drives)
+    return linkage.changed(drives=drives)
 
 
 def _breaks(linkage: Linkage, period: float) -> Array:
@@ -117,6 +117,6 @@ def _breaks(linkage: Linkage, period: float) -> Array:
         starts = law.pieces.start
         for turn in range(round(period * drive.base / (2.0 * math.pi)) if starts.size else 0):
             found += ((starts + 2.0 * math.pi * turn) / drive.base).tolist()
-    least = LEAST_PIECE * period
+    least = MIN_PIECE * period
     apart = [time for before, time in pairwise([-period, *sorted(found)]) if time - before > least]
     return np.array([*(time for time in apart if period - time > least), period])

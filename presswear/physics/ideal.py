@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.drives import run_up_motion
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import run_up_motion
 from presswear.physics.assembly import ROUND_OFF, Levels, assembled, closed, stuck
 from presswear.physics.rows import Rows
 from presswear.tools.errors import AssemblyError
@@ -46,9 +46,9 @@ class Motion:
     velocity: Array
     acceleration: Array
 
-    def watched(self, linkage: Linkage) -> Array:
+    def output(self, linkage: Linkage) -> Array:
         """Place, velocity and acceleration of what a linkage watches, shape (n, 3), m, s."""
-        probe = linkage.probe
+        probe = linkage.output
         column = 3 * linkage.index(probe.body)
         own = slice(column, column + 3)
         q, v, a = (level[:, own] for level in (self.position, self.velocity, self.acceleration))

@@ -12,10 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Guide
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND
-from presswear.linkage.topology import Branch
+from presswear.linkage.elements import GROUND, Guide
+from presswear.linkage.linkage import Branch, Linkage
 from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]

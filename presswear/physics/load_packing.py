@@ -19,6 +19,8 @@ from presswear.physics.loads import LOAD, MODE, OWN, POSITION, SERIES, TIME, Loa
 from presswear.tools.compile import Records, address_of, compile_function
 from presswear.tools.user_function import UserFunction
 
+_RISE = 1e-3  # speed from which a load in one sense is whole, m/s or rad/s
+
 
 def pack_loads(linkage: Linkage) -> Loads | None:
     """The loads of a linkage that have a law."""
@@ -29,7 +31,7 @@ def pack_loads(linkage: Linkage) -> Loads | None:
         record["body"] = 3 * linkage.index(load.body)
         record["turns"] = isinstance(load, Moment)
         if isinstance(load, Force):
-            point = linkage.point(load.point, "loads")
+            point = load.attachment
             record["x"], record["y"] = point.x, point.y
             record["cosine"], record["sine"] = math.cos(load.direction), math.sin(load.direction)
     return pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
@@ -54,11 +56,11 @@ def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[floa
         return _whole_period(law.table, period)
     if isinstance(law, OverPosition):
         record["kind"], record["held"] = POSITION, law.outside == "hold"
-        record["period"], record["zero"] = law.repeats, law.zero
+        record["period"], record["zero"] = 0.0, law.zero
         record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
-        record["rise"], record["release"] = law.rise, law.release
+        record["rise"], record["release"] = _RISE, law.release
         record["unloading"] = law.unloading
-        return _whole_period(law.table, law.repeats)
+        return list(law.table)
     if isinstance(law, UserFunction):
         record["kind"] = OWN
         record["own"] = address_of(compile_function(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))

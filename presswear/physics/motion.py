@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
+from presswear.linkage.drives import DEGREE, MAX_HARMONICS, MAX_PIECES, Drive
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import MOST_HARMONICS, Drive
-from presswear.linkage.pieces import DEGREE, MOST_PIECES
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 MOTION = np.dtype(
@@ -15,12 +14,12 @@ MOTION = np.dtype(
         ("angle", np.float64),
         ("base", np.float64),  # frequency of the first harmonic, rad/s
         ("count", np.int64),  # of harmonics
-        ("cosine", np.float64, (MOST_HARMONICS,)),
-        ("sine", np.float64, (MOST_HARMONICS,)),
+        ("cosine", np.float64, (MAX_HARMONICS,)),
+        ("sine", np.float64, (MAX_HARMONICS,)),
         ("pieces", np.int64),
-        ("start", np.float64, (MOST_PIECES,)),  # see linkage.motions.Pieces
-        ("polynomial", np.float64, (MOST_PIECES, DEGREE + 1)),
-        ("wave", np.float64, (MOST_PIECES, 3)),
+        ("start", np.float64, (MAX_PIECES,)),  # see linkage.motions.Pieces
+        ("polynomial", np.float64, (MAX_PIECES, DEGREE + 1)),
+        ("wave", np.float64, (MAX_PIECES, 3)),
         ("run_up", np.float64),  # time in which the linkage runs up, s
     ]
 )

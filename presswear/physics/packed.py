@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import GROUND, ClearanceJoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record

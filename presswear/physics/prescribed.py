@@ -13,9 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND
-from presswear.linkage.topology import chain_of
+from presswear.linkage.elements import GROUND
+from presswear.linkage.linkage import Linkage, chain_of
 from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
@@ -392,7 +391,7 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     # Coordinates are absolute angles, whatever a body hangs from.
     parts["below"], parts["parent"] = links["parent"], -1
     parts["drive"] = -1
-    places = {branch.own.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
+    places = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
     for number, drive in enumerate(linkage.drives):
         if drive.body in bodies:
             own = parts[places[drive.body]]
@@ -400,7 +399,7 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
             pack_motion(linkage, drive, own["motion"])
     for part, branch in zip(parts, branches, strict=True):
         if part["before"] < 0 and part["kind"] != GUIDED:
-            part["inertia"] += part["mass"] * (branch.own.x**2 + branch.own.y**2)
+            part["inertia"] += part["mass"] * (branch.end.x**2 + branch.end.y**2)
             part["mass"] = 0.0
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):

@@ -8,9 +8,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.drives import Drive, series
+from presswear.linkage.elements import GROUND, Attachment, OutputPoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive, series
-from presswear.linkage.points import GROUND, Attachment, Probe
 
 Array = NDArray[np.float64]
 
@@ -191,10 +191,10 @@ class Rows:
         return np.asarray(np.linalg.slogdet(self.jacobian(q))[0])
 
 
-def _probe(drive: Drive) -> Probe:
+def _probe(drive: Drive) -> OutputPoint:
     """The point that follows a curve."""
     assert drive.follow is not None
-    assert isinstance(drive.follow.point, Probe), "a linkage has found it"
+    assert isinstance(drive.follow.point, OutputPoint), "a linkage has found it"
     return drive.follow.point
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND
 from presswear.physics.constraints import lever
 from presswear.tools.compile import Records, compiled, lazily_compiled
 

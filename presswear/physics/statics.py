@@ -82,8 +82,8 @@ class _Held:
         self._packed = pack(replace(linkage, loads=linkage.dead_loads))
         self._constraints = constraints_of(linkage)
         self._time, self._pull = time, force
-        self._probe = linkage.probe
-        self._place = 3 * linkage.index(linkage.probe.body)
+        self._probe = linkage.output
+        self._place = 3 * linkage.index(linkage.output.body)
         self._still = np.zeros(self._packed.mass.size)
         self._onset = np.zeros(len(linkage.clearances))
         self._rates = np.zeros(JOINT_RATES * len(linkage.clearances))

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.topology import branches_of, prescribed_of
+from presswear.linkage.linkage import Linkage, branches_of, prescribed_of
 from presswear.physics.links import COORDINATES, GUIDED, LOOSE, pack_links
 from presswear.physics.prescribed import Prescribed, pack_prescribed
 from presswear.tools.compile import Records
@@ -63,6 +62,6 @@ def tree_of(linkage: Linkage) -> Tree | str:
         return branches
     return Tree(
         pack_links(linkage, branches),
-        tuple(branch.own.body for branch in branches),
+        tuple(branch.end.body for branch in branches),
         pack_prescribed(linkage, prescribed_of(linkage)),
     )

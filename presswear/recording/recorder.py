@@ -139,10 +139,10 @@ class Recorder:
         record["room"] = np.iinfo(np.int64).max
         record["interval"] = cycle / rows_per_cycle
         record["force_step"] = FORCE_STEP
-        record["probe"] = 3 * linkage.index(linkage.probe.body)
-        record["probe_cos"] = math.cos(linkage.probe.direction)
-        record["probe_sin"] = math.sin(linkage.probe.direction)
-        record["probe_x"], record["probe_y"] = linkage.probe.x, linkage.probe.y
+        record["probe"] = 3 * linkage.index(linkage.output.body)
+        record["probe_cos"] = math.cos(linkage.output.direction)
+        record["probe_sin"] = math.sin(linkage.output.direction)
+        record["probe_x"], record["probe_y"] = linkage.output.x, linkage.output.y
         record["start"] = watched(record[0], position, position, position)[0]
         begin, end = stroke or (0.0, cycle)
         record["velocity"] = record["bottom"] = math.inf

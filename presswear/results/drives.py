@@ -253,7 +253,7 @@ def _bends(scene: Scene, time: Array) -> Array:
     process = scene.process
     if process is None:
         return np.zeros(0)
-    ideal = scene.ideal.at(time).watched(scene.loaded)
+    ideal = scene.ideal.at(time).output(scene.loaded)
     depth = process.height - (ideal[:, 0] - scene.bottom)
     found = []
     for level, _ in process.curve:
@@ -261,7 +261,7 @@ def _bends(scene: Scene, time: Array) -> Array:
             low, high = time[k], time[k + 1]
             now = low + (high - low) * (level - depth[k]) / (depth[k + 1] - depth[k])
             for _ in range(_NEWTON):
-                place, speed, _ = scene.ideal.at(np.array([now])).watched(scene.loaded)[0]
+                place, speed, _ = scene.ideal.at(np.array([now])).output(scene.loaded)[0]
                 if speed == 0.0:
                     break
                 off = process.height - (place - scene.bottom) - level

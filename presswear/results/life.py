@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.recording.statistics import Estimate, quantile
-from presswear.scene.life import FOLLOWED
+from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import large, readable

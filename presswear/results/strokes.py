@@ -38,7 +38,7 @@ def height_of(scene: Scene, stage: StageResult) -> Array:
 
 def _place(scene: Scene, stage: StageResult) -> Array:
     """Watched coordinate at the times of the series, shape (n,), m."""
-    begun = scene.ideal.at(np.zeros(1)).watched(scene.watching)[0, 0]
+    begun = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
     return np.asarray(stage.displacement + begun)
 
 

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from presswear.results.result import load
-from presswear.scene.surfaces import TABLE, Surfaces, read_profiles
+from presswear.scene.bearing import Surfaces
+from presswear.scene.files import TABLE, read_profiles
 from presswear.tools.errors import InputError
 from presswear.tools.folders import check_folder
 
@@ -16,7 +17,7 @@ def read_surfaces(source: str | Path) -> Surfaces:
     source : str or Path
         ``DIR:STAGE``: those that the stage ran on, such as 1 for those after the first wear, the
         mean of its starts; ``DIR``: those of its last stage; ``FILE.csv``: a table of profiles,
-        see ``presswear.scene.surfaces``.
+        see ``presswear.scene.files``.
 
     Raises
     ------

@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from presswear.results.drives import curves_of
 from presswear.results.result import Result
 from presswear.results.strokes import Strokes, height_of, process_force
-from presswear.scene.life import FOLLOWED
+from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked, write_whole

@@ -1,8 +1,11 @@
-"""A joint with clearance as a person chooses it, and how the wear model is read."""
+"""Joints with clearance as a person chooses them, readings of the wear model, initial surfaces."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
+
+import numpy as np
 
 from presswear.linkage.elements import (
     ClearanceJoint,
@@ -19,18 +22,20 @@ from presswear.linkage.laws import (
     FRICTIONS,
     KELVIN_VOIGT,
     LUGRE,
+    MATERIALS,
     NORMAL_PARAMETERS,
     Elasticity,
     FrictionLaw,
+    Materials,
     NormalLaw,
     StiffnessReading,
     check_friction,
     check_normal,
     hertz_stiffness,
 )
-from presswear.linkage.materials import MATERIALS, Materials
-from presswear.linkage.surface import Surface
-from presswear.tools.errors import InputError
+from presswear.linkage.surface import SIDES, Surface, bin_centres
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import choice, count, named_set, quantity
 from presswear.tools.serialize import check_fields
 from presswear.tools.user_function import UserFunction
@@ -174,14 +179,14 @@ class Bearing:
             )
 
     def check_contact(self, where: str, contact: SurfaceContact, is_worn: bool) -> None:
-        """InputError where worn surfaces cannot meet in this way.
+        """Raise InputError where worn surfaces cannot meet in this way.
 
         Parameters
         ----------
         where : str
-            What stands before its keys.
+            Prefix of keys in messages.
         is_worn : bool
-            Whether its surfaces are not round, or do not stay so.
+            True where surfaces are not round, or do not stay so.
         """
         if contact != "foundation":
             return
@@ -193,19 +198,19 @@ class Bearing:
         if is_worn and not isinstance(self.normal_law, str):
             raise InputError(
                 f"{where}normal_law = {self.normal_law}: worn surfaces with contact = 'foundation' "
-                f"have an elastic force of their own; allowed is one of {', '.join(DAMPINGS)}, or "
+                f"have an elastic force already; allowed is one of {', '.join(DAMPINGS)}, or "
                 "contact = 'radial'"
             )
 
     def hertz(self, reading: StiffnessReading) -> float:
-        """K, N/m^n: what is given, or Hertz's."""
+        """Return K, N/m^n: the contact stiffness, or Hertz's."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         radii = self.bearing_radius, self.bearing_radius - self.clearance
         return hertz_stiffness(*radii, self.materials.compliance, reading)
 
     def normal(self, reading: StiffnessReading) -> NormalLaw:
-        """The law of its normal force."""
+        """Return the law of its normal force."""
         own = self.normal_law if isinstance(self.normal_law, UserFunction) else None
         damping = DAMPINGS["lankarani-nikravesh" if own else str(self.normal_law)]
         return NormalLaw(
@@ -219,7 +224,7 @@ class Bearing:
 
     @property
     def rubbing(self) -> FrictionLaw:
-        """The law of its friction."""
+        """Law of its friction."""
         own = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if own else str(self.friction_law)
         return FrictionLaw(
@@ -235,7 +240,7 @@ class Bearing:
         )
 
     def check_own_laws(self, joint: str, reading: StiffnessReading) -> None:
-        """InputError where a law of one's own gives no number or makes energy; runs its text."""
+        """Raise InputError where a user law returns no number or creates energy; runs its text."""
         from presswear.tools.compile import check_compiles  # slow import
 
         normal, friction = self.normal(reading), self.rubbing
@@ -256,7 +261,7 @@ class Bearing:
         conventions: Conventions,
         worn: tuple[Surface, Surface],
     ) -> ClearanceJoint:
-        """A revolute joint opened: bearing on its first end, pin on its second."""
+        """Return a revolute joint opened: bearing on its first end, pin on its second."""
         law = WearLaw(
             self.materials.wear_coefficient,
             conventions.slip,
@@ -278,3 +283,128 @@ class Bearing:
             conventions.contact,
             *worn,
         )
+
+
+Surfaces = Mapping[str, tuple[Any, Any]]
+"""Bearing and pin by joint; see ``Scene.surfaces`` for what stands for a side."""
+
+_TURN = 2.0 * math.pi
+
+
+def initial_surfaces(
+    surfaces: Any, joints: tuple[str, ...], bearing: Callable[[str], Bearing]
+) -> dict[str, tuple[Surface, Surface]]:
+    """Return initial surfaces on the bins of the wear maps, without joints that are round.
+
+    Parameters
+    ----------
+    surfaces : mapping
+        Bearing and pin by joint; see ``Scene.surfaces`` for what stands for a side.
+    joints : tuple of str
+        Joints with clearance.
+    bearing : callable
+        Returns the bearing of a joint.
+
+    Raises
+    ------
+    InputError
+        With joint, side and angle of what does not fit.
+    """
+    if not isinstance(surfaces, Mapping):
+        raise InputError(f"surfaces = {surfaces!r}: bearing and pin by joint are expected")
+    result = {}
+    for name, pair in surfaces.items():
+        if not joints:
+            raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
+        if name not in joints:
+            raise unknown("joint in surfaces", name, joints)
+        sides = tuple(pair) if isinstance(pair, tuple | list) else ()
+        if len(sides) != len(SIDES):
+            raise InputError(f"surfaces of {name}: a pair, bearing and pin, is expected")
+        joint = bearing(name)
+        first, second = (
+            _surface(f"{side} at {name}", value, joint)
+            for side, value in zip(SIDES, sides, strict=True)
+        )
+        if first.is_worn or second.is_worn:
+            result[name] = first, second
+    return result
+
+
+def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
+    """Return one side on the bins of its joint; empty where it is round."""
+    if value is None:
+        return Surface()
+    if isinstance(value, Mapping):  # as stored
+        value = value.get("depth")
+    try:
+        values = np.array(value.depth if isinstance(value, Surface) else value)
+    except ValueError:
+        values = np.array(None)  # rows of several lengths
+    if values.shape == (0,):
+        return Surface()
+    if values.ndim == 1:
+        values = np.column_stack([bin_centres(values.size), values])
+    is_number = values.dtype.kind in "fiu"
+    if not (is_number and values.ndim == 2 and values.shape[1] == 2 and np.isfinite(values).all()):
+        raise InputError(f"{where}: finite depths, or rows of angle and depth, are expected")
+    angle, depth = values[np.argsort(values[:, 0] % _TURN, kind="stable")].T
+    if not depth.any():
+        return Surface()
+    angle = angle % _TURN
+    _check_depths(where, angle, depth, bearing.clearance)
+    _check_angles(where, angle)
+    bins = bin_centres(bearing.angles)
+    if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
+        return Surface(depth)
+    return Surface(_rebinned(angle, depth, bins.size))
+
+
+def _check_depths(where: str, angle: Array, depth: Array, clearance: float) -> None:
+    wrong = np.flatnonzero((depth < 0.0) | (depth > clearance))
+    if wrong.size:
+        k = wrong[0]
+        raise InputError(
+            f"{where}: depth {depth[k]:g} m at {math.degrees(angle[k]):g} deg: allowed is 0 to "
+            f"{clearance:g} m, the clearance"
+        )
+
+
+def _check_angles(where: str, angle: Array) -> None:
+    """InputError unless angles in [0, 2 pi), in order, are apart and leave no gap."""
+    widest = _TURN / MIN_ANGLES
+    gaps = np.diff(angle, append=angle[0] + _TURN)
+    k = int(gaps.argmin())
+    if gaps[k] < 1e-9:
+        twice = math.degrees(angle[k])
+        raise InputError(f"{where}: the angle {twice:g} deg is there twice; a turn has it once")
+    wide = np.flatnonzero(gaps > widest * (1.0 + 1e-6))
+    if wide.size:
+        k = int(wide[0])
+        low, high = (math.degrees(one) for one in (angle[k], angle[k] + gaps[k]))
+        raise InputError(
+            f"{where}: {angle.size} angles, none between {low:g} and {high:g} deg; a whole turn "
+            f"in steps of at most {math.degrees(widest):g} deg is expected"
+        )
+
+
+def _rebinned(angle: Array, depth: Array, bins: int) -> Array:
+    """Return the mean depth, m, of equal bins of a turn, by the monotone cubic through points.
+
+    It is the curve of ``Surface``, and its integral, the worn volume, is conserved; of equally
+    spaced points that is their sum.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        In [0, 2 pi), in order, rad.
+    """
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
+    # Neighbours beyond both ends: the curve is closed.
+    around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
+    with np.errstate(over="ignore"):  # of slopes next to nothing
+        area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
+    edges = np.linspace(0.0, _TURN, bins + 1)
+    mean = np.diff(area.antiderivative()(edges)) * bins / _TURN
+    return np.maximum(mean, 0.0)

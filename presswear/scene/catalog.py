@@ -5,12 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from presswear.linkage.drives import Dwell, Forming, Pendulum
+from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.materials import Materials
-from presswear.linkage.press import Press
-from presswear.linkage.process import Blanking, Drawing
-from presswear.linkage.servo import Dwell, Forming, Pendulum
-from presswear.linkage.slider_crank import LITERATURE, SliderCrank
+from presswear.linkage.loads import Blanking, Drawing
+from presswear.linkage.mechanisms import LITERATURE, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, Change, changed, changes_from

@@ -1,53 +1,55 @@
-"""Scenes from TOML files: a mechanism and settings, every number with its unit."""
+"""Scenes from TOML files, every number with its unit, and measured surfaces from tables."""
 
+import math
 import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.press import Press
-from presswear.linkage.reading import read
-from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.written import toml_of
+import numpy as np
+
+from presswear.linkage.linkage import Linkage, linkage_from, toml_of
+from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
+from presswear.linkage.surface import SIDES
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, changed, on_surfaces, settings_of
-from presswear.scene.surfaces import TABLE, read_profiles
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
+from presswear.tools.folders import check_file
+from presswear.tools.quantities import Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST
 
 SUFFIX = ".toml"
+TABLE = ".csv"  # ending of a table of measured profiles
+SWEEP = "sweep"  # table of the values that a sweep of the scene varies, which the scene ignores
 _PARTS = "process", "servo", "life"
-SWEEP = "sweep"
-"""Table of what a sweep of the scene varies, which the scene itself does not need."""
 _KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces", SWEEP)
-_MOST_BYTES = 2**20
+_MAX_BYTES = 2**20
+# A key of more than 20 parts: the time that the parser takes grows with their square.
 _DEEP_KEY = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
-"""A key of more than 20 parts: the time that the parser takes grows with their square."""
-
 
 EXAMPLES: Mapping[str, tuple[Press | SliderCrank | Linkage, str]] = {
     FOUR_BAR.name: (FOUR_BAR, "B"),
     SliderCrank.kind: (SliderCrank(), "B"),
     Press.kind: (Press(), "A,C"),
 }
-"""Mechanisms that a file may begin with, and the joints that have clearance in it."""
+"""Mechanisms of example files, and the joints that have clearance in them."""
 
 
 def example_file(kind: str) -> str:
-    """The text of a file that describes one of EXAMPLES."""
+    """Return the text of a file that describes one of EXAMPLES."""
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
     mechanism, joints = EXAMPLES[kind]
     return (
-        f"# A {kind}.  Every number has its unit; x points to the right, y upwards, and angles "
-        "turn\n# counterclockwise.  Points are body.point or coordinates on the frame.\n"
+        f"# A {kind}. Every number has its unit; x points to the right, y upwards, and angles "
+        "turn\n# counterclockwise. Points are body.point or coordinates on the frame.\n"
         f"# Try: presswear list FILE, presswear run FILE.\n\n"
-        f'title = "A {kind} of my own"\n\n'
+        f'title = "My {kind}"\n\n'
         f"{toml_of(mechanism.linkage())}\n"
         "[settings]  # every key that presswear list FILE shows\n"
         f'joints = "{joints}"\nclearance = "0.3 mm"\nfriction = 0.02\n'
@@ -56,47 +58,31 @@ def example_file(kind: str) -> str:
 
 
 def read_toml(file: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file; InputError says what is wrong with the file."""
-    if not file.is_file():
-        raise InputError(f"{file}: there is no such file")
-    if file.stat().st_size > _MOST_BYTES:
-        raise InputError(f"{file}: it has more than {_MOST_BYTES} bytes")
+    """Return the tables of a TOML file; raise InputError for what cannot be read."""
+    check_file(file)
+    if file.stat().st_size > _MAX_BYTES:
+        raise InputError(f"{file}: it has more than {_MAX_BYTES} bytes")
     try:
         text = read_checked(file).decode()
         if deep := _DEEP_KEY.search(text):
             line = text.count("\n", 0, deep.start()) + 1
             raise InputError(f"{file}: line {line}: a key has up to 20 parts with dots between")
-        data = tomllib.loads(text)
-        _check_integers(data, f"{file}: ")
-        return data
+        return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InputError(f"{file}: {error}") from None
     except InputError:
         raise
-    except ValueError:
-        # Python reads no integer of more than 4300 digits.
+    except ValueError:  # Python reads no integer of more than 4300 digits
         raise InputError(f"{file}: an integer is too long; allowed is up to {LARGEST:g}") from None
 
 
-def _check_integers(value: Any, place: str) -> None:
-    """Raise InputError for an integer beyond all numbers of a machine, in any notation."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            _check_integers(inner, f"{place}{key}.")
-    elif isinstance(value, list):
-        for inner in value:
-            _check_integers(inner, place)
-    elif isinstance(value, int) and abs(value) > LARGEST:
-        raise InputError(f"{place[:-1]}: an integer is too large; allowed is up to {LARGEST:g}")
-
-
 def scene_from(file: Path) -> Scene:
-    """The scene that a file describes.
+    """Return the scene that a file describes, checked.
 
     Raises
     ------
     InputError
-        Naming the file, the key and the value that does not fit.
+        With the file, the key and the value that does not fit.
     """
     try:
         data = read_toml(file)
@@ -108,54 +94,151 @@ def scene_from(file: Path) -> Scene:
         for name in data.keys() & set(_PARTS):
             settings |= _part(name, data[name])
         title = data.get("title", f"The linkage of {file.name}")
-        # Without a word on it, nothing wears.
-        plain = Scene(mechanism, file.stem, title, wear_updates=0)
-        origins = dict.fromkeys((setting.key for setting in settings_of(plain)), DEFAULT)
-        scene = changed(replace(plain, origins=origins), settings)
+        scene = Scene(mechanism, file.stem, title, wear_updates=0)  # without a word, nothing wears
+        origins = dict.fromkeys((setting.key for setting in settings_of(scene)), DEFAULT)
+        scene = changed(replace(scene, origins=origins), settings)
         scene = replace(scene, origins={**scene.origins, **dict.fromkeys(settings, IN_FILE)})
         source = data.get("surfaces")
-        if source is None:
-            return scene
-        if not isinstance(source, str) or not source.endswith(TABLE):
-            raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
-        return on_surfaces(scene, read_profiles(file.parent / source), source)
+        if source is not None:
+            if not isinstance(source, str) or not source.endswith(TABLE):
+                raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
+            scene = on_surfaces(scene, read_profiles(file.parent / source), source)
+        scene.check()
+        return scene
     except RecursionError as error:
         raise InputError(f"{file}: {error}") from None
     except InputError as error:
-        told = str(error)
-        raise InputError(told if told.startswith(str(file)) else f"{file}: {told}") from None
+        text = str(error)
+        raise InputError(text if text.startswith(str(file)) else f"{file}: {text}") from None
 
 
-def _mechanism(given: Any, folder: Path) -> OneMechanism:
-    """A linkage from its table, or a mechanism by its kind."""
-    if isinstance(given, str):
-        if given not in MECHANISMS:
-            raise unknown("mechanism", given, (*MECHANISMS, "a table [mechanism]"))
-        return MECHANISMS[given]()
-    if not isinstance(given, Mapping):
+def _mechanism(data: Any, folder: Path) -> OneMechanism:
+    """Return a linkage from its table, or a mechanism by its kind."""
+    if isinstance(data, str):
+        if data not in MECHANISMS:
+            raise unknown("mechanism", data, (*MECHANISMS, "a table [mechanism]"))
+        return MECHANISMS[data]()
+    if not isinstance(data, Mapping):
         raise InputError("mechanism: the name of one or a table [mechanism] is needed")
-    return read(given, "mechanism", units=True, folder=folder)
+    return linkage_from(_texts(data, "mechanism", folder), "mechanism")
 
 
-def _part(name: str, given: Any) -> dict[str, str]:
-    """The table of a part, its kind among its keys, as settings."""
-    if not isinstance(given, Mapping) or "kind" not in given:
-        raise InputError(f"{name} = {given!r}: a table with a kind is expected")
-    values = {f"{name}.{key}": value for key, value in given.items() if key != "kind"}
-    return _settings({name: given["kind"], **values}, Path())
+def _texts(value: Any, place: str, folder: Path) -> Any:
+    """Return data with numbers as text, which needs units; user laws stand in the folder."""
+    if isinstance(value, Mapping):
+        return {key: _texts(one, f"{place}.{key}", folder) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_texts(one, place, folder) for one in value]
+    if isinstance(value, str) and ".py:" in value:
+        return f"{folder / value}"
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        if abs(value) > LARGEST:
+            raise InputError(f"{place}: a number is too large; allowed is up to {LARGEST:g}")
+        return f"{value!r}" if value else value  # a zero needs no unit
+    return value
 
 
-def _settings(given: Any, folder: Path) -> dict[str, str]:
-    """Settings as text, as the command line has them; a law of one's own stands in the folder."""
-    if not isinstance(given, Mapping):
-        raise InputError(f"settings = {given!r}: a table is expected")
-    found = {}
-    for key, value in given.items():
+def _part(name: str, data: Any) -> dict[str, str]:
+    """Return the table of a part, its kind among its keys, as settings."""
+    if not isinstance(data, Mapping) or "kind" not in data:
+        raise InputError(f"{name} = {data!r}: a table with a kind is expected")
+    values = {f"{name}.{key}": value for key, value in data.items() if key != "kind"}
+    return _settings({name: data["kind"], **values}, Path())
+
+
+def _settings(data: Any, folder: Path) -> dict[str, str]:
+    """Return settings as text, as on the command line."""
+    if not isinstance(data, Mapping):
+        raise InputError(f"settings = {data!r}: a table is expected")
+    settings = {}
+    for key, value in data.items():
         # A.clearance is a table A with a key in TOML.
         inner = value if isinstance(value, Mapping) else {"": value}
-        for name, own in inner.items():
+        for name, one in inner.items():
             full = f"{key}.{name}" if name else key
-            if isinstance(own, bool) or not isinstance(own, str | int | float):
-                raise InputError(f"settings.{full} = {own!r}: a text or a number is expected")
-            found[full] = f"{folder / str(own)}" if ".py:" in str(own) else str(own)
-    return found
+            if isinstance(one, bool) or not isinstance(one, str | int | float):
+                raise InputError(f"settings.{full} = {one!r}: a text or a number is expected")
+            settings[full] = str(_texts(one, f"settings.{full}", folder))
+    return settings
+
+
+_HEADER = "joint,side,angle (deg),depth (um)"
+_COLUMNS: dict[str, Quantity | None] = {
+    "joint": None,
+    "side": None,
+    "angle": Quantity("rad"),
+    "depth": Quantity("m"),
+}
+
+
+def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
+    """Return profiles measured on bearings and pins, rows of angle, rad, and depth, m, by joint.
+
+    The table is text with commas: a header such as ``joint,side,angle (deg),depth (um)``, the
+    columns in any order, then a row for each place; lines that begin with ``#`` are comments. A
+    side without a row is round.
+
+    Raises
+    ------
+    InputError
+        With the file and the line of what cannot be read.
+    """
+    check_file(file)
+    try:
+        lines = read_checked(file).decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError(f"{file} is no text: {error}") from None
+    table = [
+        (number, [word.strip().strip('"') for word in line.split(",")])
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if len(table) < 2:
+        raise InputError(f"{file}: it has no rows; a header such as {_HEADER} is expected")
+    (_, header), *rows = table
+    try:
+        sizes = dict(map(_column, header))
+        if len(sizes) < len(header):
+            raise InputError(f"a column is there twice; a header such as {_HEADER} is expected")
+        for name in _COLUMNS:
+            if name not in sizes:
+                raise InputError(f"it has no column {name}; a header such as {_HEADER} is expected")
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    points: dict[str, tuple[list[Any], list[Any]]] = {}
+    for number, words in rows:
+        try:
+            if len(words) != len(header):
+                raise InputError(f"{len(words)} values for {len(header)} columns")
+            row = dict(zip(sizes, words, strict=True))
+            if row["side"] not in SIDES:
+                raise unknown("side", row["side"], SIDES)
+            place = [_number(name, row[name]) * sizes[name] for name in ("angle", "depth")]
+        except InputError as error:
+            raise InputError(f"{file}, line {number}: {error}") from None
+        points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(place)
+    return {name: (np.array(first), np.array(second)) for name, (first, second) in points.items()}
+
+
+def _column(word: str) -> tuple[str, float]:
+    """Return the name of a column, and the size of its unit where it has one."""
+    name = "".join(takewhile(str.isalpha, word))
+    unit = word[len(name) :].strip(" ()[]")
+    if name not in _COLUMNS:
+        raise unknown("column", word, _COLUMNS)
+    meaning = _COLUMNS[name]
+    if meaning is None:
+        return name, 1.0
+    if not unit:
+        raise InputError(f"{name} has no unit; a header such as {_HEADER} is expected")
+    return name, parse_quantity(name, f"1 {unit}", meaning)
+
+
+def _number(name: str, word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} is {word!r}; a finite number is expected")
+    return value

@@ -8,23 +8,25 @@ from typing import Any, cast
 import numpy as np
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load, OverPosition
-from presswear.linkage.points import Attachment
-from presswear.linkage.press import Press
-from presswear.linkage.process import PROCESSES, Process, check_reach, laws_of
-from presswear.linkage.reading import read
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.elements import Attachment
+from presswear.linkage.linkage import Linkage, branches_of, linkage_from
+from presswear.linkage.loads import (
+    LOAD_PARAMETERS,
+    PROCESSES,
+    Force,
+    Load,
+    OverPosition,
+    Process,
+    check_reach,
+    laws_of,
+)
+from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface
-from presswear.linkage.topology import branches_of
 from presswear.physics.bottom import bottom_of
 from presswear.physics.following import followed
 from presswear.physics.ideal import IdealMotion, Motion, ideal_motion
-from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
-from presswear.scene.life import LIVES, Life
-from presswear.scene.numerics import Numerics
-from presswear.scene.recording import Recording
-from presswear.scene.surfaces import settled
+from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
+from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
@@ -50,70 +52,70 @@ def _joints(scene: "Scene") -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Scene:
-    """A study of a mechanism; see the fields' own texts for units and ranges.
+    """Mechanism, clearance joints and options of a run; see the texts of the fields for ranges.
 
     Attributes
     ----------
     mechanism : Press, SliderCrank or Linkage
     bearings : Bearing, or mapping of str to Bearing
-        Of every joint with clearance that is not set apart.  A mapping gives the joints that have
-        clearance, each with its own.
-    apart : mapping of str to Bearing
-        Those of single joints that differ, by name.
+        Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping opens
+        its joints, each with its bearing.
+    joint_bearings : mapping of str to Bearing
+        Bearings of single joints that differ.
     surfaces : mapping of str to pair
-        Bearing and pin that every start begins on, by joint; those that are not given are round.
-        A side is a ``Surface``, None, depths of equal bins of a turn, shape (m,), m, or rows of
-        angle, rad, and depth, m, shape (n, 2).  Where its angles are not those of the joint's own
-        bins, each bin takes the mean of the monotone cubic through the points, which keeps the
-        worn volume.
+        Initial surfaces of bearing and pin in every replicate, by joint; the rest is round. A side
+        is a ``Surface``, None, depths of equal bins of a turn, shape (m,), m, or rows of angle,
+        rad, and depth, m, shape (n, 2). Where its angles are not those of the bins of the joint,
+        each bin takes the mean of the monotone cubic through the points, which conserves the worn
+        volume.
     process : Blanking, Drawing, Coining or None
-        What the point that is watched presses on, along the direction in which it is watched.
+        Work that the output point presses on.
     origins : mapping of str to str
-        Where values come from, by key, where it is not what their fields say.
+        Origins of values by key, where they differ from those of the fields.
     """
 
     mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
-    title: str = "A scene of one's own"
+    title: str = "User scene"
     bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
-    apart: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
+    joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
-        "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
+        "paper", CONVENTIONS, "readings of the wear model: as the paper prints it, or refined"
     )
     numerics: Numerics = field(default_factory=Numerics)
-    joints: str | Any = choice(  # always a text of a scene that is made
+    joints: str | Any = choice(  # always a text once the scene is made
         None,
         _joints,
-        "which joints have clearance; none given: those of the press or the slider-crank, and none "
-        "of a linkage of one's own",
+        "joints with clearance; default: those of the press or the slider-crank, and none of a "
+        "linkage",
         several=True,
     )
     engine: str = choice(
         "exudyn",
         ENGINES,
-        "what solves the motion; exudyn takes the open tree where there is one, or the joints",
+        "solver of the motion; exudyn takes the open tree where there is one, or the joints",
     )
     purpose: str = choice(
         "auto",
         ("auto", "trajectory", "forces", "wear"),
-        "what the numbers are for, by which tolerances follow that are not given; auto: wear "
-        "where surfaces wear, else a trajectory",
+        "purpose of the numbers, which sets the default tolerances; auto: wear where surfaces "
+        "wear, else a trajectory",
     )
     drive_torque: str = choice(
         "auto",
         ("auto", "off", "on"),
-        "whether drive torques are stored; auto: where the press has work to do",
+        "whether drive torques are stored; auto: where there is a process",
     )
-    wear_updates: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
+    wear_updates: int = count(2, 0, 20, "paper, per study", "number of wear updates")
     cycles: int | None = count(
         None,
         1,
         100_000,
         "chosen",
-        "cycles of each stage and start; none given: until the maps are known",
+        "cycles of each stage and replicate; default: until the wear maps have converged",
     )
     tolerance: float = quantity(
-        0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
+        0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps, part of their rms"
     )
     max_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
     cycles_per_update: float = quantity(
@@ -122,26 +124,26 @@ class Scene:
         1.0,
         1e12,
         "paper",
-        "cycles that one wear stands for: 200 x 20,000, which the paper calls 2 million",
+        "cycles that one wear update stands for: 200 x 20,000, which the paper calls 2 million",
     )
     extrapolation: str = choice(
         "conventions",
         ("conventions", "single", "steps"),
-        "how a wear is applied: in a single jump, as the paper does, in steps of a cycle each, "
-        "or in steps only where the footprint is an arc",
+        "how a wear update is applied: in a single jump, as the paper does, in steps of a cycle "
+        "each, or in steps only where wear_distribution is an arc",
     )
     replicates: int | None = count(
         None,
         1,
         100,
         "chosen",
-        "independent runs from slightly different starts, each on its own surfaces in all stages; "
-        "none given: 4 where something wears, else 1",
+        "independent runs from slightly different initial conditions, each on its own surfaces; "
+        "default: 4 where something wears, else 1",
     )
-    seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
+    seed: int = count(0, 0, 100_000, "chosen", "seed of the initial conditions")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
     recording: Recording = field(default_factory=Recording)
-    process: Process | None = one_of(PROCESSES, "what the point that is watched presses on")
+    process: Process | None = one_of(PROCESSES, "work that the output point presses on")
     life: Life | None = one_of(
         LIVES, "limits until which the joints are worn, in as many stages as wear_updates says"
     )
@@ -159,17 +161,19 @@ class Scene:
         if self.joints is None:
             self._close()
         check_fields(self)
-        for name in self.apart:
+        for name in self.joint_bearings:
             if name not in self.mechanism.openable:
                 raise unknown("joint", name, self.mechanism.openable)
         self._set(
             # One spelling, so that equal scenes are equal.
             joints=self._openable.combine(self.clearance_joints),
-            apart={name: one for name, one in self.apart.items() if one != self.bearings},
+            joint_bearings={
+                name: one for name, one in self.joint_bearings.items() if one != self.bearings
+            },
         )
-        self._set(surfaces=settled(self.surfaces, self.clearance_joints, self.bearing))
+        self._set(surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing))
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
-        for name, bearing in {"": self.bearings, **self.apart}.items():
+        for name, bearing in {"": self.bearings, **self.joint_bearings}.items():
             prefix = f"{name}." if name else ""
             bearing.check_contact(prefix, self.conventions.contact, is_worn)
         if self.draws > 1 and not self.clearance_joints:
@@ -199,7 +203,7 @@ class Scene:
             )
         _ = self.ideal
         if self.process is not None:
-            check_reach(self.process, self.stroke, self.watched)
+            check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded
         is_limited = any(drive.torque_limit is not None for drive in loaded.drives)
         if is_limited and not self.has_untrusted_loads:
@@ -240,7 +244,9 @@ class Scene:
             if name not in self.mechanism.openable:
                 raise unknown("joint in bearings", name, self.mechanism.openable)
         common = next(iter(bearings.values()), Bearing())
-        self._set(joints=self._openable.combine(bearings), bearings=common, apart=dict(bearings))
+        self._set(
+            joints=self._openable.combine(bearings), bearings=common, joint_bearings=dict(bearings)
+        )
 
     def _close(self) -> None:
         """Open the usual joints of the mechanism."""
@@ -283,9 +289,9 @@ class Scene:
 
     @property
     def load_laws(self) -> dict[str, UserFunction]:
-        """User laws of loads, by keys such as ``loads[0].function``."""
+        """User laws of loads, by keys such as ``loads[0].law``."""
         return {
-            f"loads[{k}].function": load.law
+            f"loads[{k}].law": load.law
             for k, load in enumerate(self.mechanism.linkage().loads)
             if not isinstance(load, Load) and isinstance(load.law, UserFunction)
         }
@@ -312,7 +318,7 @@ class Scene:
 
     def bearing(self, joint: str) -> Bearing:
         """The bearing of a joint."""
-        return self.apart.get(joint, self.bearings)
+        return self.joint_bearings.get(joint, self.bearings)
 
     @property
     def draws(self) -> int:
@@ -365,7 +371,7 @@ class Scene:
         """Watched coordinate of bottom dead centre in the ideal motion, m."""
         found = bottom_of(self.ideal)
         if found is None:
-            return float(self.ideal.at(np.zeros(1)).watched(self.watching)[0, 0])
+            return float(self.ideal.at(np.zeros(1)).output(self.base_linkage)[0, 0])
         return found.height
 
     @property
@@ -381,7 +387,7 @@ class Scene:
         return laws_of(self.process, self.bottom + self.process.height, self.lift)
 
     @property
-    def watching(self) -> Linkage:
+    def base_linkage(self) -> Linkage:
         """The linkage of the mechanism; where it presses on work, watched away from that.
 
         So bottom dead centre is the lowest place in every scene.
@@ -389,17 +395,17 @@ class Scene:
         linkage = self.mechanism.linkage()
         if self.process is None or self.process.bottom == "lowest":
             return linkage
-        probe = linkage.probe
+        probe = linkage.output
         opposite = math.remainder(probe.direction + math.pi, 2.0 * math.pi)
-        return replace(linkage, watch=replace(probe, direction=opposite))
+        return replace(linkage, output=replace(probe, direction=opposite))
 
     @property
     def loaded(self) -> Linkage:
         """The ideal linkage under the forces of the process."""
-        ideal = followed(self.watching)
+        ideal = followed(self.base_linkage)
         if self.process is None:
             return ideal
-        probe = ideal.probe
+        probe = ideal.output
         point = Attachment(probe.body, probe.x, probe.y)
         laws = self.process_laws
         forces = (Force(point, probe.direction, law, name) for name, law in laws.items())
@@ -424,7 +430,7 @@ class Scene:
     @property
     def ideal(self) -> IdealMotion:
         """The motion of the mechanism with all joints closed."""
-        return ideal_motion(followed(self.watching), self.mechanism.period)
+        return ideal_motion(followed(self.base_linkage), self.mechanism.period)
 
     @property
     def run_up(self) -> float:
@@ -432,9 +438,9 @@ class Scene:
         return self.mechanism.linkage().run_up_time
 
     @property
-    def watched(self) -> str:
+    def output(self) -> str:
         """The body that is watched, in a word."""
-        body = self.mechanism.linkage().probe.body
+        body = self.mechanism.linkage().output.body
         return "slider" if body.startswith("slider") else body
 
     def ideal_slider(
@@ -454,7 +460,7 @@ class Scene:
         ndarray, shape (n, 3)
             m, m/s, m/s^2.
         """
-        slider = motion(self.ideal, np.append(0.0, time)).watched(self.watching)
+        slider = motion(self.ideal, np.append(0.0, time)).output(self.base_linkage)
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 
@@ -465,7 +471,7 @@ class Scene:
     def modelled(self) -> dict[str, Any]:
         """What is computed as plain data; how finely, by what and how often is left out."""
         names = (
-            *("mechanism", "bearings", "apart", "conventions"),
+            *("mechanism", "bearings", "joint_bearings", "conventions"),
             *("extrapolation", "cycles_per_update", "surfaces", "process", "life"),
         )
         return {name: value for name, value in self.as_dict().items() if name in names}
@@ -510,7 +516,7 @@ def mechanism_from(data: Any) -> OneMechanism:
     kind, rest = data.get("kind"), {key: value for key, value in data.items() if key != "kind"}
     Choice((*MECHANISMS, Linkage.kind)).check("kind of mechanism", kind)
     if kind == Linkage.kind:
-        return read(rest, "mechanism")
+        return linkage_from(rest, "mechanism")
     return cast(OneMechanism, make("mechanism", MECHANISMS[kind], rest))
 
 

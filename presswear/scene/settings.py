@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import Probe
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
@@ -61,7 +61,7 @@ def settings_of(scene: Scene) -> Iterator[Setting]:
     """
     yield from _settings(scene, scene.origins)
     common = {setting.key: setting.value for setting in _settings(scene.bearings)}
-    for joint, bearing in scene.apart.items():
+    for joint, bearing in scene.joint_bearings.items():
         for setting in _settings(bearing):
             if setting.value != common[setting.key]:
                 yield replace(setting, key=f"{joint}.{setting.key}")
@@ -103,7 +103,7 @@ def _settings(
 
 def _is_part(value: Any) -> bool:
     """Return whether a value has settings of its own."""
-    return is_dataclass(value) and not isinstance(value, UserFunction | Probe)
+    return is_dataclass(value) and not isinstance(value, UserFunction | OutputPoint)
 
 
 def _inner_prefix(key: str, prefix: str, meaning: Any) -> str:
@@ -128,7 +128,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     common_keys = {setting.key for setting in settings_of(scene) if "." not in setting.key}
     joint_keys = {setting.key for setting in _settings(scene.bearings)}
     parts = {setting.key for setting in settings_of(scene) if _is_optional_part(setting)}
-    single: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
+    single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     for key, value in settings.items():
         first, dot, last = key.rpartition(".")
         if not dot and key not in common_keys:
@@ -146,7 +146,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     }
     origins = {**scene.origins, **dict.fromkeys(settings, SET)}
     # In one step: a new mechanism may have joints of other names.
-    result: Scene = _changed(scene, common, apart=bearings, origins=origins)
+    result: Scene = _changed(scene, common, joint_bearings=bearings, origins=origins)
     for key in settings:
         joint = key.rpartition(".")[0]
         if joint in single and joint not in result.clearance_joints:
@@ -319,7 +319,7 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     was |= {key: before[key] for key in sets}
     # A set without a name is described by the values that differ in it.
     was |= {s.key: s.value for s in settings if _is_set(s) and s.value not in _words(s)}
-    for joint in scene.apart:
+    for joint in scene.joint_bearings:
         for setting in _settings(aligned.bearing(joint)):
             was[f"{joint}.{setting.key}"] = setting.value
     changes = [

@@ -448,7 +448,7 @@ def overview_table(result: Result, records: Sequence[Record]) -> Table | None:
     phase = scene.mechanism.linkage().phase
     pull = given(pull_of(scene.linkage()))
     clearance = Row(
-        f"total clearance at the {scene.watched}",
+        f"total clearance at the {scene.output}",
         "rest.clearance",
         "µm",
         f"difference of its heights at bottom dead centre, drives held, under {pull} N up and down",
@@ -473,14 +473,14 @@ def overview_table(result: Result, records: Sequence[Record]) -> Table | None:
 def key_table(result: Result, records: Sequence[Record]) -> Table | None:
     """Return peaks, wear and contact of every stage."""
     rows = [*FORCE_ROWS, *_each_side(result, DEPTH_ROWS), *CONTACT_ROWS]
-    slider = {result.scene.watched.capitalize(): SLIDER_ROWS}
+    slider = {result.scene.output.capitalize(): SLIDER_ROWS}
     return _stage_table("", records, {**slider, **_each_joint(result, rows)})
 
 
 def mean_table(result: Result, records: Sequence[Record]) -> Table | None:
     """Return means over cycles with their 95 % intervals."""
     rows = [*JOINT_MEANS, *_each_side(result, DEPTH_MEANS)]
-    slider = {result.scene.watched.capitalize(): SLIDER_MEANS}
+    slider = {result.scene.output.capitalize(): SLIDER_MEANS}
     return _stage_table("mean over cycles", records, {**slider, **_each_joint(result, rows)})
 
 
@@ -503,7 +503,7 @@ def tonnage_table(result: Result, records: Sequence[Record]) -> Table | None:
         for phase in PHASES
     ]
     groups = {
-        f"Acceleration of the {result.scene.watched} minus the ideal one, rms": VIBRATION_ROWS,
+        f"Acceleration of the {result.scene.output} minus the ideal one, rms": VIBRATION_ROWS,
         **_each_joint(result, [*phases, *TONNAGE_ROWS]),
         "Strokes": STROKE_ROWS,
     }
@@ -632,7 +632,7 @@ def motion_table(result: Result) -> Table | None:
         Row("period, tolerance relative to the clearance", "period"),
         Row("recorded cycles after the start-up", "cycles"),
     ]
-    series = {"": f"acceleration of the {scene.watched} (m/s²)"}
+    series = {"": f"acceleration of the {scene.output} (m/s²)"}
     series |= {joint: f"force at {joint} (N)" for joint in joints}
     orders = ", ".join(map(str, _HARMONICS))
     groups["Spectra"] = [

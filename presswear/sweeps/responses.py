@@ -18,7 +18,7 @@ from presswear.recording.statistics import Estimate
 from presswear.results.bottom import rise
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, JointResult, JointStatistics, StageResult
-from presswear.scene.life import FOLLOWED
+from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.sweeps.parameters import Column
 from presswear.tools.arrays import Array

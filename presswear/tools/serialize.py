@@ -123,7 +123,7 @@ def _one_of(name: str, value: Any, kind: Any) -> Any:
     classes: list[Any] = [one for one in kinds if is_dataclass(one)]
     takes_mapping = any(get_origin(one) is Mapping for one in kinds)
     if isinstance(value, Mapping) and classes and not takes_mapping:
-        return make(name, max(classes, key=lambda one: _common_keys(one, value)), value)
+        return make(name, min(classes, key=lambda one: _misfit(one, value)), value)
     for one in kinds:
         try:
             return converted(name, value, one)
@@ -134,11 +134,11 @@ def _one_of(name: str, value: Any, kind: Any) -> Any:
     raise deeper or _refusal(name, value, kind)
 
 
-def _common_keys(kind: Any, data: Mapping[str, Any]) -> int:
-    """Return how well the keys of plain data fit a data class."""
-    if "kind" in data:
-        return int(getattr(kind, "kind", "") == data["kind"])
-    return 2 * len(data.keys() & {item.name for item in fields(kind)}) - len(fields(kind))
+def _misfit(kind: Any, data: Mapping[str, Any]) -> tuple[int, int]:
+    """Return how many keys of plain data a data class lacks, and how many are missing there."""
+    parameters = inspect.signature(kind).parameters
+    needed = {key for key, one in parameters.items() if one.default is one.empty}
+    return len(data.keys() - parameters.keys()), len(needed - data.keys())
 
 
 def _rows(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
@@ -253,8 +253,9 @@ def _lacking(whole: Any, data: Any) -> Iterator[str]:
 def to_toml(value: Any, kind: Any = Any) -> str:
     """Return a value as TOML, numbers with the unit of the annotation."""
     origin, inner = get_origin(kind) or kind, get_args(kind)
-    if origin is Annotated and isinstance(inner[1], Quantity):
-        return _number_text(value, inner[1])
+    if origin is Annotated:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        return _number_text(value, inner[1]) if is_number else to_toml(value, inner[0])
     if origin in (Union, UnionType):
         return to_toml(value, next((one for one in inner if _fits(value, one)), Any))
     if isinstance(value, bool):
@@ -262,11 +263,13 @@ def to_toml(value: Any, kind: Any = Any) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if is_dataclass(value):
-        pairs = (f"{key} = {text}" for key, text, _ in toml_items(value))
+        kind_name = getattr(value, "kind", None)
+        pairs = [f'kind = "{kind_name}"'] if isinstance(kind_name, str) else []
+        pairs += (f"{key} = {text}" for key, text, _ in toml_items(value))
         return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, Mapping):
         one = inner[1] if origin is Mapping else Any
-        pairs = (f"{json.dumps(key)} = {to_toml(item, one)}" for key, item in value.items())
+        pairs = [f"{json.dumps(key)} = {to_toml(item, one)}" for key, item in value.items()]
         return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, tuple | list):
         fixed = origin is tuple and inner[-1] is not Ellipsis
@@ -289,7 +292,7 @@ def toml_items(owner: Any) -> Iterator[tuple[str, str, str]]:
         yield item.name, text, meaning.text if meaning else ""
 
 
-def _number_text(value: Any, meaning: Quantity) -> str:
+def _number_text(value: Any, meaning: Any) -> str:
     unit = meaning.unit.split(" or ")[0]
     return f'"{value!r} {unit}"' if unit else f"{value!r}"
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Run, Start
 from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT
-from presswear.linkage.press import Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.following import motion_of
 from presswear.recording.observer import Observer

@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.elements import Body, ClearanceJoint
+from presswear.linkage.elements import Attachment, Body, ClearanceJoint
 from presswear.linkage.laws import (
     NormalLaw,
     delivered_restitution,
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import Attachment
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.laws import ONSET_SPEED_FLOOR
 from presswear.physics.packed import mass_of

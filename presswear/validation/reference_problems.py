@@ -8,7 +8,14 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from presswear.engines.base import Start
-from presswear.linkage.elements import Body, ClearanceJoint, Revolute
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    Body,
+    ClearanceJoint,
+    OutputPoint,
+    Revolute,
+)
 from presswear.linkage.laws import (
     DAMPINGS,
     FrictionLaw,
@@ -17,9 +24,8 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Load, Spring
-from presswear.linkage.points import GROUND, Attachment, Probe
 
 Array = NDArray[np.float64]
 
@@ -108,8 +114,10 @@ def free_bodies(
     probe, direction : str, float
         Body whose motion is recorded, along a direction, rad.
     """
-    watch = Probe(probe, direction)
-    return Linkage(bodies, watch=watch, name=name, gravity=gravity, loads=loads, clearances=joints)
+    watch = OutputPoint(probe, direction)
+    return assemble(
+        bodies, output=watch, name=name, gravity=gravity, loads=loads, clearances=joints
+    )
 
 
 def andrews() -> Linkage:
@@ -121,7 +129,7 @@ def andrews() -> Linkage:
     def on_frame(place: tuple[float, float]) -> Attachment:
         return Attachment(GROUND, *place)
 
-    return Linkage(
+    return assemble(
         name="Andrews' squeezer",
         bodies=(
             Body("K1", 0.04325, 2.194e-6),
@@ -144,7 +152,7 @@ def andrews() -> Linkage:
             Revolute("E", pin("K4", "E"), pin("K5", "E")),
             Revolute("H", pin("K6", "H"), pin("K7", "H")),
         ),
-        watch=Probe("K3", 0.0),
+        output=OutputPoint("K3", 0.0),
         gravity=0.0,
         springs=(Spring("spring", pin("K3", "D"), on_frame(_C), _C0, _L0),),
         loads=(Load("K1", moment=_MOMENT),),

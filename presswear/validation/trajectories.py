@@ -69,7 +69,7 @@ class Difference:
 def slider_at_end(linkage: Linkage, run: Run) -> Array:
     """Return position, m, and velocity, m/s, along the recorded direction at the end of a run."""
     q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
-    return Motion(np.array([run.time]), q, v, np.zeros_like(v)).watched(linkage)[0, :2]
+    return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[0, :2]
 
 
 def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:

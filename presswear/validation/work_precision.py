@@ -34,7 +34,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import followed
 from presswear.physics.tree import Tree, tree_of
-from presswear.scene.numerics import Numerics
+from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.errors import InputError, RunFailed

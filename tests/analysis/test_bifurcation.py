@@ -24,7 +24,7 @@ from presswear.analysis.bifurcation import (
 )
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
 from presswear.physics.constraints import constraints_of
 from presswear.scene.settings import changed
 from presswear.show.figures.bifurcation import draw_diagram

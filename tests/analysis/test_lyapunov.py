@@ -210,7 +210,7 @@ def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
     end = float(START.position[3 * LINKAGE.index("slider")])
     table = [(end - 0.02, 400.0), (end - 0.001, 400.0), (end, 0.0)]
     law = OverPosition(table, "against", release=True)
-    for linkage in (LINKAGE, replace(LINKAGE, loads=[Force("slider", 0.0, law)])):
+    for linkage in (LINKAGE, LINKAGE.changed(loads=[Force("slider", 0.0, law)])):
         flow = Flow.of(linkage, START, CYCLE, 20)
         state, context = flow.step(*flow.state())
         first = further = flow.step(state, context)

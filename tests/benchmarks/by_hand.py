@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
+from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press
 from presswear.scene.scene import Scene
 from presswear.tools.compile import Records, compiled
 

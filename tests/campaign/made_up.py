@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from presswear.campaign.crossing import Block, Blocks
 from presswear.campaign.life import Step
-from presswear.scene.life import Service
+from presswear.scene.options import Service
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,10 @@ import pytest
 
 from presswear.campaign.bottom import bottom_statistics
 from presswear.campaign.single import run
+from presswear.linkage.drives import Drive, Dwell
 from presswear.linkage.elements import Bar, Pin
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
-from presswear.linkage.press import GEOMETRIES, Press
-from presswear.linkage.servo import Dwell
+from presswear.linkage.linkage import assemble
+from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.bottom import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.bottom import rise, strokes_of
@@ -138,7 +137,7 @@ def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
 
 
 def test_what_stands_has_no_bottom() -> None:
-    linkage = Linkage(
+    linkage = assemble(
         bodies=[Bar("bar", length=0.2, mass=1.0)],
         joints=[Pin("O", (0.0, 0.0), "bar.centre")],
         drives=[Drive("bar", speed=5.0)],

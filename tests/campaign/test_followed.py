@@ -9,7 +9,7 @@ from presswear.physics.wear import map_shape
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.life import WORDS
 from presswear.scene.catalog import press_blanking
-from presswear.scene.life import FOLLOWED
+from presswear.scene.options import FOLLOWED
 
 
 def test_every_number_is_followed_and_has_words() -> None:

@@ -8,7 +8,7 @@ from made_up import MadeUp
 
 from presswear.campaign.crossing import curve
 from presswear.campaign.life import Known, Pass, Problem, known_by, live, next_pass
-from presswear.scene.life import Limit, Service
+from presswear.scene.options import Limit, Service
 from presswear.tools.errors import InputError
 
 DEPTH = Limit("depth", "A", 5e-5)

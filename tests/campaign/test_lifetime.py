@@ -25,7 +25,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding
-from presswear.scene.life import FOLLOWED, Life, Service
+from presswear.scene.options import FOLLOWED, Life, Service
 from presswear.scene.settings import changed
 
 JOINTS = ("A", "B")

@@ -14,7 +14,7 @@ import presswear as pw
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_of
 from presswear.cli.terminal import settings_given
-from presswear.linkage.materials import Materials
+from presswear.linkage.laws import Materials
 from presswear.scene.catalog import SCENES
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError

@@ -13,13 +13,11 @@ from random import Random
 from typing import Any
 
 from endurance.subject import OutsideError, run_part
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE
-from presswear.linkage.materials import Materials
-from presswear.linkage.press import GEOMETRIES, Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE, Materials
+from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.numerics import Numerics
+from presswear.scene.options import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of

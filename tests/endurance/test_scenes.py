@@ -6,9 +6,9 @@ import pytest
 
 from endurance.random_scenes import Ended, coarser, ended, random_scenes
 from endurance.trial import SEED, Trial
-from presswear.linkage.press import Press
+from presswear.linkage.mechanisms import Press
 from presswear.scene.catalog import wear_times
-from presswear.scene.numerics import Numerics
+from presswear.scene.options import Numerics
 
 ENGINES = ("exudyn", "dae")
 STEPS = 5000

@@ -1,9 +1,8 @@
 """Two free bodies, one with a bearing, the other with a pin in it."""
 
-from presswear.linkage.elements import Body, ClearanceJoint
+from presswear.linkage.elements import Attachment, Body, ClearanceJoint, OutputPoint
 from presswear.linkage.laws import FrictionLaw, NormalLaw, lankarani_nikravesh_damping
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import Attachment, Probe
+from presswear.linkage.linkage import Linkage, assemble
 
 CLEARANCE = 0.8e-3
 FRICTIONLESS = FrictionLaw(0.0)
@@ -28,9 +27,9 @@ def free_pair(
         normal=NormalLaw(STIFFNESS, exponent, lankarani_nikravesh_damping(restitution)),
         friction=friction,
     )
-    return Linkage(
+    return assemble(
         (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)),
-        watch=Probe("shaft"),
+        output=OutputPoint("shaft"),
         gravity=0.0,
         clearances=(joint,),
     )

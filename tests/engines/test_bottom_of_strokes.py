@@ -9,7 +9,7 @@ from closed_form import press_motion
 from presswear.campaign.replicates import start_of
 from presswear.campaign.segment import Task, plan_of
 from presswear.engines.settings import Engine, ExudynTree, InHouse
-from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.bottom import bottom_of
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import Scene
@@ -35,7 +35,7 @@ def test_ideal_press_comes_to_the_bottom_of_the_closed_form(geometry: str, run_u
     found = bottom_of(scene.ideal)
     assert found is not None
     rows = bottoms(scene, InHouse(free_step=press.period / 100.0), 3)[found.first :]
-    height = press_motion(press, np.array([found.time])).watched(scene.linkage())[0, 0]
+    height = press_motion(press, np.array([found.time])).output(scene.linkage())[0, 0]
     assert np.abs(rows[:, 0] - height).max() < 1e-10
     strokes = scene.run_up + press.period * np.arange(found.first, 3)
     assert np.abs(rows[:, 1] - found.time - strokes).max() < 1e-8

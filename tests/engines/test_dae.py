@@ -11,9 +11,8 @@ from presswear.campaign.replicates import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.dynamics import rates, state_size, system_of
 from presswear.engines.settings import InHouse, Integrator
-from presswear.linkage.elements import Body, Revolute
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import Attachment, Probe
+from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
+from presswear.linkage.linkage import assemble
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of
 from presswear.physics.multipliers import held_by, project, project_acceleration
@@ -239,10 +238,10 @@ def test_a_joint_given_twice_is_refused_by_name() -> None:
 
 def test_a_pendulum_keeps_its_energy() -> None:
     """One body on one joint; the closed form is its energy."""
-    linkage = Linkage(
+    linkage = assemble(
         (Body("rod", 1.0, 0.01),),
         (Revolute("pivot", Attachment("frame", 0.0, 0.0), Attachment("rod", -0.5, 0.0)),),
-        watch=Probe("rod"),
+        output=OutputPoint("rod"),
     )
     start = Start(np.array([0.5, 0.0, 0.0]), np.zeros(3))
     run = InHouse().simulate(linkage, start, Plan(2.0, 1))
@@ -253,14 +252,14 @@ def test_a_pendulum_keeps_its_energy() -> None:
 
 def test_a_singular_position_is_refused_by_name() -> None:
     """Two rods stretched out between two fixed points hold each other twice along the line."""
-    linkage = Linkage(
+    linkage = assemble(
         (Body("left", 1.0, 0.01), Body("right", 1.0, 0.01)),
         (
             Revolute("O", Attachment("frame", 0.0, 0.0), Attachment("left", -0.5, 0.0)),
             Revolute("P", Attachment("frame", 2.0, 0.0), Attachment("right", 0.5, 0.0)),
             Revolute("middle", Attachment("left", 0.5, 0.0), Attachment("right", -0.5, 0.0)),
         ),
-        watch=Probe("left"),
+        output=OutputPoint("left"),
     )
     start = Start(np.array([0.5, 0.0, 0.0, 1.5, 0.0, 0.0]), np.zeros(6))
     with pytest.raises(InputError, match=r"joint middle .* singular"):

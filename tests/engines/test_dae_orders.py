@@ -10,11 +10,10 @@ import pytest
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.elements import Body
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Spring
-from presswear.linkage.points import GROUND, Attachment, Probe
-from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import order_of
@@ -31,9 +30,9 @@ def oscillator() -> Linkage:
         FREQUENCY**2,
         1.0,
     )
-    return Linkage(
+    return assemble(
         (Body("mass", 1.0, 1.0),),
-        watch=Probe("mass"),
+        output=OutputPoint("mass"),
         gravity=0.0,
         springs=(spring,),
     )

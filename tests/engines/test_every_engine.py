@@ -9,7 +9,7 @@ from listeners import Interrupts
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine
-from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.scene.catalog import ideal, wear_times
 
 SCENE = wear_times()

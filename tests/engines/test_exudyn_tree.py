@@ -11,10 +11,9 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import ExudynTree, InHouse
-from presswear.linkage.elements import Slip
+from presswear.linkage.elements import Attachment, Slip
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Load, Spring
-from presswear.linkage.points import Attachment
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times

@@ -9,16 +9,15 @@ from ten_touches import agreed_over_ten_touches
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
+from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.linkage import assemble
+from presswear.linkage.mechanisms import FOUR_BAR, SliderCrank
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
-TOGGLE = Linkage(
+TOGGLE = assemble(
     bodies=[
         Bar("crank", 0.04, 0.3),
         Bar("rod", 0.20, 0.4),
@@ -37,10 +36,10 @@ TOGGLE = Linkage(
     ],
     drives=[Drive("crank", 20.0, 0.3)],
     guess={"rod": 0.0, "upper": -1.35, "lower": -1.8},
-    watch="slider.centre",
+    output="slider.centre",
     name="toggle press",
 )
-WATT = Linkage(
+WATT = assemble(
     bodies=[
         Bar("crank", 0.05, 0.3),
         Bar("coupler", 0.20, 0.5),
@@ -59,7 +58,7 @@ WATT = Linkage(
     ],
     drives=[Drive("crank", 25.0)],
     guess={"coupler": 0.6, "rocker": 1.4, "link": -0.2, "output": 1.2},
-    watch="output.head",
+    output="output.head",
     name="Watt's six-bar",
 )
 SCENES = {
@@ -101,7 +100,7 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
     crank, ends = SliderCrank().linkage(), []
     for inertia in (0.0, 1e-3):
         slider = replace(crank.bodies[2], inertia=inertia)
-        scene = Scene(replace(crank, bodies=[*crank.bodies[:2], slider]), joints="B")
+        scene = Scene(crank.changed(bodies=[*crank.bodies[:2], slider]), joints="B")
         engine = {own.word: own for own in vars(scene.numerics).values()}[word.split()[0]]
         if word.endswith("coordinates"):
             engine = replace(engine, coordinates="all")
@@ -116,11 +115,13 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
 def test_a_body_that_can_turn_needs_inertia() -> None:
     bodies = [*TOGGLE.bodies[:3], Body("lower", 0.5, 0.0), Body("slider", 1.0)]
     with pytest.raises(InputError, match=r"inertia of lower = 0 kg m\^2: must be 1e-18") as refusal:
-        replace(TOGGLE, bodies=bodies)
+        TOGGLE.changed(bodies=bodies)
     assert len(str(refusal.value).splitlines()) == 1
     with pytest.raises(InputError, match=r"inertia of crank = 0 kg m\^2: must be 1e-18"):
-        Linkage([Body("crank", 1.0)], [Pin("O", (0.0, 0.0), "crank.centre")], [Drive("crank", 1.0)])
-    held = Linkage(
+        assemble(
+            [Body("crank", 1.0)], [Pin("O", (0.0, 0.0), "crank.centre")], [Drive("crank", 1.0)]
+        )
+    held = assemble(
         [Body("crank", 1.0)], [Pin("O", (0.0, 0.0), "crank.centre")], [Drive("crank")], cycle=1.0
     )
     assert held.bodies[0].inertia == 0.0

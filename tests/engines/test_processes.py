@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.process import Process
+from presswear.linkage.loads import Process
 from presswear.results.strokes import Strokes, strokes_of
 from presswear.tools.arrays import Array
 
@@ -30,7 +30,7 @@ LARGE = 1e-8
 
 def slider(time: Array) -> Array:
     """Place, velocity and acceleration of the slider in closed form, shape (n, 3)."""
-    return press_motion(PRESS, np.atleast_1d(time)).watched(LINKAGE)
+    return press_motion(PRESS, np.atleast_1d(time)).output(LINKAGE)
 
 
 def turning(begin: float, end: float) -> float:

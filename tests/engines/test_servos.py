@@ -8,8 +8,8 @@ from closed_form import Turning, needed_by_virtual_work, press_motion, servo_tur
 from scipy.interpolate import BPoly
 
 import presswear as pw
-from presswear.linkage.process import Process
-from presswear.linkage.servo import Servo
+from presswear.linkage.drives import Servo
+from presswear.linkage.loads import Process
 from presswear.physics.inverse import needed_torques
 from presswear.tools.arrays import Array
 
@@ -61,12 +61,12 @@ def moved(servo: Servo, time: Array) -> tuple[Array, Turning]:
             [np.sin(phase), W * np.cos(phase), -W * W * np.sin(phase)]
         )
         turning = servo.middle + swing[0], swing[1], swing[2]
-        return press_motion(press, time, None, turning).watched(press.linkage()), turning
+        return press_motion(press, time, None, turning).output(press.linkage()), turning
     phase = W * np.append(0.0, time) - servo.bottom
     slider = dwelling(servo, phase) if isinstance(servo, pw.Dwell) else forming(servo, phase)
     still = np.zeros(1)
     begun = press_motion(press, still, None, (still + servo.angle, still, still))
-    slider[:, 0] += begun.watched(press.linkage())[0, 0] - slider[0, 0]
+    slider[:, 0] += begun.output(press.linkage())[0, 0] - slider[0, 0]
     return slider[1:], servo_turning(press, time, slider[1:], servo.angle)
 
 

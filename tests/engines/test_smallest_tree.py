@@ -11,9 +11,9 @@ from sub_chains import ARM, PUMP, STEPHENSON
 from ten_touches import agreed_over_ten_touches
 
 from presswear.engines.settings import ExudynTree
-from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.elements import Attachment
 from presswear.linkage.loads import Load, Spring
-from presswear.linkage.points import Attachment
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank
 from presswear.scene.scene import Scene
@@ -21,15 +21,13 @@ from presswear.scene.scene import Scene
 TIGHT = Bearing(clearance=0.3e-3, friction=0.05)
 
 PRESS = clearance_c().mechanism.linkage()
-UNEVEN = replace(
-    PRESS,
+UNEVEN = PRESS.changed(
     drives=[
         replace(PRESS.drives[0], harmonics=[(0.1, 0.3), (0.0, -0.05)]),
         replace(PRESS.drives[1], harmonics=[(0.0, 0.1)]),
     ],
 )
-SPRUNG = replace(
-    PUMP,
+SPRUNG = PUMP.changed(
     springs=[
         Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1, 0.5)
     ],

@@ -13,11 +13,17 @@ from numpy.typing import NDArray
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanism import Mechanism
-from presswear.linkage.points import GROUND, Attachment
-from presswear.linkage.press import CRANK_2_START, CRANK_7_START, GEOMETRIES, Geometry, Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import (
+    CRANK_2_START,
+    CRANK_7_START,
+    GEOMETRIES,
+    Geometry,
+    Mechanism,
+    Press,
+    SliderCrank,
+)
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import motion_of
 from presswear.physics.ideal import Motion

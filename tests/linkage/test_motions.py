@@ -1,7 +1,6 @@
 """Motions of drives as data: rises by their closed forms, tables by scipy, what is no motion."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -12,9 +11,16 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicSpline
 
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.motions import Drive, Follow, run_up_motion
-from presswear.linkage.pieces import MOST_PIECES, RISES, Rise, pieces_of
+from presswear.linkage.drives import (
+    MAX_PIECES,
+    RISES,
+    Drive,
+    Follow,
+    Rise,
+    pieces_of,
+    run_up_motion,
+)
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -191,7 +197,7 @@ ROW = (0.0, 0.0)
         ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises are given"),
         (
             {"rises": [Rise(k / 20, (k + 1) / 20, 0.01, "modified-sine") for k in range(100)]},
-            f"rises of crank: they make 301 pieces; allowed are {MOST_PIECES} at most",
+            f"rises of crank: they make 301 pieces; allowed are {MAX_PIECES} at most",
         ),
     ],
 )
@@ -217,6 +223,6 @@ def test_a_linkage_refuses_a_run_up_or_a_point_that_is_none() -> None:
     wrongs: list[Any] = [-1, 0.5, True, 2000]
     for wrong in wrongs:
         with pytest.raises(InputError, match="run_up = "):
-            replace(FOUR_BAR, name="linkage", run_up=wrong)
+            FOUR_BAR.changed(name="linkage", run_up=wrong)
     with pytest.raises(InputError, match="unknown point of rocker in follow of crank 'haed'"):
-        replace(FOUR_BAR, drives=[Drive("crank", 30.0, follow=Follow("rocker.haed"))])
+        FOUR_BAR.changed(drives=[Drive("crank", 30.0, follow=Follow("rocker.haed"))])

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from presswear.linkage.process import (
+from presswear.linkage.loads import (
     PROCESSES,
     Blanking,
     Coining,

@@ -12,7 +12,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.servo import Servo
+from presswear.linkage.drives import Servo
 from presswear.physics.following import motion_of
 from presswear.scene.files import scene_from
 from presswear.scene.settings import changed, settings_of
@@ -30,7 +30,7 @@ def heights() -> np.ndarray[Any, np.dtype[np.float64]]:
     for turn in turns:
         time = np.full(turns.size, turn / W)
         motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
-        rows.append(motion.watched(pw.Press().linkage())[:, 0])
+        rows.append(motion.output(pw.Press().linkage())[:, 0])
     return np.array(rows)
 
 
@@ -59,7 +59,7 @@ def test_a_swing_without_a_dead_point(begin: float, end: float, last: float) -> 
     for turn in np.radians(np.linspace(begin, end, 30)):
         time = np.full(turns.size, turn / W)
         motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
-        assert (np.diff(motion.watched(pw.Press().linkage())[:, 0]) > 0.0).all()
+        assert (np.diff(motion.output(pw.Press().linkage())[:, 0]) > 0.0).all()
 
 
 SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
@@ -79,10 +79,10 @@ def test_the_slider_dwells_for_its_part_of_the_cycle(
     press = pw.Press(servo=dwell)
     time = (dwell.bottom + math.pi * part * np.linspace(-1.0, 1.0, 101)) / W
     ideal = motion_of(press)
-    place, speed, _ = ideal.at(time).watched(press.linkage()).T
+    place, speed, _ = ideal.at(time).output(press.linkage()).T
     assert np.ptp(place) < 2e-9 * stroke
     assert np.abs(speed).max() < 1e-6 * W * stroke
-    whole = ideal.at(ideal.times).watched(press.linkage())[:, 0]
+    whole = ideal.at(ideal.times).output(press.linkage())[:, 0]
     assert whole.min() > place.min() - 2e-9 * stroke
     assert np.ptp(whole) == pytest.approx(stroke, rel=1e-4)
     crank = ideal.at(ideal.times).position[:, 3 * press.linkage().index("crank 7") + 2]
@@ -97,9 +97,9 @@ def test_the_speed_is_constant_in_the_work(speed: float, height: float, end: flo
     ideal = motion_of(press)
     slowing = forming.bottom / W - 2.0 * end / speed
     time = slowing - (height - end) / speed * np.linspace(0.0, 1.0, 101)
-    place, velocity, _ = ideal.at(time).watched(press.linkage()).T
+    place, velocity, _ = ideal.at(time).output(press.linkage()).T
     assert np.abs(velocity + speed).max() < 1e-6 * speed
-    whole = ideal.at(ideal.times).watched(press.linkage())
+    whole = ideal.at(ideal.times).output(press.linkage())
     assert place[0] - whole[:, 0].min() == pytest.approx(end, abs=1e-8)
     # One way down, one way up.
     moving = np.sign(whole[:-1, 1][np.abs(whole[:-1, 1]) > 1e-6])

@@ -4,7 +4,6 @@ Canudas de Wit, Olsson, Astrom and Lischinsky, 1995; the floor is that of SDND10
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,7 +29,7 @@ def pulled(
     linkage, start = references.block(0.0, PRESS, law, speed)
     slowly = OverTime([(0.0, 0.0), (1.0, pull)], period=0.0)
     own = pull if speed > 0.0 else slowly
-    linkage = replace(linkage, loads=[*linkage.loads, Force("block.centre", 0.0, own)])
+    linkage = linkage.changed(loads=[*linkage.loads, Force("block.centre", 0.0, own)])
     run = engine.simulate(linkage, start, Plan(time, 1, recorded_cycles=1))
     assert run.status == "completed", run.message
     return run

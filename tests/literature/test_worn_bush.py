@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import presswear as pw
-from presswear.scene.life import Life
+from presswear.scene.options import Life
 
 Array = NDArray[np.float64]
 

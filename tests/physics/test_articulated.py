@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.press import Press
+from presswear.linkage.mechanisms import Press
 from presswear.physics.articulated import ARTICULATED, articulate, release
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import motion_of

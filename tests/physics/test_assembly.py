@@ -10,12 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Body, Revolute, bar_ends
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
-from presswear.linkage.points import GROUND, Attachment, Probe
-from presswear.linkage.press import GEOMETRIES, Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint, Revolute
+from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.assembly import assembled
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import motion_of
@@ -33,10 +31,10 @@ def four_bar(
     crank: float = 0.05, coupler: float = 0.20, rocker: float = 0.12, base: float = 0.18
 ) -> Linkage:
     ends = {
-        name: bar_ends(name, length)
+        name: (Attachment(name, -0.5 * length, 0.0), Attachment(name, 0.5 * length, 0.0))
         for name, length in (("crank", crank), ("coupler", coupler), ("rocker", rocker))
     }
-    return Linkage(
+    return assemble(
         name="four-bar",
         bodies=tuple(Body(name, 0.3, 1e-4) for name in ends),
         joints=(
@@ -47,7 +45,7 @@ def four_bar(
         ),
         drives=(Drive("crank", 30.0, 0.3),),
         guess=GUESS,
-        watch=Probe("rocker", 0.0),
+        output=OutputPoint("rocker", 0.0),
     )
 
 
@@ -118,7 +116,7 @@ def test_rows_are_those_of_the_engines() -> None:
 
 def test_the_guess_says_which_way_it_is_put_together() -> None:
     up = assembled(four_bar())
-    down = assembled(replace(four_bar(), guess={"coupler": -0.8, "rocker": -1.9}))
+    down = assembled(four_bar().changed(guess={"coupler": -0.8, "rocker": -1.9}))
     crank, base = up[0, 2], 0.18
     assert crank == down[0, 2] == 0.3
     tip = np.array([0.05 * math.cos(0.3), 0.05 * math.sin(0.3)])
@@ -152,10 +150,13 @@ def test_what_has_no_motion_is_refused_by_name() -> None:
 
 def test_a_truss_stands_still_or_is_refused() -> None:
     """Two bars between two points of the frame: nothing drives them, and nothing has to."""
-    ends = {name: bar_ends(name, 0.2) for name in ("left", "right")}
+    ends = {
+        name: (Attachment(name, -0.1, 0.0), Attachment(name, 0.1, 0.0))
+        for name in ("left", "right")
+    }
 
     def truss(base: float) -> Linkage:
-        return Linkage(
+        return assemble(
             bodies=[Body(name, 1.0, 1e-3) for name in ends],
             joints=[
                 Revolute("O", Attachment(GROUND, 0.0, 0.0), ends["left"][0]),

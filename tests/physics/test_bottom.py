@@ -1,7 +1,6 @@
 """Bottom dead centre of ideal motions, against closed forms."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,23 +8,21 @@ import pytest
 from closed_form import press_motion, slider_crank_motion
 from scipy.optimize import brentq
 
-from presswear.linkage.elements import Bar, Pin
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
-from presswear.linkage.points import Probe
-from presswear.linkage.press import GEOMETRIES, Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Bar, OutputPoint, Pin
+from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.bottom import bottom_of
 from presswear.physics.ideal import ideal_motion
 
 
 def bar(speed: float = 10.0, angle: float = 0.0, **changes: Any) -> Linkage:
     """A bar that turns about its tail; its head is watched upright."""
-    return Linkage(
+    return assemble(
         bodies=[Bar("bar", length=0.2, mass=1.0)],
         joints=[Pin("O", (0.0, 0.0), "bar.tail")],
         drives=[Drive("bar", speed=speed, angle=angle)],
-        watch=Probe("bar", 0.5 * math.pi, x=0.1),
+        output=OutputPoint("bar", 0.5 * math.pi, x=0.1),
         **changes,
     )
 
@@ -38,13 +35,13 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
     assert found is not None
 
     def level(time: float, which: int) -> float:
-        return float(press_motion(press, np.array([time])).watched(linkage)[0, which])
+        return float(press_motion(press, np.array([time])).output(linkage)[0, which])
 
     time = brentq(level, found.time - 0.02, found.time + 0.02, args=(1,), xtol=1e-16)
     assert found.time == pytest.approx(time, abs=1e-14)
     assert found.height == pytest.approx(level(time, 0), abs=1e-15)
     everywhere = np.linspace(0.0, press.period, 20_001)
-    height, speed, _ = press_motion(press, everywhere).watched(linkage).T
+    height, speed, _ = press_motion(press, everywhere).output(linkage).T
     assert found.height <= height.min() + 1e-15
     assert found.stroke == pytest.approx(float(np.ptp(height)), rel=1e-5)
     begin, end = found.window
@@ -62,13 +59,13 @@ def test_slider_crank_is_lowest_where_crank_and_rod_are_in_line() -> None:
     assert found.time == pytest.approx(0.5 * mechanism.period, rel=1e-12)
     assert found.height == pytest.approx(mechanism.rod_length - mechanism.crank_length, abs=1e-15)
     motion = slider_crank_motion(mechanism, np.array([found.time]))
-    assert motion.watched(mechanism.linkage())[0, 0] == pytest.approx(found.height, abs=1e-15)
+    assert motion.output(mechanism.linkage())[0, 0] == pytest.approx(found.height, abs=1e-15)
 
 
 def test_the_other_end_is_watched_in_the_opposite_direction() -> None:
     """Its bottom falls on the boundary of two cycles: the window lies on both sides of it."""
     mechanism = SliderCrank()
-    linkage = replace(mechanism.linkage(), watch=Probe("slider", math.pi))
+    linkage = mechanism.linkage().changed(output=OutputPoint("slider", math.pi))
     found = bottom_of(ideal_motion(linkage, mechanism.period))
     assert found is not None
     assert found.height == pytest.approx(-mechanism.rod_length - mechanism.crank_length, abs=1e-15)
@@ -102,5 +99,5 @@ def test_of_two_turns_in_a_cycle_the_first_counts() -> None:
 
 
 def test_what_stands_has_none() -> None:
-    linkage = replace(bar(), watch=Probe("bar", 0.5 * math.pi, x=-0.1))
+    linkage = bar().changed(output=OutputPoint("bar", 0.5 * math.pi, x=-0.1))
     assert bottom_of(ideal_motion(linkage, linkage.period)) is None

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
-from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.contact import direction_of, joint_end
 from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, friction_record
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.physics.energy import made_energy
 from presswear.physics.packed import pack
 

@@ -1,7 +1,5 @@
 """Inverse dynamics of ideal mechanisms against virtual work and statics."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from closed_form import needed_by_virtual_work, press_motion
@@ -19,9 +17,9 @@ def test_torques_of_the_press_are_those_of_virtual_work(run_up: int) -> None:
     press = pw.Press(run_up=run_up)
     stop = OverPosition([(-0.6, 200.0), (-0.5, 0.0)], outside="hold")
     plain = press.linkage()
-    linkage = replace(plain, loads=[pw.Force("slider 6", 0.5 * np.pi, stop)])
+    linkage = plain.changed(loads=[pw.Force("slider 6", 0.5 * np.pi, stop)])
     within = np.linspace(0.0, press.period, 101)
-    place = press_motion(press, within).watched(plain)[:, 0]
+    place = press_motion(press, within).output(plain)[:, 0]
     upwards = np.interp(place, *np.array(stop.table).T)
     found = needed_torques(linkage, motion_of(linkage), linkage.run_up_time + within)
     expected = needed_by_virtual_work(press, within, upwards)
@@ -35,7 +33,7 @@ def test_a_limit_is_that_of_the_greatest_torque() -> None:
 
     def made(limit: float) -> pw.Linkage:
         drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=limit)
-        return pw.Linkage([bar], [pw.Pin("O", (0.0, 0.0), "crank.tail")], [drive])
+        return pw.assemble([bar], [pw.Pin("O", (0.0, 0.0), "crank.tail")], [drive])
 
     enough, little = made(1.001 * weight), made(0.999 * weight)
     check_drives(enough, motion_of(enough))

@@ -11,14 +11,10 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
-from presswear.linkage.elements import Guide, Pin
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
-from presswear.linkage.points import Attachment
-from presswear.linkage.press import GEOMETRIES, Press
-from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.topology import prescribed_of
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Attachment, Guide, Pin
+from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import motion_of
 from presswear.physics.ideal import Motion
@@ -152,8 +148,7 @@ def test_torques_are_the_multipliers_of_the_drives(linkage: Linkage) -> None:
 
 
 def test_loops_that_do_not_close_leave_no_finite_state() -> None:
-    short = replace(
-        FOUR_BAR,
+    short = FOUR_BAR.changed(
         joints=[
             Pin("O", (0.0, 0.0), "crank.tail"),
             Pin("A", "crank.head", "coupler.tail"),
@@ -192,7 +187,7 @@ def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
 
 
 def test_what_is_held_twice_is_no_chain() -> None:
-    twice = replace(FOUR_BAR, drives=(*FOUR_BAR.drives, Drive("rocker", 1.0)))
+    twice = FOUR_BAR.changed(drives=(*FOUR_BAR.drives, Drive("rocker", 1.0)))
     with pytest.raises(ValueError, match="coupler, crank, rocker are no chain"):
         pack_prescribed(twice, prescribed_of(twice))
     still = replace(PUMP, joints=(*PUMP.joints, Guide("second", "slider", 0.0, 0.0, 1.0)))

@@ -13,8 +13,8 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.press import GEOMETRIES
+from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.mechanisms import GEOMETRIES
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import LEAST_PULL, equilibrium, heights_at_bottom, pull_of
 from presswear.tools.arrays import Array
@@ -65,7 +65,7 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(geometry: str, force: 
     def height(longer: Array) -> float:
         rods = {"length_3": press.length_3 + longer[0], "length_5": press.length_5 + longer[1]}
         own = replace(press, **rods)
-        return float(press_motion(own, time).watched(linkage)[0, 0])
+        return float(press_motion(own, time).output(linkage)[0, 0])
 
     longer, way = np.zeros(2), 1e-6
     for _ in range(20):
@@ -103,7 +103,7 @@ def held(force: float, angle: float) -> Linkage:
     """A slider-crank whose crank stands, damped and loaded."""
     dampers = {"rod.tail": (0.0, -0.5), "rod.centre": (0.5, 0.1), "rod.head": (0.1, 0.5)}
     dampers["slider.centre"] = 0.5, 0.0
-    return Linkage(
+    return assemble(
         bodies=[
             pw.Bar("crank", length=0.05, mass=0.3),
             pw.Bar("rod", length=0.12, mass=0.21),
@@ -116,7 +116,7 @@ def held(force: float, angle: float) -> Linkage:
             pw.Guide("guide", "slider"),
         ],
         drives=[pw.Drive("crank", speed=0.0, angle=angle)],
-        watch="slider.centre",
+        output="slider.centre",
         guess={"rod": -math.asin(0.05 * math.sin(angle) / 0.12)},
         cycle=0.05,
         loads=[pw.Load("slider", x=force)],
@@ -163,11 +163,9 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
     assert pw.deflection(linkage, 100.0, idle=-100.0) == up - down
     assert pw.total_clearance(linkage) == pw.total_clearance(linkage, LEAST_PULL) == up - down
     law = pw.OverTime([(0.0, -500.0), (0.1, -500.0)])
-    pressed = replace(linkage, loads=[pw.Force("slider 6.centre", direction=1.57, law=law)])
+    pressed = linkage.changed(loads=[pw.Force("slider 6.centre", direction=1.57, law=law)])
     assert heights_at_bottom(pressed, [0.0])[0] == hanging
-    heavy = replace(
-        linkage, bodies=[replace(body, mass=1e3 * body.mass) for body in linkage.bodies]
-    )
+    heavy = linkage.changed(bodies=[replace(body, mass=1e3 * body.mass) for body in linkage.bodies])
     assert pull_of(linkage) == LEAST_PULL
     assert pull_of(heavy) == pytest.approx(1e4 * 9.81 * sum(own.mass for own in linkage.bodies))
 

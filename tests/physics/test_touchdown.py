@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 from two_bodies import JOINT, Pair, joint_load
 
-from presswear.linkage.elements import Body
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import GROUND, Attachment, Body
 from presswear.linkage.laws import delivered_restitution
-from presswear.linkage.motions import Drive
-from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
 from presswear.physics.steps import LANDING, OVERSHOOT, STEPS, contact_step, next_step, shorter_step

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.following import motion_of
 from presswear.physics.links import CARRIED, accelerate_links, carry_branches, gather_forces
 from presswear.physics.prescribed import begin_motion, forced_power

@@ -12,7 +12,7 @@ from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, made_energy, made_remedy

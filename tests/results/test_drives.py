@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from presswear.campaign.single import run
+from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Pin
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.motions import Drive
+from presswear.linkage.linkage import assemble
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.results.drives import Share, drives_of
 from presswear.results.tables import table_of, unit_of
 from presswear.scene.scene import Scene
@@ -19,7 +19,7 @@ from presswear.scene.settings import changed
 from presswear.show.figures import drawings
 from presswear.show.report_tables import drive_table
 
-PENDULUM = Linkage(
+PENDULUM = assemble(
     bodies=[Bar("crank", length=0.4, mass=2.0)],
     joints=[Pin("O", (0.0, 0.0), "crank.tail")],
     drives=[Drive("crank", speed=5.0, angle=0.3)],
@@ -82,7 +82,7 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(engine:
 def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) -> None:
     """A wheel whose speed is w + a cos(w t): M = -J a w sin(w t), in closed form."""
     speed, part, inertia = 5.0, 2.0, 0.8
-    wheel = Linkage(
+    wheel = assemble(
         bodies=[Body("wheel", mass=1.0, inertia=inertia)],
         joints=[Pin("O", (0.0, 0.0), "wheel.centre")],
         drives=[Drive("wheel", speed=speed, harmonics=[(0.0, part / speed)])],

@@ -13,7 +13,7 @@ import pytest
 import presswear as pw
 from presswear.campaign.single import run
 from presswear.results.stage import StageResult
-from presswear.scene.numerics import Numerics
+from presswear.scene.options import Numerics
 from presswear.show.report_tables import overview_table, stage_records
 
 CRANK = pw.SliderCrank(speed=30.0, gravity=0.0)
@@ -25,8 +25,7 @@ BEARING = pw.Bearing(clearance=1e-4, friction=0.0, normal_law="flores", restitut
 def turned(linkage: pw.Linkage) -> pw.Linkage:
     """The slider-crank on the other side of its crank's axis."""
     (drive,) = linkage.drives
-    return replace(
-        linkage,
+    return linkage.changed(
         drives=(replace(drive, angle=math.pi),),
         guess={"crank": math.pi, "rod": math.pi},
     )

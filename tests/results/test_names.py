@@ -8,8 +8,8 @@ import pytest
 
 import presswear as pw
 from presswear.__main__ import main
-from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 
@@ -33,7 +33,7 @@ def named(*names: str) -> Linkage:
     renamed = [
         replace(j, name=n) for j, n in zip(FOUR_BAR.joints[-len(names) :], names, strict=True)
     ]
-    return replace(FOUR_BAR, joints=(*kept, *renamed))
+    return FOUR_BAR.changed(joints=(*kept, *renamed))
 
 
 @pytest.mark.parametrize("name", NAMES)

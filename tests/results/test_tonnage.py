@@ -49,7 +49,7 @@ def ideal() -> pw.Result:
 
 def slider(time: Array) -> Array:
     """Place, velocity and acceleration of the slider in closed form, shape (n, 3)."""
-    return press_motion(PRESS, np.atleast_1d(time)).watched(PRESS.linkage())
+    return press_motion(PRESS, np.atleast_1d(time)).output(PRESS.linkage())
 
 
 def standing(begin: float, end: float) -> float:

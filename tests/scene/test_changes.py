@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import (
     SCENES,

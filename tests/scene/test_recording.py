@@ -99,10 +99,10 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
 
 def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     """All else stays, and what is made of them is left out, or told in one line."""
-    scene = changed(SCENE, {"series": "watched"})
-    for one, folder in ((scene, "watched"), (SCENE, "full")):
+    scene = changed(SCENE, {"series": "output"})
+    for one, folder in ((scene, "output"), (SCENE, "full")):
         pw.run(one, tmp_path / folder, engine="dae", jobs=1)
-    read, full = (pw.load(tmp_path / folder) for folder in ("watched", "full"))
+    read, full = (pw.load(tmp_path / folder) for folder in ("output", "full"))
     own, stage = read.stages[0], full.stages[0]
     left_out = {f"B_{name}" for name in ("eccentricity", "penetration", "force", "sliding")}
     assert stage.arrays.keys() - own.arrays.keys() == left_out
@@ -115,7 +115,7 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     assert "B_normal_force" in table_of(full, 0)
     assert "B_normal_force" not in table_of(read, 0)
     assert "What the motion is" not in write_report(read).read_text()
-    room, whole = ((tmp_path / own / "stage-0.npz").stat().st_size for own in ("watched", "full"))
+    room, whole = ((tmp_path / own / "stage-0.npz").stat().st_size for own in ("output", "full"))
     assert room < 0.6 * whole
 
 

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.laws import hertz_stiffness
-from presswear.linkage.press import Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
-from presswear.scene.numerics import Numerics
+from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
@@ -48,8 +46,8 @@ def test_joints_are_those_of_the_mechanism() -> None:
         assert tuple(joint.name for joint in scene.linkage().clearances) == tuple(names)
         assert scene.joints == (names or "none")
     assert Scene(SliderCrank(), joints="B , A").joints == "AB"
-    named = replace(
-        FOUR_BAR, joints=[replace(own, name=f"pin {own.name}") for own in FOUR_BAR.joints]
+    named = FOUR_BAR.changed(
+        joints=[replace(own, name=f"pin {own.name}") for own in FOUR_BAR.joints]
     )
     assert Scene(named, joints="pin B, pin A").clearance_joints == ("pin A", "pin B")
     assert Scene(named, joints="pin P").joints == "pin P"
@@ -202,7 +200,7 @@ def test_bearings_by_joint_open_those_joints() -> None:
     """A mapping is the same scene as joints, a common bearing and those apart."""
     one, other = Bearing(clearance=0.2e-3), Bearing(clearance=0.3e-3, friction=0.1)
     scene = Scene(bearings={"A": one, "C": other})
-    assert scene == Scene(joints="AC", bearings=one, apart={"C": other})
+    assert scene == Scene(joints="AC", bearings=one, joint_bearings={"C": other})
     assert scene.bearing("C") == other
     assert Scene(bearings={"C": other}).clearance_joints == ("C",)
     assert Scene(bearings={}, wear_updates=0).clearance_joints == ()

@@ -62,7 +62,7 @@ def lowest() -> float:
 
     def slider(time: float) -> tuple[float, float]:
         motion = press_motion(pw.Press(), np.array([time]))
-        place, velocity, _ = motion.watched(pw.Press().linkage())[0]
+        place, velocity, _ = motion.output(pw.Press().linkage())[0]
         return float(place), float(velocity)
 
     return slider(brentq(lambda time: slider(time)[1], 0.04, 0.08, xtol=1e-15))[0]

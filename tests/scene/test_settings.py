@@ -13,8 +13,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.press import GEOMETRIES, Press
-from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
 from presswear.scene.scene import Scene
@@ -251,7 +250,7 @@ def test_one_joint_can_be_set_apart() -> None:
     assert {joint.clearance for joint in every.linkage().clearances} == {0.5e-3}
     assert every.bearing("C").friction == 0.05
     # What is alike is not apart.
-    assert not changed(every, {"friction": "0.05"}).apart
+    assert not changed(every, {"friction": "0.05"}).joint_bearings
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,8 @@ from scipy.interpolate import PchipInterpolator
 
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.catalog import wear_times
-from presswear.scene.files import scene_from
+from presswear.scene.files import read_profiles, scene_from
 from presswear.scene.scene import Scene
-from presswear.scene.surfaces import read_profiles
 from presswear.tools.errors import InputError
 
 TURN = 2.0 * math.pi

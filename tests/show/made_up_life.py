@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult, Phase
 from presswear.results.result import Result
-from presswear.scene.life import Life
+from presswear.scene.options import Life
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 
+from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Pin
-from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.loads import AnyLoad, Force, Harmonics, Load, Moment, Spring
-from presswear.linkage.motions import Drive
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.scene import Scene
@@ -55,7 +55,7 @@ def test_the_mechanism_is_labelled_where_it_stands() -> None:
 def test_a_run_up_leaves_the_paths_whole() -> None:
     """The joints' paths are those of a cycle at speed, wherever the mechanism is drawn."""
     slow, plain = (
-        labelled(Scene(mechanism=replace(FOUR_BAR, run_up=run_up), joints="B")).sheet.axes[0]
+        labelled(Scene(mechanism=FOUR_BAR.changed(run_up=run_up), joints="B")).sheet.axes[0]
         for run_up in (3, 0)
     )
     for one, other in zip(slow.lines[:4], plain.lines[:4], strict=True):
@@ -69,8 +69,7 @@ def test_pins_at_one_place_share_a_text_and_springs_are_drawn() -> None:
     """Two pins join three bars in one place; nothing is written over."""
     third = Bar("third", 0.1, 0.2)
     spring = Spring("coil", "third.tail", (0.3, 0.2), 100.0, 0.1)
-    linkage = replace(
-        FOUR_BAR,
+    linkage = FOUR_BAR.changed(
         bodies=[*FOUR_BAR.bodies, third],
         joints=[*FOUR_BAR.joints, Pin("B2", "rocker.head", "third.head")],
         drives=[*FOUR_BAR.drives, Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0)],
@@ -97,7 +96,7 @@ def test_loads_are_drawn_where_they_act() -> None:
         Moment("crank", Harmonics(1.0)),
         Load("coupler", 2.0),
     ]
-    loaded = replace(scene, mechanism=replace(FOUR_BAR, loads=loads))
+    loaded = replace(scene, mechanism=FOUR_BAR.changed(loads=loads))
     (axes,), (plain,) = (labelled(own).sheet.axes for own in (loaded, scene))
     assert len(axes.patches) == len(plain.patches) + 3
     red = [own for own in axes.patches if own.get_edgecolor() == to_rgba("tab:red")]

@@ -12,10 +12,9 @@ from matplotlib.figure import Figure as Sheet
 
 from presswear.campaign.single import run
 from presswear.engines.base import Status
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.motions import Drive
-from presswear.linkage.pieces import Rise
-from presswear.linkage.process import Blanking
+from presswear.linkage.drives import Drive, Rise
+from presswear.linkage.loads import Blanking
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.drives import ideal_curves
 from presswear.scene.catalog import ideal
@@ -86,7 +85,7 @@ def test_stage_without_motion_is_left_out(status: Status, rows: int | None) -> N
 def test_the_phase_is_a_crank_angle_only_where_a_crank_turns_with_it(
     drive: Drive, phase: str
 ) -> None:
-    linkage = replace(FOUR_BAR, drives=[drive])
+    linkage = FOUR_BAR.changed(drives=[drive])
     window = Window(0.0, linkage.period, linkage.period, 0.0, linkage.phase, "")
     axes = Sheet().subplots()
     window.label(axes)

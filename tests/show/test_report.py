@@ -10,8 +10,8 @@ from made_up_life import LIFE, lived, made_up_life, not_passed
 from made_up_result import BODY, BOTH, IDEAL, ONE, altered, grown, made_up
 from test_page import Page
 
-from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.process import Blanking
+from presswear.linkage.loads import Blanking
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
 from presswear.results.result import Result
@@ -157,7 +157,7 @@ def test_moments_of_the_strokes() -> None:
     assert cells["Breaks it"]["height over bottom dead centre (mm)"] == "4.500"
     touched = float(cells["Touches the work"]["crank angle (degrees)"].split()[0])
     time = np.radians([touched]) / (2.0 * np.pi) * scene.mechanism.period
-    place = scene.ideal.at(time).watched(scene.mechanism.linkage())[0]
+    place = scene.ideal.at(time).output(scene.mechanism.linkage())[0]
     assert place[0] - scene.bottom == pytest.approx(5e-3, abs=2e-5)
     assert place[1] < 0.0
 

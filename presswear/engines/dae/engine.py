@@ -26,8 +26,7 @@ from presswear.engines.dae.runge_kutta import Integration
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.topology import prescribed_of
+from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import Ledger, made_energy, made_remedy, stored_energy
 from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE

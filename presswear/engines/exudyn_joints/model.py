@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add_load, add_marker, add_node, add_object
 from presswear.engines.exudyn_joints.kernels import Frame, Live, connector_forces
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND, Attachment
-from presswear.linkage.topology import bodies_of, joints_of, prescribed_of
+from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.linkage import Linkage, bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady
 from presswear.physics.prescribed import begin_motion, pack_prescribed

@@ -38,8 +38,7 @@ from presswear.engines.exudyn_tree.kernels import (
 )
 from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
-from presswear.linkage.linkage import Linkage
-from presswear.linkage.topology import prescribed_of
+from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.links import CARRIED

@@ -109,7 +109,7 @@ def _orders(diagram: Diagram) -> Drawing:
     grid = sheet.subplots(count, len(branches), squeeze=False, sharex=True, sharey=True)
     factor, label = _axis(diagram)
     ring = Pen("contact resonance", REFERENCE, (0.0, (6.0, 1.2, 1.5, 1.2)), 0.9)
-    names = [f"acceleration of the\n{diagram.scene.watched} (m/s²)"]
+    names = [f"acceleration of the\n{diagram.scene.output} (m/s²)"]
     names += [f"force at {joint} (N)" for joint in joints]
     for k, panels in enumerate(grid):
         amplitudes = [branch.amplitude[:, k] for branch in branches.values()]

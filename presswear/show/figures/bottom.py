@@ -47,10 +47,10 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_xlim(0.5, max(float(number[-1]) for number, _ in replicates if number.size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
         axes.set_xlabel(wrapped("since the start (strokes)", (WIDTH - 0.7) / len(shown) - 0.1))
-    panels[0].set_ylabel(f"lowest place of the {scene.watched}\nless ideal ({unit})")
+    panels[0].set_ylabel(f"lowest place of the {scene.output}\nless ideal ({unit})")
     legend(sheet, [stage.pen for stage in shown], "outside upper center")
     caption = (
-        f"Bottom dead centre of the {scene.watched} over the ideal one, stroke by stroke, a line "
+        f"Bottom dead centre of the {scene.output} over the ideal one, stroke by stroke, a line "
         "a start. The band is the mean of the settled strokes with its 95 % interval; grey ones "
         "are left out."
     )

@@ -62,7 +62,7 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
         look = {"color": stage.pen.colour, "linewidth": 0.3}
         column[0].plot(1e3 * own.displacement, own.velocity, **look)
         column[0].set_title(wrapped(stage.pen.label, side))
-        column[0].set_xlabel(f"displacement of the {scene.watched} (mm)")
+        column[0].set_xlabel(f"displacement of the {scene.output} (mm)")
         for axes, joint in zip(column[1:], joints, strict=True):
             away = np.hypot(*own.joints[joint].eccentricity.T)
             # Rows may follow each other by a rounding.
@@ -75,7 +75,7 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     for axes in grid[1:, 0]:
         axes.set_ylabel("d|e|/dt (m/s)")
     caption = (
-        f"Velocity of the {scene.watched} over its displacement, and rate of the pin's distance "
+        f"Velocity of the {scene.output} over its displacement, and rate of the pin's distance "
         "|e| from the centre of its bearing over that distance, in the recorded cycles behind the "
         "start-up. The dashed line is the clearance: beyond it the pin is in contact."
     )
@@ -231,7 +231,7 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
     panels[-1].set_xlabel("frequency in turns of the cycle (orders)")
     legend(sheet, [stage.pen for stage in shown], "outside upper center")
     caption = (
-        f"Power spectral density of the acceleration of the {scene.watched} and of the normal "
+        f"Power spectral density of the acceleration of the {scene.output} and of the normal "
         f"forces (Welch), over the frequency in cycles of {readable(1e3 * period)} ms; grey lines "
         f"are the crank's first {_HARMONICS} harmonics."
     )

@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from presswear.results.life import UNITS, LifeResult, LimitResult, words_of
 from presswear.results.result import Result
-from presswear.scene.life import Service
+from presswear.scene.options import Service
 from presswear.show.figures.style import (
     LINES,
     MUTED,

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
 
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import AnyLoad, Force, Load
-from presswear.linkage.points import GROUND, Attachment
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import (
@@ -116,7 +116,7 @@ def mechanism(result: Result, stages: Stages) -> list[Drawing]:
 
 def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     """Draw the mechanism of a scene at an instant, s, its joints closed."""
-    linkage = scene.watching
+    linkage = scene.base_linkage
     period = scene.mechanism.period
     # A whole cycle, behind the run-up.
     times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))
@@ -161,9 +161,9 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         one, other = (_path(linkage, position, end)[0] for end in spring.ends)
         _draw_spring(canvas, spring.name, one, other)
     for load in linkage.loads:
-        point = load.point if isinstance(load, Force) else f"{load.body}.centre"
-        _draw_load(canvas, load, _path(linkage, position, linkage.point(point, "loads"))[0], size)
-    probe = linkage.probe
+        point = load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0)
+        _draw_load(canvas, load, _path(linkage, position, point)[0], size)
+    probe = linkage.output
     watched = _path(linkage, position, Attachment(probe.body, probe.x, probe.y))[0]
     along = np.array([math.cos(probe.direction), math.sin(probe.direction)])
     _arrow(canvas, watched, watched + 0.14 * size * along, "black", linewidth=1.6)

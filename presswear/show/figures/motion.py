@@ -126,7 +126,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     IDEAL.draw(panels[2], time, ideal[:, 1], linewidth=0.9)
     panels[2].set_ylabel("velocity\n(m/s)")
     _draw_accelerations(panels[3 : 3 + len(shown)], window, shown, time, ideal[:, 2])
-    watched = result.scene.watched
+    watched = result.scene.output
     caption = f"The {watched} over {window.words}, against the motion without clearance."
     if with_impacts:
         interval = result.scene.mechanism.period / _MEANS_PER_CYCLE

@@ -26,7 +26,7 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     shown, window = settled(result, moving)
     factor, unit = unit_scale("m", scene.stroke)
     time = np.linspace(window.begin, window.end, 1001)
-    begun = scene.ideal.at(np.zeros(1)).watched(scene.watching)[0, 0]
+    begun = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
     ideal = begun + scene.ideal_slider(time)[:, 0] - scene.bottom
     sheet = Sheet(figsize=(WIDTH, 2.9), layout="constrained")
     axes = sheet.subplots()
@@ -42,15 +42,15 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
                 when, height = moments[inside].T
                 axes.plot(when, factor * height, mark, color=stage.pen.colour, markersize=6)
     IDEAL.draw(axes, time, factor * ideal, linewidth=0.9)
-    axes.set_ylabel(f"height of the {scene.watched}\nover bottom dead centre ({unit})")
+    axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
     legend(sheet, [IDEAL, *(stage.pen for stage in shown)], "outside upper center")
     marks = {"v": "pointing down", "^": "pointing up", "x": "cross"}
     caption = (
-        f"Height of the {scene.watched} over the lowest place that it would reach without "
+        f"Height of the {scene.output} over the lowest place that it would reach without "
         f"clearance, over {window.words}."
     )
     if marked:
         told = ", ".join(f"{marks[mark]}: {words}" for mark, words in marked.items())
         caption += f" Marks: {told}."
-    return [Drawing("stroke.png", f"Height of the {scene.watched} in the stroke", caption, sheet)]
+    return [Drawing("stroke.png", f"Height of the {scene.output} in the stroke", caption, sheet)]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from presswear.linkage.process import Coining
+from presswear.linkage.loads import Coining
 from presswear.results.result import Result
 from presswear.results.strokes import height_of, process_force
 from presswear.results.tonnage import settled_strokes
@@ -54,7 +54,7 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
     pens = [IDEAL, *(stage.pen for stage, _ in shown)]
     legend(sheet, pens, "outside upper center")
     caption = (
-        f"Force of the work on the {scene.watched}, and between pins and bearings, in the settled "
+        f"Force of the work on the {scene.output}, and between pins and bearings, in the settled "
         "strokes that were recorded. Going down is to the right; the way back lies over it. "
         "Dashed: the work's own curve, without a cushion."
     )

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface
 from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result

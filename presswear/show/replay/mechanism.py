@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint, Guide
+from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, Guide
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import bin_centres
 from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y, points_of
 from presswear.show.replay.shapes import (

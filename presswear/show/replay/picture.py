@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.motions import run_up_motion
+from presswear.linkage.drives import run_up_motion
 from presswear.show.replay.clip import NORMAL, Clip, Snapshot, points_of
 from presswear.show.replay.mechanism import (
     BODIES_PER_JOINT,

@@ -10,7 +10,7 @@ from synthetic_clip import synthetic_clip
 import presswear as pw
 from presswear.recording.film import FRAMES_PER_CYCLE
 from presswear.results.life import LifeResult
-from presswear.scene.life import Life
+from presswear.scene.options import Life
 from presswear.show.replay.clip import frames_at, frames_between, life_clip, snapshots
 from presswear.show.replay.output import DOWN, END, HOME, LEFT, RIGHT, SPACE, UP, Player
 from presswear.show.replay.shapes import band, circle, colour, filled, rectangle, rounded_hull

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from synthetic_clip import FRAMES, synthetic_clip
 
+from presswear.linkage.elements import Attachment
 from presswear.linkage.loads import Spring
 from presswear.show.replay.clip import Chapter, equal_limits, points_of
 from presswear.show.replay.mechanism import (
@@ -168,8 +169,8 @@ def test_only_the_joints_of_the_present_stage_are_visible() -> None:
 
 
 def test_a_spring_is_drawn_between_its_ends() -> None:
-    spring = Spring("coil", LINKAGE.point("slider 6.centre", ""), (0.4, -0.3), 100.0, 0.1)
-    chapter = Chapter("first wear", replace(LINKAGE, springs=[spring]))
+    spring = Spring("coil", Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1)
+    chapter = Chapter("first wear", LINKAGE.changed(springs=[spring]))
     picture = Picture([replace(CLIP, chapters=(chapter,))], (480, 320))
     picture.show([CLIP.snapshot(20, 20)], 0.0, "")
     last = 1 + len(LINKAGE.bodies) + 4 * len(LINKAGE.clearances)

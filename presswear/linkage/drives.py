@@ -1,0 +1,584 @@
+"""Motions of drives: mean speeds, harmonics, tables, rises, followed curves, and a press's servo.
+
+A motion is a mean speed and, beside it, what repeats with the cycle of the drive: a Fourier series,
+and a table or rises with dwells between them, which become pieces. Pieces are functions of the
+phase w t, which grows by 2 pi in a cycle. A new law of rises is a few numbers in ``RISES``.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, NamedTuple, cast
+
+import numpy as np
+
+from presswear.linkage.elements import ANGLE, LENGTH, MAX_ANGLE, Attachment, OutputPoint, angle
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import Quantity, choice, quantity
+from presswear.tools.serialize import check_fields
+
+MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
+MAX_HARMONICS = 16
+MAX_PIECES = 256  # of a motion
+MIN_ROWS = 3  # of a table: fewer are no motion
+MIN_PIECE = 1e-6  # length of a piece, rad of phase
+DEGREE = 5  # of the polynomial of a piece
+
+_TURN = 2.0 * math.pi
+_PHASE_TOL = 1e-9  # rad: degrees that were typed are not exact
+
+Piece = tuple[float, Sequence[float], tuple[float, float, float]]
+"""Piece of a rise by 1 over a length of 1: start; coefficients of its polynomial in the distance
+from there; amplitude, frequency and initial phase of its sine."""
+
+_SINE = 1.0 / (4.0 + math.pi)  # unit of the modified sine
+_PI_SINE = math.pi * _SINE
+# Each begins and ends without velocity and acceleration. Source: R. L. Norton, Cam Design and
+# Manufacturing Handbook; greatest velocities and accelerations are 2 and 2 pi, 1.7596 and 5.5280,
+# 1.875 and 5.7735.
+RISES: Mapping[str, Sequence[Piece]] = {
+    "cycloidal": ((0.0, (0.0, 1.0), (-1.0 / _TURN, _TURN, 0.0)),),
+    "modified-sine": (
+        (0.0, (0.0, _PI_SINE), (-0.25 * _SINE, 2.0 * _TURN, 0.0)),
+        (
+            0.125,
+            ((2.0 + 0.125 * math.pi) * _SINE, _PI_SINE),
+            (-2.25 * _SINE, 2.0 * _TURN / 3.0, 0.5 * math.pi),
+        ),
+        (
+            0.875,
+            ((4.0 + 0.875 * math.pi) * _SINE, _PI_SINE),
+            (-0.25 * _SINE, 2.0 * _TURN, 1.5 * math.pi),
+        ),
+    ),
+    "3-4-5": ((0.0, (0.0, 0.0, 0.0, 10.0, -15.0, 6.0), (0.0, 0.0, 0.0)),),
+}
+
+_WAY = Quantity("rad or m", -MAX_ANGLE, MAX_ANGLE, "", "way, rad or, of a point, m")
+_A = Annotated[float, ANGLE]
+_L = Annotated[float, LENGTH]
+
+
+@dataclass(frozen=True)
+class Rise:
+    """Rise or return of a motion in a part of its cycle; between rises it dwells.
+
+    Attributes
+    ----------
+    start, end : float
+        Phases, rad; the cycle is 2 pi long.
+    by : float
+        Way, rad or, of a followed point, m; below zero: a return.
+    law : {"cycloidal", "modified-sine", "3-4-5"}
+    """
+
+    start: Annotated[float, ANGLE]
+    end: Annotated[float, ANGLE]
+    by: Annotated[float, _WAY]
+    law: str = choice("cycloidal", tuple(RISES), "law of the rise")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not 0.0 <= self.start < self.end - MIN_PIECE:
+            raise InputError(
+                f"a rise from {self.start:g} to {self.end:g} rad: it must begin at 0 or later and "
+                "end behind that"
+            )
+
+
+class Pieces(NamedTuple):
+    """Piecewise part of a motion, a function of the phase.
+
+    Attributes
+    ----------
+    start : ndarray, shape (n,)
+        Phases at which the pieces begin, rad; the last goes on to the first of the next cycle.
+    polynomial : ndarray, shape (n, DEGREE + 1)
+        Coefficients in the phase since the piece began, the constant first.
+    wave : ndarray, shape (n, 3)
+        Amplitude, frequency and initial phase, rad, of the sine that is added.
+    net : float
+        Way in a cycle; not part of the pieces, which repeat.
+    """
+
+    start: Array
+    polynomial: Array
+    wave: Array
+    net: float
+
+    def at(self, phase: Array) -> tuple[Array, Array, Array]:
+        """Return the value and its first and second derivative by the phase at phases, rad."""
+        within = phase - _TURN * np.floor(phase / _TURN)
+        place = np.searchsorted(self.start, within, side="right") - 1
+        x = np.where(place < 0, within + _TURN, within) - self.start[place]
+        value, slope, bend = np.zeros((3, *x.shape))
+        for power in range(DEGREE, -1, -1):
+            bend = bend * x + 2.0 * slope
+            slope = slope * x + value
+            value = value * x + self.polynomial[place, power]
+        amplitude, w, first = self.wave[place].T
+        sine, cosine = np.sin(w * x + first), np.cos(w * x + first)
+        return (
+            value + amplitude * sine,
+            slope + amplitude * w * cosine,
+            bend - amplitude * w * w * sine,
+        )
+
+    def _periodic(self) -> "Pieces":
+        """Return the pieces without their net way, and zero at phase 0."""
+        polynomial, rate = self.polynomial.copy(), self.net / _TURN
+        polynomial[:, 0] -= rate * self.start
+        polynomial[:, 1] -= rate
+        start = self.start % _TURN
+        order = np.argsort(start)
+        polynomial = polynomial[order]
+        pieces = Pieces(start[order], polynomial, self.wave[order], self.net)
+        polynomial[:, 0] -= pieces.at(np.zeros(1))[0][0]
+        return pieces
+
+
+NO_PIECES = Pieces(np.zeros(0), np.zeros((0, DEGREE + 1)), np.zeros((0, 3)), 0.0)
+
+
+@lru_cache(maxsize=64)
+def pieces_of(table: tuple[tuple[float, ...], ...], rises: tuple[Rise, ...]) -> Pieces:
+    """Return the pieces of a table or of rises; either is empty."""
+    if table:
+        return _pieces_of_table(np.array(table))._periodic()
+    return _pieces_of_rises(rises)._periodic() if rises else NO_PIECES
+
+
+def _pieces_of_table(rows: Array) -> Pieces:
+    """Return the periodic spline through rows, twice continuously differentiable."""
+    net = 0.0
+    if rows[-1, 0] - rows[0, 0] > _TURN - _PHASE_TOL:
+        net = float(rows[-1, 1] - rows[0, 1])
+    else:
+        rows = np.vstack([rows, rows[0]])
+    phase, value = np.append(rows[:-1, 0], rows[0, 0] + _TURN), rows[:, 1].copy()
+    value -= net * (phase - phase[0]) / _TURN
+    value[-1] = value[0]
+    count = len(phase) - 1
+    polynomial = np.zeros((count, DEGREE + 1))
+    if rows.shape[1] == 2:
+        from scipy.interpolate import CubicSpline  # slow to import
+
+        polynomial[:, :4] = CubicSpline(phase, value, bc_type="periodic").c[::-1].T
+    else:
+        polynomial[:] = _quintics(phase, value, rows[:, 2] - net / _TURN, rows[:, 3])
+    # Pieces hold the motion with its net way; ``_periodic`` takes that out again.
+    polynomial[:, 0] += net * (phase[:-1] - phase[0]) / _TURN
+    polynomial[:, 1] += net / _TURN
+    return Pieces(phase[:-1], polynomial, np.zeros((count, 3)), net)
+
+
+def _quintics(phase: Array, value: Array, slope: Array, bend: Array) -> Array:
+    """Return the polynomials of degree 5 between nodes with two derivatives, shape (n, 6)."""
+    h = np.diff(phase)
+    far = np.diff(value) - h * (slope[:-1] + 0.5 * h * bend[:-1])
+    faster = h * (np.diff(slope) - h * bend[:-1])
+    bent = h * h * np.diff(bend)
+    return np.column_stack(
+        [
+            value[:-1],
+            slope[:-1],
+            0.5 * bend[:-1],
+            (10.0 * far - 4.0 * faster + 0.5 * bent) / h**3,
+            (-15.0 * far + 7.0 * faster - bent) / h**4,
+            (6.0 * far - 3.0 * faster + 0.5 * bent) / h**5,
+        ]
+    )
+
+
+def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
+    """Return rises one after the other, with dwells wherever there is room between them."""
+    rows: list[tuple[float, Array, tuple[float, float, float]]] = []
+    level, ways = 0.0, []
+    for rise, then in zip(rises, _next_starts(rises), strict=True):
+        length = rise.end - rise.start
+        scale = rise.by / length ** np.arange(DEGREE + 1)
+        for start, factors, (amplitude, w, first) in RISES[rise.law]:
+            polynomial = np.zeros(DEGREE + 1)
+            polynomial[: len(factors)] = factors
+            polynomial *= scale
+            polynomial[0] += level
+            sine = rise.by * amplitude, w / length, first
+            rows.append((rise.start + start * length, polynomial, sine))
+        ways.append(rise.by)
+        level = math.fsum(ways)
+        # Ways there and back that were typed as decimals may leave a round-off.
+        if abs(level) < 1e-12 * math.fsum(map(abs, ways)):
+            level = 0.0
+        if then - rise.end > _PHASE_TOL:
+            rows.append((rise.end, np.array([level, *np.zeros(DEGREE)]), (0.0, 0.0, 0.0)))
+    starts, polynomials, waves = zip(*rows, strict=True)
+    return Pieces(np.array(starts), np.array(polynomials), np.array(waves), level)
+
+
+def _next_starts(rises: tuple[Rise, ...]) -> list[float]:
+    return [*(rise.start for rise in rises[1:]), rises[0].start + _TURN]
+
+
+def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
+    """Raise InputError where rows are no table of a motion."""
+    if len({len(row) for row in table}) > 1:
+        raise InputError(f"table of {owner}: rows of one length are expected")
+    phases = [row[0] for row in table]
+    closes = phases[-1] - phases[0] > _TURN - _PHASE_TOL
+    rows = len(table) - closes
+    if not MIN_ROWS <= rows <= MAX_PIECES:
+        raise InputError(f"table of {owner}: {rows} rows; allowed are {MIN_ROWS} to {MAX_PIECES}")
+    steps = [after - before for before, after in pairwise(phases)]
+    if not (phases[0] >= 0.0 and min(steps) >= MIN_PIECE):
+        raise InputError(
+            f"table of {owner}: phases must rise, from 0 rad or above, by {MIN_PIECE:g} rad or more"
+        )
+    if phases[-1] - phases[0] > _TURN + _PHASE_TOL:
+        raise InputError(
+            f"table of {owner}: phases from {phases[0]:g} to {phases[-1]:g} rad; a cycle is 2 pi "
+            "long"
+        )
+    if not closes and phases[0] + _TURN - phases[-1] < MIN_PIECE:
+        raise InputError(f"table of {owner}: its last phase is too near the end of the cycle")
+
+
+def _check_motion(motion: "Drive | Follow", owner: str) -> None:
+    """Check the fields of a motion; raise InputError where lists of numbers are no motion."""
+    check_fields(motion)
+    if len(motion.harmonics) > MAX_HARMONICS:
+        raise InputError(
+            f"harmonics of {owner}: {len(motion.harmonics)}; allowed are 0 to {MAX_HARMONICS}"
+        )
+    if motion.table and motion.rises:
+        raise InputError(f"{owner}: a table and rises; one of them is expected")
+    if motion.table:
+        _check_table(motion.table, owner)
+    rises = tuple(motion.rises)
+    for rise, then in zip(rises, _next_starts(rises) if rises else (), strict=True):
+        room = then - rise.end
+        if room < -_PHASE_TOL or _PHASE_TOL < room < MIN_PIECE:
+            raise InputError(
+                f"rises of {owner}: the one that ends at {rise.end:g} rad must end {MIN_PIECE:g} "
+                f"rad or more before the next begins, at {then:g} rad, or there"
+            )
+    count = len(motion.pieces.start)
+    if count > MAX_PIECES:
+        raise InputError(f"rises of {owner}: {count} pieces; allowed are {MAX_PIECES} at most")
+
+
+def series(motion: "Drive | Follow", base: float, time: Array) -> tuple[Array, Array, Array]:
+    """Return the repeating part of a motion and two time derivatives.
+
+    Parameters
+    ----------
+    base : float
+        Frequency of the first harmonic, rad/s.
+    time : ndarray
+        s.
+    """
+    place, speed, faster = np.zeros((3, *time.shape))
+    for k, (a, b) in enumerate(motion.harmonics, start=1):
+        w = k * base
+        cosine, sine = np.cos(w * time), np.sin(w * time)
+        place = place + (a * (cosine - 1.0) + b * sine)
+        speed = speed + w * (b * cosine - a * sine)
+        faster = faster - w * w * (a * cosine + b * sine)
+    if motion.pieces.start.size:
+        value, slope, bend = motion.pieces.at(base * time)
+        place, speed, faster = place + value, speed + base * slope, faster + base**2 * bend
+    return place, speed, faster
+
+
+@dataclass(frozen=True)
+class Follow:
+    """Curve that a point follows: its coordinate along a direction, from where it starts.
+
+    The drive of this curve moves so that the point follows, while the other drives run on.
+
+    Attributes
+    ----------
+    point : str, Attachment or OutputPoint
+    direction : float or None
+        Direction of the coordinate, rad; None: along the guide of the body, or else x.
+    harmonics, table, rises
+        As of a drive, in m.
+    """
+
+    point: Attachment | OutputPoint | str
+    direction: float | None = angle("direction of the curve that a point follows", None)
+    harmonics: Sequence[tuple[_L, _L]] = ()
+    table: Sequence[tuple[_A, _L] | tuple[_A, _L, _L, _L]] = ()
+    rises: Sequence[Rise] = ()
+
+    def __post_init__(self) -> None:
+        """Raise InputError where the curve does not come back."""
+        _check_motion(self, "follow")
+        if abs(self.pieces.net) > 0.0:
+            raise InputError(
+                f"follow: the curve ends {self.pieces.net:g} m from where it begins; it must "
+                "come back"
+            )
+
+    @property
+    def pieces(self) -> Pieces:
+        """Piecewise part."""
+        return pieces_of(*cast(Any, (self.table, self.rises)))
+
+
+def torque_limit() -> Any:
+    """Return a data class field for the greatest torque of a drive, N m; None: any."""
+    text = "greatest torque of a drive, which the ideal motion must not need; default: any"
+    return quantity(None, "N m", 1e-6, 1e12, "chosen", text)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Body with a prescribed angle: a mean speed, and what repeats with a cycle beside it.
+
+    theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t),
+    f from a table or from rises, less its value at the start.
+
+    Attributes
+    ----------
+    speed : float
+        Mean speed, rad/s.
+    angle : float
+        Angle at the start, rad.
+    frequency : float
+        w, rad/s; 0: the mean speed, so that the motion repeats with each turn.
+    harmonics : tuple of (float, float)
+        a_k and b_k, rad.
+    table : tuple of (float, float)
+        Phase, rad, and f there, rad, nodes of a periodic cubic spline. A last row one turn behind
+        the first gives the turn of the body in a cycle; without one it comes back. Rows of four
+        have the first and second derivative by the phase as well; then pieces are of degree 5.
+    rises : tuple of Rise
+        f rises in some parts of the cycle and dwells in the others.
+    follow : Follow or None
+        Motion of a point in place of that of the body; ``angle`` is the body's at the start,
+        ``speed`` its mean speed.
+    torque_limit : float or None
+        Greatest torque, N m, which the ideal motion must not need; None: any.
+    """
+
+    body: str
+    speed: float = quantity(0.0, "rad/s", -MAX_SPEED, MAX_SPEED, "", "mean speed, counterclockwise")
+    angle: float = angle("angle of the body at the start")
+    frequency: float = quantity(
+        0.0, "rad/s", 0.0, MAX_SPEED, "", "frequency of the cycle; 0: the mean speed"
+    )
+    harmonics: Sequence[tuple[_A, _A]] = ()
+    table: Sequence[tuple[_A, _A] | tuple[_A, _A, _A, _A]] = ()
+    rises: Sequence[Rise] = ()
+    follow: Follow | None = None
+    torque_limit: float | None = torque_limit()
+
+    def __post_init__(self) -> None:
+        """Raise InputError where a repeating motion has no frequency, or two motions are given."""
+        _check_motion(self, self.body)
+        names = [name for name in ("harmonics", "table", "rises") if getattr(self, name)]
+        if self.follow is not None and names:
+            raise InputError(f"drive of {self.body}: {names[0]} and follow cannot be combined")
+        names += ["follow"] if self.follow is not None else []
+        if names and not self.base > 0.0:
+            raise InputError(
+                f"frequency of {self.body} = {self.frequency:g} rad/s: with {names[0]} and a "
+                "mean speed of 0 it must be above 0"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the drive."""
+        return f"drive of {self.body}"
+
+    @property
+    def base(self) -> float:
+        """Frequency of the first harmonic, rad/s."""
+        return self.frequency or abs(self.speed)
+
+    @property
+    def pieces(self) -> Pieces:
+        """Piecewise part."""
+        return pieces_of(*cast(Any, (self.table, self.rises)))
+
+    @property
+    def mean_speed(self) -> float:
+        """Mean speed with the net way of the pieces, rad/s."""
+        return self.speed + self.base * (self.pieces.net / (2.0 * math.pi))
+
+    @property
+    def repeats(self) -> bool:
+        """True where something repeats beside the mean speed."""
+        return bool(self.harmonics or self.table or self.rises or self.follow is not None)
+
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Frequencies that a cycle of the linkage must fit, rad/s."""
+        mean = [abs(self.mean_speed)] if self.mean_speed != 0.0 else []
+        return (*mean, self.base) if self.repeats else tuple(mean)
+
+    def motion(self, time: Array) -> tuple[Array, Array, Array]:
+        """Return angle, rad, speed, rad/s, and acceleration, rad/s^2, at times, s.
+
+        ValueError where it follows a curve: ``physics.following.followed`` finds its motion.
+        """
+        if self.follow is not None:
+            raise ValueError(f"{self.name} follows a curve: its motion has to be found first")
+        mean = self.mean_speed
+        beside, faster, acceleration = series(self, self.base, time)
+        return self.angle + mean * time + beside, mean + faster, acceleration
+
+
+def run_up_motion(time: Array, duration: float) -> tuple[Array, Array, Array]:
+    """Return the time at which motions are followed, s, its rate, and its second derivative, 1/s.
+
+    From rest its rate rises smoothly to 1 over a duration, s, in which half that time passes;
+    0: it is the time itself. The rate is 10 x^3 - 15 x^4 + 6 x^5.
+    """
+    if duration == 0.0:
+        return time, np.ones_like(time), np.zeros_like(time)
+    x = np.clip(time / duration, 0.0, 1.0)
+    rising = duration * x**4 * (2.5 - x * (3.0 - x))
+    rate = x**3 * (10.0 - x * (15.0 - 6.0 * x))
+    return (
+        np.where(time < duration, rising, time - 0.5 * duration),
+        rate,
+        30.0 * (x * (1.0 - x)) ** 2 / duration,
+    )
+
+
+# A servo moves crank 7 of the press while crank 2 turns evenly. The crank swings between two of its
+# dead points, in which it does not move the slider: wherever crank 2 is, the slider may be at any
+# height between those of the two. A crank that turns all around passes its dead points in each
+# turn and has no choice of the height there.
+_MIN_APPROACH = 0.125  # part of the cycle in which the slider comes down to its slow part
+
+
+def _servo_angle(degrees: float, text: str, low: float = -_TURN) -> Any:
+    return quantity(math.radians(degrees), "rad", low, _TURN, "chosen", text)
+
+
+def _stroke() -> Any:
+    return quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
+
+
+def _bottom(degrees: float) -> Any:
+    return _servo_angle(degrees, "turn of crank 2 from its start to bottom dead centre", 0.0)
+
+
+def _start(degrees: float) -> Any:
+    return _servo_angle(degrees, "angle of crank 7 at the start, which sets the slider's height")
+
+
+@dataclass(frozen=True)
+class Dwell:
+    """Slider at rest around bottom dead centre; half a cycle later it is at the top."""
+
+    kind: ClassVar[str] = "dwell"
+
+    part: float = quantity(
+        1.0 / 9.0, "", 0.0, 0.5, "chosen", "part of the cycle of the dwell", open_low=True
+    )
+    stroke: float = _stroke()
+    bottom: float = _bottom(120.0)
+    angle: float = _start(-20.0)
+    law: str = choice("modified-sine", tuple(RISES), "law of the rise and the return")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def drive(self, body: str, frequency: float, slider: str) -> Drive:
+        """Return the drive of a body that makes the slider, a point, dwell; frequency in rad/s."""
+        half = math.pi * self.part
+        low, top = self.bottom + half, self.bottom + math.pi
+        rises = [
+            Rise(low, top, self.stroke, self.law),
+            Rise(top, self.bottom + _TURN - half, -self.stroke, self.law),
+        ]
+        follow = Follow(slider, rises=rises)
+        return Drive(body, angle=self.angle, frequency=frequency, follow=follow)
+
+
+@dataclass(frozen=True)
+class Forming:
+    """Slider that comes down fast, works at a constant speed, stops smoothly, and goes back.
+
+    Between its places of rest, constant speed and rest it moves by polynomials of degree 5,
+    without acceleration at their ends.
+    """
+
+    kind: ClassVar[str] = "forming"
+
+    speed: float = quantity(0.05, "m/s", 1e-4, 10.0, "chosen", "constant speed in the work")
+    height: float = quantity(
+        6e-3, "m", 1e-5, 10.0, "chosen", "height at which the constant speed begins"
+    )
+    end: float = quantity(1e-3, "m", 1e-6, 10.0, "chosen", "height at which it ends")
+    stroke: float = _stroke()
+    bottom: float = _bottom(150.0)
+    angle: float = _start(0.0)
+
+    def __post_init__(self) -> None:
+        """Raise InputError where heights are in the wrong order."""
+        check_fields(self)
+        if not self.end < self.height < self.stroke:
+            raise InputError(
+                f"height = {self.height:g} m: must lie between end = {self.end:g} m and stroke = "
+                f"{self.stroke:g} m"
+            )
+
+    def drive(self, body: str, frequency: float, slider: str) -> Drive:
+        """Return the drive of a body that moves the slider, a point, so; frequency in rad/s.
+
+        InputError for a speed with which there is no time for the way down, or too much.
+        """
+        # It stops over the way ``end`` at half the speed, as a mean.
+        way = self.height + self.end
+        low = way * frequency / (math.pi - _TURN * _MIN_APPROACH)
+        # Slower at first than 0.4 of the speed, as a mean, it would go up before it comes down.
+        high = (2.5 * (self.stroke - self.height) + way) * frequency / math.pi
+        if not low <= self.speed <= high:
+            raise InputError(
+                f"servo.speed = {self.speed:g} m/s: with these heights, stroke and cycle allowed "
+                f"is {low:.6g} to {high:.6g} m/s"
+            )
+        slope = self.speed / frequency
+        slow = self.bottom - 2.0 * self.end / slope
+        rows = [
+            (slow - (self.height - self.end) / slope, self.height, -slope, 0.0),
+            (slow, self.end, -slope, 0.0),
+            (self.bottom, 0.0, 0.0, 0.0),
+            (self.bottom + math.pi, self.stroke, 0.0, 0.0),
+        ]
+        table = sorted((row[0] % _TURN, row[1], row[2], row[3]) for row in rows)
+        follow = Follow(slider, table=table)
+        return Drive(body, angle=self.angle, frequency=frequency, follow=follow)
+
+
+@dataclass(frozen=True)
+class Pendulum:
+    """Crank that swings as a sine: middle + amplitude sin(turn of crank 2 - phase)."""
+
+    kind: ClassVar[str] = "pendulum"
+
+    amplitude: float = _servo_angle(10.0, "amplitude of crank 7, which sets the stroke", 0.0)
+    middle: float = _servo_angle(-20.0, "angle of crank 7 in the middle of its swing")
+    phase: float = _servo_angle(180.0, "turn of crank 2 at which crank 7 rises through its middle")
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def drive(self, body: str, frequency: float, slider: str) -> Drive:
+        """Return the drive of a body that swings; frequency in rad/s, slider not used."""
+        cosine = -self.amplitude * math.sin(self.phase)
+        sine = self.amplitude * math.cos(self.phase)
+        return Drive(
+            body, angle=self.middle + cosine, frequency=frequency, harmonics=[(cosine, sine)]
+        )
+
+
+Servo = Dwell | Forming | Pendulum
+SERVOS: Mapping[str, type[Servo]] = {servo.kind: servo for servo in (Dwell, Forming, Pendulum)}

@@ -1,0 +1,378 @@
+"""Driven mechanisms made of a few quantities: the press of the paper, a slider-crank, a four-bar.
+
+Bodies of the press are numbered as in the paper: frame 1, crank 2, rod 3, triangular plate 4, rod
+5, slider 6, crank 7. The paper does not print enough to fix the mechanism; each value tells whether
+it is the paper's, chosen or assumed. The slider-crank is that of the literature on joints with
+clearance (Flores), from memory and not checked against a page.
+"""
+
+import cmath
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import Any, ClassVar
+
+from presswear.linkage.drives import SERVOS, Drive, Servo, torque_limit
+from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint, Pin
+from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import named_set, one_of, quantity
+from presswear.tools.serialize import check_fields
+
+MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
+LITERATURE = "literature, from memory"
+CRANK_2_START = math.radians(-119.27)
+CRANK_7_START = math.radians(-51.18)
+RIGHT, LEFT = -1.0, 1.0
+BELOW, ABOVE = -1.0, 1.0
+_MIN_ROD_RATIO = 1.0001  # rod over crank: an upright rod leaves the side of the slider open
+
+
+def _length(origin: str, default: float, text: str) -> Any:
+    return quantity(default, "m", MIN_LINK, MAX_LINK, origin, text)
+
+
+def _mass(origin: str, default: float, text: str) -> Any:
+    return quantity(default, "kg", 1e-6, 1e4, origin, text)
+
+
+def _inertia(origin: str, default: float, text: str) -> Any:
+    return quantity(default, "kg m^2", 1e-9, 1e4, origin, text)
+
+
+@dataclass(frozen=True)
+class Mechanism(ABC):
+    """Driven mechanism, a data class of its quantities: everything but its clearance joints.
+
+    Attributes
+    ----------
+    kind : str
+        Word for it in a stored scene.
+    openable : tuple of str
+        Names, one letter each, of the joints that may have clearance, in order.
+    loose : tuple of str
+        Joints that have clearance by default.
+    """
+
+    kind: ClassVar[str]
+    openable: ClassVar[tuple[str, ...]]
+    loose: ClassVar[tuple[str, ...]]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    @abstractmethod
+    def speed(self) -> float:
+        """Speed of the driven crank, rad/s."""
+
+    @property
+    @abstractmethod
+    def origin(self) -> str:
+        """Origin of its values, in a sentence."""
+
+    @property
+    def period(self) -> float:
+        """Time of one cycle, s."""
+        return 2.0 * math.pi / self.speed
+
+    @abstractmethod
+    def linkage(self) -> Linkage:
+        """Return the ideal linkage, every joint closed."""
+
+
+_side = partial(_length, "paper, reading chosen")
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Frame joint O2, sides of the plate, and the branch in which the linkage is assembled.
+
+    The paper prints none of these unambiguously. ``side_b`` is the side of the line from D to A on
+    which B lies, ``side_c`` that of the line from D to B on which C lies (RIGHT or LEFT);
+    ``slider_side`` is BELOW or ABOVE C.
+    """
+
+    hx: float = quantity(0.240, "m", -MAX_LINK, MAX_LINK, "chosen", "O2 to the right of O7")
+    hy: float = quantity(0.1345, "m", -MAX_LINK, MAX_LINK, "chosen", "O2 above O7")
+    side_bd: float = _side(0.39, "plate side B to D")
+    side_bc: float = _side(0.21, "plate side B to C")
+    side_cd: float = _side(0.233, "plate side C to D")
+    side_b: float = RIGHT
+    side_c: float = RIGHT
+    slider_side: float = BELOW
+
+    def __post_init__(self) -> None:
+        """Raise InputError where the plate is no triangle."""
+        check_fields(self)
+        for side in ("side_b", "side_c", "slider_side"):
+            value = getattr(self, side)
+            if value not in (-1.0, 1.0):
+                raise InputError(
+                    f"{side} = {value:g}: allowed is -1 (right, below) or 1 (left, above)"
+                )
+        short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
+        if longest >= short + middle:
+            raise InputError(
+                f"plate 4 is no triangle: its longest side {longest:g} m must be below the sum "
+                f"of the others, {short + middle:g} m"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the geometry, or ``custom`` for one that has none."""
+        return next((name for name, preset in GEOMETRIES.items() if self == preset), "custom")
+
+
+GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equally well
+    "standard": Geometry(),
+    "swapped": Geometry(hx=0.210, side_bc=0.233, side_cd=0.21),
+    "lifted": Geometry(
+        hx=-0.208,
+        hy=-0.195,
+        side_bd=0.233,
+        side_bc=0.39,
+        side_cd=0.21,
+        side_c=LEFT,
+        slider_side=ABOVE,
+    ),
+}
+
+_p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
+
+
+@dataclass(frozen=True)
+class Press(Mechanism):
+    """Hybrid-driven seven-bar press of the paper."""
+
+    kind = "press"
+    openable = ("A", "C")
+    loose = ("A", "C")
+
+    geometry: Geometry = named_set(
+        "standard", GEOMETRIES, "named geometry; a choice, the paper does not fix it"
+    )
+    length_2: float = _p_length(0.07, "crank 2, O2 to A")
+    length_3: float = _p_length(0.34, "rod 3, A to B")
+    length_5: float = _p_length(0.40, "rod 5, C to E")
+    length_7: float = _p_length(0.07, "crank 7, O7 to D")
+    mass_2: float = _p_mass(0.0243, "mass of crank 2")
+    mass_3: float = _p_mass(0.1085, "mass of rod 3")
+    mass_4: float = _p_mass(0.4503, "mass of plate 4")
+    mass_5: float = _p_mass(0.1272, "mass of rod 5")
+    mass_6: float = _p_mass(0.0288, "mass of slider 6")
+    mass_7: float = _p_mass(0.0243, "mass of crank 7")
+    inertia_2: float = _p_inertia(5.396e-4, "inertia of crank 2 (too large for it; torque only)")
+    inertia_3: float = _p_inertia(1.1e-3, "inertia of rod 3")
+    inertia_4: float = _p_inertia(3.779e-3, "inertia of plate 4")
+    inertia_5: float = _p_inertia(1.771e-3, "inertia of rod 5")
+    inertia_7: float = _p_inertia(5.396e-4, "inertia of crank 7 (too large for it; torque only)")
+    gravity: float = gravity()
+    speed: float = quantity(
+        3.5 * math.pi,
+        "rad/s",
+        0.1 * math.pi,
+        40.0 * math.pi,
+        "paper, per study",
+        "crank speed w: crank 7 turns at +w, crank 2 at -w",
+    )
+    run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
+    servo: Servo | None = one_of(
+        SERVOS, "motion of crank 7 while crank 2 turns evenly; none: it turns evenly as well"
+    )
+
+    @property
+    def origin(self) -> str:
+        """Origin of its values, in a sentence."""
+        return (
+            f"The geometry ({self.geometry.name}) and several parameters are chosen, not the "
+            "paper's: it does not print enough to fix the mechanism."
+        )
+
+    def plate_corners(self) -> dict[str, Attachment]:
+        """Return B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""
+        bd, bc, cd = self.geometry.side_bd, self.geometry.side_bc, self.geometry.side_cd
+        along = (bd**2 + cd**2 - bc**2) / (2.0 * bd)
+        across = self.geometry.side_c * math.sqrt(cd**2 - along**2)
+        x, y = (bd + along) / 3.0, across / 3.0
+        corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
+        return {name: Attachment("plate 4", a - x, b - y) for name, (a, b) in corners.items()}
+
+    def linkage(self) -> Linkage:
+        """Return the ideal linkage, every joint closed.
+
+        Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14; the slider's
+        angle of 90 degrees there is the direction of its guide.
+        """
+        return _press_linkage(self)
+
+    @property
+    def _drive_7(self) -> Drive:
+        if self.servo is None:
+            return Drive("crank 7", self.speed, CRANK_7_START)
+        return self.servo.drive("crank 7", self.speed, "slider 6.centre")
+
+    @property
+    def guess(self) -> Mapping[str, float]:
+        """Angles of the rods and the plate at the start, rad, from circles that meet."""
+        geometry = self.geometry
+        a = complex(geometry.hx, geometry.hy) - cmath.rect(self.length_2, CRANK_2_START)
+        d = cmath.rect(self.length_7, self._drive_7.angle)
+        b = _meeting(d, a, geometry.side_bd, self.length_3, geometry.side_b)
+        c = _meeting(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
+        across = c.real - geometry.hx
+        down = math.sqrt(max(self.length_5**2 - across**2, 0.0))
+        rod_5 = complex(across, -geometry.slider_side * down)
+        return {
+            "rod 3": cmath.phase(a - b),
+            "plate 4": cmath.phase(b - d),
+            "rod 5": cmath.phase(rod_5),
+        }
+
+
+@lru_cache(maxsize=64)
+def _press_linkage(press: Press) -> Linkage:
+    """Return the linkage, assembled once: a scene asks for it several times."""
+    geometry, corner = press.geometry, press.plate_corners()
+    return assemble(
+        name=f"seven-bar press, {geometry.name} geometry",
+        bodies=(
+            Bar("crank 2", press.length_2, press.mass_2, press.inertia_2),
+            Bar("rod 3", press.length_3, press.mass_3, press.inertia_3),
+            Body("plate 4", press.mass_4, press.inertia_4),
+            Bar("rod 5", press.length_5, press.mass_5, press.inertia_5),
+            # The slider does not turn: its inertia never enters.
+            Body("slider 6", press.mass_6, 1.0),
+            Bar("crank 7", press.length_7, press.mass_7, press.inertia_7),
+        ),
+        joints=(
+            Pin("O2", (geometry.hx, geometry.hy), "crank 2.head"),
+            Pin("O7", (0.0, 0.0), "crank 7.tail"),
+            Pin("A", "rod 3.head", "crank 2.tail"),
+            Pin("B", "rod 3.tail", corner["B"]),
+            Pin("C", "rod 5.head", corner["C"]),
+            Pin("D", "crank 7.head", corner["D"]),
+            Pin("E", "rod 5.tail", "slider 6"),
+            Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
+        ),
+        drives=(
+            Drive("crank 2", -press.speed, CRANK_2_START, torque_limit=press.torque_limit),
+            replace(press._drive_7, torque_limit=press.torque_limit),
+        ),
+        output=OutputPoint("slider 6", 0.5 * math.pi),
+        guess=press.guess,
+        gravity=press.gravity,
+        run_up=press.run_up,
+    )
+
+
+def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) -> complex:
+    """Return the point at distances from p and q, on a side of the line p to q, or nearly."""
+    length = max(abs(q - p), 1e-12)
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
+    across = side * math.sqrt(max(from_p**2 - along**2, 0.0))
+    return p + complex(along, across) * (q - p) / length
+
+
+_l_length, _l_mass, _l_inertia = (partial(make, LITERATURE) for make in (_length, _mass, _inertia))
+
+
+@dataclass(frozen=True)
+class SliderCrank(Mechanism):
+    """Slider-crank: the crank turns about O, the rod joins it in A and the slider in B.
+
+    The slider moves on the x axis, to the right of O. Mass centres are at mid-length and the rod
+    carries the bearings (both assumed).
+    """
+
+    kind = "slider-crank"
+    openable = ("A", "B")
+    loose = ("B",)
+
+    crank_length: float = _l_length(0.05, "crank, O to A")
+    rod_length: float = _l_length(0.12, "rod, A to B; longer than the crank")
+    crank_mass: float = _l_mass(0.30, "mass of the crank")
+    rod_mass: float = _l_mass(0.21, "mass of the rod")
+    slider_mass: float = _l_mass(0.14, "mass of the slider")
+    crank_inertia: float = _l_inertia(1e-4, "inertia of the crank (torque only)")
+    rod_inertia: float = _l_inertia(2.5e-4, "inertia of the rod")
+    gravity: float = gravity()
+    speed: float = quantity(
+        5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed, 5000 rpm"
+    )
+    run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
+
+    def __post_init__(self) -> None:
+        """Raise InputError where the crank cannot turn all around."""
+        check_fields(self)
+        least = _MIN_ROD_RATIO * self.crank_length
+        if not self.rod_length >= least:
+            raise InputError(
+                f"rod_length = {self.rod_length:g} m: with crank_length = {self.crank_length:g} m "
+                f"allowed is {least:.6g} m to {MAX_LINK:g} m; joint B does not close over the "
+                "whole turn"
+            )
+
+    @property
+    def origin(self) -> str:
+        """Origin of its values, in a sentence."""
+        return (
+            "Dimensions, masses and speed are those of a slider-crank that the literature on "
+            "joints with clearance has studied (Flores), from memory and not checked against a "
+            "page."
+        )
+
+    def linkage(self) -> Linkage:
+        """Return the ideal linkage, every joint closed.
+
+        The crank points from O to A, the rod from A to B: both are at angle 0 at the start.
+        """
+        return _slider_crank_linkage(self)
+
+
+@lru_cache(maxsize=64)
+def _slider_crank_linkage(crank: SliderCrank) -> Linkage:
+    """Return the linkage, assembled once: a scene asks for it several times."""
+    return assemble(
+        name="slider-crank",
+        bodies=(
+            Bar("crank", crank.crank_length, crank.crank_mass, crank.crank_inertia),
+            Bar("rod", crank.rod_length, crank.rod_mass, crank.rod_inertia),
+            # The slider does not turn: its inertia never enters.
+            Body("slider", crank.slider_mass, 1.0),
+        ),
+        joints=(
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "rod.tail", "crank.head"),
+            Pin("B", "rod.head", "slider"),
+            Guide("guide", "slider"),
+        ),
+        drives=(Drive("crank", crank.speed, torque_limit=crank.torque_limit),),
+        guess={"rod": 0.0},
+        gravity=crank.gravity,
+        run_up=crank.run_up,
+    )
+
+
+FOUR_BAR = assemble(
+    bodies=[
+        Bar("crank", length=0.05, mass=0.3),
+        Bar("coupler", length=0.20, mass=0.5),
+        Bar("rocker", length=0.12, mass=0.4),
+    ],
+    joints=[
+        Pin("O", (0.0, 0.0), "crank.tail"),
+        Pin("A", "crank.head", "coupler.tail"),
+        Pin("B", "coupler.head", "rocker.head"),
+        Pin("P", (0.18, 0.0), "rocker.tail"),
+    ],
+    drives=[Drive("crank", speed=30.0)],
+    guess={"coupler": 0.6, "rocker": 1.4},
+    output="rocker.head",
+    name="four-bar",
+)
+"""Example with chosen dimensions; the crank turns all around."""

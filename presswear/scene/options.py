@@ -1,0 +1,261 @@
+"""Options of a run that are no part of the mechanism: engines, recording plan, service life."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, ClassVar
+
+from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import (
+    Quantity,
+    choice,
+    count,
+    free_text,
+    parse_quantity,
+    quantity,
+)
+from presswear.tools.serialize import check_fields
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Engines, each with its settings; a run uses one of them."""
+
+    tree: ExudynTree = field(default_factory=ExudynTree)
+    joints: ExudynJoints = field(default_factory=ExudynJoints)
+    dae: InHouse = field(default_factory=InHouse)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for engine in self._engines.values():
+            check_fields(engine)
+
+    @property
+    def _engines(self) -> dict[str, Any]:
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def resolved(self, purpose: Purpose, accuracy: float = USUAL) -> "Numerics":
+        """Return a copy with unspecified tolerances set for the purpose; see the engines."""
+        return Numerics(**{k: own.resolved(purpose, accuracy) for k, own in self._engines.items()})
+
+    def of(self, engine: Engine) -> "Numerics":
+        """Return a copy with the settings of one engine."""
+        name = next(name for name, one in self._engines.items() if type(one) is type(engine))
+        return Numerics(**{**self._engines, name: engine})
+
+    def having(self, **settings: Any) -> "Numerics":
+        """Return a copy with some settings changed, by their names."""
+        changed = {}
+        for name, engine in self._engines.items():
+            keys = asdict(engine).keys() & settings.keys()
+            changed[name] = replace(engine, **{key: settings.pop(key) for key in keys})
+        if settings:
+            raise TypeError(f"no engine has a setting {', '.join(settings)}")
+        return Numerics(**changed)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Recording plan of each stage; see the texts of the fields for units and ranges."""
+
+    recorded_cycles: int | None = count(
+        None,
+        1,
+        1000,
+        "chosen",
+        "cycles at the start of a stage whose series and contacts are stored; default: 5, or with "
+        "a process as many as its strokes are judged by",
+    )
+    rows_per_cycle: int = count(
+        2000, 100, 20_000, "chosen", "rows of a series in a cycle, at least; contacts add rows"
+    )
+    series: str = choice(
+        "all",
+        ("all", "output"),
+        "series that are stored: all, or those of the output point without those of the joints",
+    )
+    digits: str = choice(
+        "double",
+        ("double", "single"),
+        "of the series of joints: 16 digits, or 7 in less room",
+    )
+    sections: int = count(
+        0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"
+    )
+    section_angle: float = quantity(
+        0.0, "rad", 0.0, 2.0 * math.pi, "chosen", "angle of the cycle of the first section"
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def phases(self) -> tuple[float, ...]:
+        """Parts of a cycle at which its sections lie, rising, each above 0 up to 1, its end."""
+        first = self.section_angle / (2.0 * math.pi)
+        return tuple(
+            sorted(1.0 - (1.0 - first - k / self.sections) % 1.0 for k in range(self.sections))
+        )
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Number that is followed over strokes, of each joint or of the whole mechanism."""
+
+    unit: str
+    of_joint: bool
+    text: str
+
+
+FOLLOWED: dict[str, Followed] = {
+    "depth": Followed("m", True, "greatest wear depth of bearing or pin"),
+    "wear_volume": Followed("m^3", True, "worn volume of bearing and pin"),
+    "force_max": Followed("N", True, "peak normal force of a stroke, mean of strokes"),
+    "total_clearance": Followed("m", False, "way of the slider between a pull up and a pull down"),
+    "bdc_error": Followed("m", False, "bottom dead centre from its ideal height, mean of strokes"),
+    "bdc_drift": Followed("m", False, "bottom dead centre from its mean height when new"),
+    "repeatability": Followed("m", False, "standard deviation of bottom dead centre"),
+}
+"""Numbers that a limit may be put on, by name."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Upper limit of a followed number.
+
+    Attributes
+    ----------
+    name : str
+        Key of ``FOLLOWED``.
+    joint : str
+        Joint of the number; empty for the whole mechanism.
+    value : float
+        SI.
+    """
+
+    name: str
+    joint: str
+    value: float
+
+    @property
+    def key(self) -> str:
+        """Key as it is typed, such as ``A.depth``."""
+        return f"{self.joint}.{self.name}" if self.joint else self.name
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value."""
+        return FOLLOWED[self.name].unit
+
+
+@dataclass(frozen=True)
+class Service:
+    """Bushing that is replaced, or turned by half a turn, after a number of strokes."""
+
+    joint: str
+    strokes: float
+    is_turned: bool
+
+    @property
+    def words(self) -> str:
+        """Description."""
+        return f"bushing of {self.joint} {'turned by half' if self.is_turned else 'replaced'}"
+
+
+NEW, TURNED = "replaced", "turned"
+_LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
+_SERVICE = re.compile(r"\s*([^\s@]+)\s*@\s*(\S+)\s*$")
+_STROKES = Quantity("", 1.0, 1e15)
+
+
+@dataclass(frozen=True)
+class Life:
+    """Service life: the joints are worn until the first of some limits is passed."""
+
+    kind: ClassVar[str] = "limits"
+
+    until: str = free_text(
+        "depth > 0.05 mm",
+        "'bdc_drift > 0.05 mm, A.depth > 80 um'",
+        "limits, of which the first counts: of every joint, or JOINT.NAME; names are "
+        + ", ".join(FOLLOWED),
+    )
+    at_most: float = quantity(
+        5e7, "", 1.0, 1e15, "chosen", "strokes after which the wear is followed no further"
+    )
+    replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
+    turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
+    max_cycles: int = count(
+        10_000,
+        16,
+        10_000_000,
+        "chosen",
+        "cycles of all replicates at most in one pass over the life",
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:
+        """Return the limits, of all joints where none is named.
+
+        Parameters
+        ----------
+        joints : sequence of str
+            Joints with clearance.
+
+        Raises
+        ------
+        InputError
+            For an unknown number or joint, and for a value that is none or has no unit.
+        """
+        limits = []
+        for text in map(str.strip, self.until.split(",")):
+            match = _LIMIT.match(text)
+            if match is None:
+                raise InputError(
+                    f"until = {text!r}: NAME > VALUE is expected, such as 'depth > 0.05 mm'; names "
+                    f"are {', '.join(FOLLOWED)}"
+                )
+            joint, name, size = match.groups()
+            if name not in FOLLOWED:
+                raise unknown("number in until", name, FOLLOWED)
+            followed = FOLLOWED[name]
+            if joint is not None:
+                if not followed.of_joint:
+                    raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
+                _check_joint(joint, joints, "until")
+            meaning = Quantity(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
+            value = parse_quantity(f"until: {name}", size, meaning)
+            names = ((joint,) if joint else joints) if followed.of_joint else ("",)
+            limits += [Limit(name, one, value) for one in names]
+        return tuple(limits)
+
+    def services(self, joints: Sequence[str]) -> tuple[Service, ...]:
+        """Return the services of bushings, in the order of strokes; raise InputError."""
+        services = []
+        for key, text in ((NEW, self.replaced), (TURNED, self.turned)):
+            for part in filter(None, map(str.strip, text.split(","))):
+                match = _SERVICE.match(part)
+                if match is None:
+                    raise InputError(
+                        f"{key} = {part!r}: JOINT@STROKES is expected, such as 'A@2e6'"
+                    )
+                _check_joint(match[1], joints, key)
+                strokes = float(parse_quantity(f"{key}: {match[1]}", match[2], _STROKES))
+                if strokes >= self.at_most:
+                    raise InputError(
+                        f"{key} = {part!r}: allowed is below at_most = {self.at_most:g}"
+                    )
+                services.append(Service(match[1], strokes, key == TURNED))
+        return tuple(sorted(services, key=lambda service: service.strokes))
+
+
+def _check_joint(joint: str, joints: Sequence[str], where: str) -> None:
+    if joint not in joints:
+        raise unknown(f"joint with clearance in {where}", joint, joints)
+
+
+LIVES = {Life.kind: Life}  # kinds of life that a scene may have
