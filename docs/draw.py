@@ -16,13 +16,17 @@ from cycler import cycler
 from matplotlib.axes import Axes
 
 import presswear
-from presswear.campaign.campaign import begun_on, run_stage
-from presswear.campaign.chains import SceneChains
-from presswear.campaign.crossing import passed
-from presswear.campaign.ensemble import Runner
-from presswear.campaign.life import Pass, Problem, Step, next_step
-from presswear.campaign.progress import Forecast
-from presswear.campaign.single import workers_of
+from presswear.campaign.campaign import run_stage, workers_of
+from presswear.campaign.ensemble import ProgressEstimate, Runner
+from presswear.campaign.service_life import (
+    BlockPlan,
+    LifeProblem,
+    Refinement,
+    SceneHistories,
+    crossing,
+    next_block,
+)
+from presswear.campaign.wear_update import initial_depth, update_surfaces
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.drives import RISES, Drive, Rise
@@ -132,12 +136,13 @@ def life(axes: Axes) -> None:
 
 def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
     """Cycles of each start, and the life of each, where each cycle takes a part off."""
-    chains = SceneChains(Runner(scene, Forecast(scene, ()), workers), begun_on(scene), ())
-    problem = Problem((UNTIL,), (), 1e12, 1.0, 1_000_000)
-    own = Pass(change, 1)
-    while isinstance(step := next_step(problem, own), Step):
-        own = replace(own, blocks=(*own.blocks, chains.go(1, own.blocks, step)))
-        each = [passed(own.blocks, UNTIL, np.array([k])) for k in range(scene.draws)]
+    runner = Runner(scene, ProgressEstimate(scene, ()), workers)
+    histories = SceneHistories(runner, initial_depth(scene), ())
+    problem = LifeProblem((UNTIL,), (), 1e12, 1.0, 1_000_000)
+    own = Refinement(change, 1)
+    while isinstance(plan := next_block(problem, own), BlockPlan):
+        own = replace(own, blocks=(*own.blocks, histories.advance(1, own.blocks, plan)))
+        each = [crossing(own.blocks, UNTIL, np.array([k])) for k in range(scene.draws)]
         if np.all(np.isfinite(each)):
             break
     return sum(block.cycles for block in own.blocks[1:]), np.array(each)
@@ -145,16 +150,16 @@ def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
 
 def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
     """The same where each jump multiplies the mean map of ten cycles on surfaces that stay."""
-    worn, strokes, jumps = begun_on(scene), [0.0], 0
+    worn, strokes, jumps = initial_depth(scene), [0.0], 0
     depth = [np.zeros(scene.draws)]
     joint = scene.linkage().clearances[0]
     while np.any(depth[-1] < UNTIL.value):
         seeded = replace(
             scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wear_updates=0, purpose="wear"
         )
-        maps = run_stage(seeded, 0, worn, workers=workers)[1].depths()
+        maps = run_stage(seeded, 0, worn, workers=workers)[1].added_by_run()
         share = change * joint.clearance / float(maps[:, 0].mean(axis=0).max())
-        worn = worn + share * maps
+        worn = update_surfaces(worn, share * maps)
         jumps += 1
         strokes.append(strokes[-1] + share)
         depth.append(worn[:, 0].max(axis=(1, 2)))

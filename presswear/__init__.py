@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import presswear.recording.statistics as statistics
     import presswear.scene.catalog as scenes
-    from presswear.campaign.scenes import run_scenes as run_scenes
-    from presswear.campaign.single import run as run
+    from presswear.campaign.campaign import run as run
+    from presswear.campaign.campaign import run_scenes as run_scenes
     from presswear.engines.settings import ExudynJoints as ExudynJoints
     from presswear.engines.settings import ExudynTree as ExudynTree
     from presswear.engines.settings import InHouse as InHouse
@@ -76,8 +76,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _ROOMS = {
-    "campaign.scenes": ("run_scenes",),
-    "campaign.single": ("run",),
+    "campaign.campaign": ("run", "run_scenes"),
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
     "linkage.drives": ("Drive", "Dwell", "Follow", "Forming", "Pendulum", "Rise"),
     "linkage.elements": (

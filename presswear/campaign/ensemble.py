@@ -1,20 +1,20 @@
-"""One linkage run from several starts: draws of a chaotic motion, put together.
+"""Ensemble: one linkage run from several replicates, which are samples of a chaotic motion.
 
-Starts differ by up to 2 % of the smallest clearance.  Within a cycle or two that makes the runs
-independent, which cycles of one run need not be.  Each start has worn surfaces of its own, so
-that what follows a wear is independent too.  Behind a wear in one jump they run in two sets:
-together on the surfaces that all their maps give, and each alone.
+Initial states differ by up to 2 % of the smallest clearance.  Within a cycle or two that makes the
+runs independent, which cycles of one run need not be.  Each replicate has its own worn surfaces, so
+that the motion after a wear update is independent too.  After a wear update in one jump the
+replicates run in two sets: together on the surfaces that all their maps give, and each alone.
 
-A set ends when its maps are known, in rounds: all its runs go so far, then the maps of all decide
-whether that is enough, so that no number depends on which run was done first, where, or beside
-how many others.  The first round takes FEWEST samples.  Each further one takes half of the cycles
-that the error of the maps says are lacking (it falls with the square root of their number), dealt
-out one by one to the starts.  Half, because that number is itself an estimate: all of it would run
-past the end as often as stop short of it (so does triple sampling: Hall, Annals of Statistics 9,
-1229, 1981), and a look after every cycle waits for the slowest run each time.  Of the paper's
-press unworn, 4 starts, maps known to 3.5 %, 100 draws: 45.0 cycles for a true error of 3.1 %, in
-3.9 looks; all that is lacking at once 55.6 cycles, a look after each cycle 44.6 cycles in 21.6
-looks; one start after another, each ending when it has done its part, 46.2 cycles for 3.4 %.
+A set ends when its maps are known, in rounds: all its runs reach the end of a round, then the maps
+of all decide whether that is enough, so that no number depends on the order, the place or the
+number of processes.  The first round takes FEWEST samples.  Each further round takes half of the
+cycles that the error of the maps says are lacking (it falls with the square root of their number),
+dealt out one by one to the replicates.  Half, because that number is itself an estimate: all of it
+would overshoot as often as undershoot (as triple sampling does: Hall, Annals of Statistics 9, 1229,
+1981), and a decision after every cycle waits for the slowest run each time.  Of the paper's press
+unworn, 4 replicates, maps known to 3.5 %, 100 draws: 45.0 cycles for a true error of 3.1 %, in 3.9
+rounds; all that is lacking at once 55.6 cycles, a decision after each cycle 44.6 cycles in 21.6
+rounds; one replicate after another, each ending when it has done its part, 46.2 cycles for 3.4 %.
 """
 
 import logging
@@ -27,12 +27,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.progress import Forecast
-from presswear.campaign.resolution import WORTH
-from presswear.campaign.segment import Reached, Segment, Task, linkage_on
+from presswear.campaign.replicates import STEP_CHECK_CYCLES, RunSpec, RunState, WorkUnit, linkage_on
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
+from presswear.recording.observer import Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
@@ -50,76 +49,103 @@ Array = NDArray[np.float64]
 
 _LOG = logging.getLogger(__name__)
 
-FEWEST = 16
-"""Samples of all starts before a stage may end because its maps are known: fewer agree by luck."""
-PART = 0.5
-"""Part of the cycles that seem to be lacking which another round takes."""
+FEWEST = 16  # samples of all replicates before a stage may end early: fewer agree by luck
+ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
+STEP_CHECK = -1  # key of the step check among the jobs, whose other keys are indices of runs
+_LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")  # not summed
 
-ASIDE = -1
-"""Key of the job that is done beside the runs, whose keys are their indices."""
 
-_LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")
-"""Diagnostics of which the largest counts, not the sum."""
+@dataclass(frozen=True)
+class EnsembleState:
+    """State of an ensemble between two cycles.
+
+    Attributes
+    ----------
+    runs : tuple of RunState or None
+        None: the run has not started.
+    until : tuple of int
+        Cycle at which each run ends its round.
+    wall : float
+        Wall time, s.
+    step_errors : mapping
+        Result of the step check, where it is finished.
+    """
+
+    runs: tuple[RunState | None, ...] = ()
+    until: tuple[int, ...] = ()
+    wall: float = 0.0
+    step_errors: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def cycles(self) -> int:
+        """Finished cycles of all runs."""
+        return sum(run.cycles for run in self.runs if run is not None)
 
 
 @dataclass(frozen=True)
 class Ensemble:
-    """A linkage that ran, from one start or several.
+    """Finished runs of a linkage from one or several replicates.
 
     Attributes
     ----------
     linkage : Linkage
-        On the surfaces that the scene begins on.
-    worn : ndarray, shape (runs, joints, 2, m)
-        Depth of the surfaces that each run began with, m.
+        On the surfaces that the scene starts on.
+    depth : ndarray, shape (runs, joints, 2, bins)
+        Depth of the surfaces at the start of each run, m.
     runs : tuple of Run
-        By start, of one set or two; a failed one is the last.
-    starts : int
-        Runs of a set.
-    wall : float
-        s.
-    step_errors : mapping
-        What finer steps would change; see ``StepErrors``.
+        By replicate, of one set or two; a failed one is the last.
+    replicates : int
+        Number of runs in a set.
+    state : EnsembleState
     """
 
     linkage: Linkage
-    worn: Array
+    depth: Array
     runs: tuple[Run, ...]
     replicates: int
-    wall: float
-    step_errors: Mapping[str, float] = field(default_factory=dict)
+    state: EnsembleState
+
+    @staticmethod
+    def of(scene: Scene, spec: RunSpec, depth: Array, state: EnsembleState) -> "Ensemble":
+        """Return the ensemble of a state; runs after the first that failed are left out."""
+        runs: list[Run] = []
+        for run, surfaces in zip(state.runs, depth, strict=False):
+            if run is None or (runs and runs[-1].status == "failed"):
+                break
+            runs.append(run.run(scene, spec, surfaces))
+        if runs[-1].status == "failed":
+            state = replace(state, step_errors={})
+        state = replace(state, runs=state.runs[: len(runs)])
+        return Ensemble(scene.linkage(), depth, tuple(runs), scene.draws, state)
 
     @property
     def together(self) -> "Ensemble":
-        """The first set, which the numbers of a stage are from."""
+        """The first set, which the statistics of a stage are of."""
         return self._set(slice(self.replicates))
 
     @property
     def alone(self) -> "Ensemble":
-        """The last set, whose runs are independent: each start on surfaces of its own."""
-        # Where one of them failed there are fewer runs than surfaces.
-        return (
-            self._set(slice(self.replicates, len(self.runs)))
-            if len(self.runs) > self.replicates
-            else self
-        )
+        """The last set, whose runs are independent: each replicate on surfaces of its own."""
+        # If one of them failed there are fewer runs than surfaces.
+        is_twice = len(self.runs) > self.replicates
+        return self._set(slice(self.replicates, len(self.runs))) if is_twice else self
 
     def _set(self, part: slice) -> "Ensemble":
-        return replace(self, worn=self.worn[part], runs=self.runs[part])
+        return replace(self, depth=self.depth[part], runs=self.runs[part])
 
     @property
     def recorders(self) -> tuple[Recorder, ...]:
-        """The recorders of the runs."""
+        """Recorders of the runs."""
         return tuple(run.recorder for run in self.runs)
 
     @property
     def cycles(self) -> int:
-        """Cycles finished, of all runs."""
+        """Finished cycles of all runs."""
         return sum(len(recorder.cycles) for recorder in self.recorders)
 
     @property
     def failure(self) -> str:
-        """Why it failed, or nothing."""
+        """Message of the run that failed, or nothing."""
         last = self.runs[-1]
         if last.status != "failed":
             return ""
@@ -127,309 +153,312 @@ class Ensemble:
 
     @property
     def finding(self) -> Finding | None:
-        """The finding that ended it, where it failed."""
+        """Finding that ended it, if it failed."""
         return self.runs[-1].finding
 
     @property
     def status(self) -> Status:
-        """``failed``, ``enough`` where the maps were known early, or ``completed``."""
+        """``failed``, ``enough`` if the maps were known early, or ``completed``."""
         if self.failure:
             return "failed"
         return "enough" if any(run.status == "enough" for run in self.runs) else "completed"
 
-    @property
-    def time(self) -> float:
-        """Simulated time of all runs, s."""
-        return sum(run.time for run in self.runs)
-
-    def depth(self) -> Array:
-        """Mean depth that one cycle adds, shape (joints, 2, m), m."""
-        return mean_map([recorder.maps for recorder in self.recorders])
-
-    def depths(self) -> Array:
-        """The same of each start, shape (starts, joints, 2, m), m."""
+    def added_by_run(self) -> Array:
+        """Return the mean depth that a cycle adds in each run, shape (runs, joints, 2, bins), m."""
         return np.array([mean_map([recorder.maps]) for recorder in self.recorders])
 
+    def mean_added(self) -> Array:
+        """Return the mean depth that a cycle adds in all runs, shape (joints, 2, bins), m."""
+        return mean_map([recorder.maps for recorder in self.recorders])
+
     def batches(self) -> tuple[Array, Array]:
-        """Wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
+        """Return wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
         return map_batches([recorder.maps for recorder in self.recorders])
 
     def diagnostics(self) -> dict[str, float | int | str]:
-        """Diagnostics of the solver: words of the first run, numbers of all."""
-        found = dict(self.runs[0].diagnostics)
+        """Return diagnostics of the solver: texts of the first run, numbers of all."""
+        merged = dict(self.runs[0].diagnostics)
         for run in self.runs[1:]:
             for key, value in run.diagnostics.items():
-                before = found[key]
+                before = merged[key]
                 if isinstance(value, str) or isinstance(before, str):
                     continue
-                found[key] = max(before, value) if key in _LARGEST else before + value
+                merged[key] = max(before, value) if key in _LARGEST else before + value
         # Signed residuals of several runs would cancel.
-        found["energy_residual_J"] = sum(
+        merged["energy_residual_J"] = sum(
             abs(float(run.diagnostics["energy_residual_J"])) for run in self.runs
         )
         if len(self.runs) > 1:
-            found["replicates"] = len(self.runs)
-        return found
+            merged["replicates"] = len(self.runs)
+        return merged
 
 
-@dataclass(frozen=True)
-class Partial:
-    """An ensemble of which some has run.
-
-    Attributes
-    ----------
-    reached : tuple of Reached or None
-        How far each run is; None: it has not been begun.
-    until : tuple of int
-        Cycles after which each ends the round at hand.
-    wall : float
-        So far, s.
-    """
-
-    reached: tuple[Reached | None, ...] = ()
-    until: tuple[int, ...] = ()
-    wall: float = 0.0
-
-
-NOTHING = Partial()
-"""An ensemble of which nothing has run."""
-
-
-@dataclass(frozen=True)
-class Runner:
-    """Runs the linkage of a scene from every start.
+@dataclass
+class ProgressEstimate:
+    """Estimate of the progress of a campaign, passed on to observers; it never falls.
 
     Attributes
     ----------
     scene : Scene
-    forecast : Forecast
-        Told how far it is.
-    workers : Workers
-        Does the runs.
+    observers : sequence of Observer
+    index : int
+        Index of the stage that runs.
+    done, later : float
+        Cycles of each replicate in the stage and the wear update after it: finished, and expected
+        after the present ensemble.
     """
 
     scene: Scene
-    forecast: Forecast
+    observers: Sequence[Observer]
+    index: int = 0
+    done: float = 0.0
+    later: float = 0.0
+    _shown: float = 0.0
+
+    def start_stage(self, index: int) -> None:
+        """Start another stage."""
+        self.index, self.done, self.later, self._shown = index, 0.0, 0.0, 0.0
+
+    def report(
+        self, run: float, needed: float, word: str, linkage: Linkage, film: Film | None
+    ) -> None:
+        """Notify the observers.
+
+        Parameters
+        ----------
+        run, needed : float
+            Cycles of each replicate in the present ensemble, so far and in all.
+        """
+        part = (self.done + run) / (self.done + needed + self.later)
+        self._shown = max(self._shown, min(part, 1.0))
+        whole = (self.index + self._shown) / (self.scene.wear_updates + 1)
+        progress = Progress(self.index, self._shown, whole, word, linkage, film)
+        for observer in self.observers:
+            observer.on_progress(progress)
+
+
+@dataclass(frozen=True)
+class Runner:
+    """Runs the linkage of a scene from every replicate.
+
+    Attributes
+    ----------
+    scene : Scene
+    progress : ProgressEstimate
+    workers : Workers
+    """
+
+    scene: Scene
+    progress: ProgressEstimate
     workers: Workers
 
     def run(
         self,
-        worn: Array,
-        task: Task,
-        begun: Partial = NOTHING,
-        keep: Callable[[Partial], None] = lambda partial: None,
-        step_errors: Job | None = None,
+        depth: Array,
+        spec: RunSpec,
+        state: EnsembleState | None = None,
+        keep: Callable[[EnsembleState], None] = lambda state: None,
+        step_check: Job | None = None,
     ) -> Ensemble:
-        """Run every start on its surfaces, in one set or two.
+        """Run every replicate on its surfaces, in one set or two.
 
-        A run that fails ends the rounds of its set, and all that stands behind it in order.
+        A run that fails ends the rounds of its set, and all runs after it in order.
 
         Parameters
         ----------
-        worn : ndarray, shape (runs, joints, 2, m)
+        depth : ndarray, shape (runs, joints, 2, bins)
             Depth of the surfaces of each run, m.
-        begun : Partial
-            What has run already.
+        state : EnsembleState or None
+            State to resume from.
         keep : callable
-            Told what has run, whenever some more has.
-        step_errors : job or None
-            Finds ``Ensemble.step_errors`` beside the runs, where these are worth it.
+            Called with the state whenever it has changed.
+        step_check : job or None
+            Runs beside the others, if these are long enough.
         """
-        scene = self.scene
-        rounds = _Rounds(self, worn, task, begun, keep, step_errors)
-        self.workers.run(rounds.jobs(), rounds.ended, rounds.told)
-        runs = tuple(
-            reached.run(scene, task, own)
-            for reached, own in zip(rounds.reached[: rounds.last + 1], worn, strict=False)
-            if reached is not None
-        )
-        errors = {} if runs[-1].status == "failed" else rounds.step_errors
-        return Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall, errors)
+        rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
+        self.workers.run(rounds.jobs(), rounds.on_end, rounds.on_report)
+        ensemble = Ensemble.of(self.scene, spec, depth, rounds.state())
+        self.progress.done += ensemble.cycles / self.scene.draws
+        return ensemble
 
 
-def most_runs(scene: Scene) -> int:
-    """Most runs of an ensemble of a scene: behind a jump the starts run together and alone."""
+def max_runs(scene: Scene) -> int:
+    """Return the largest number of runs of an ensemble of a scene."""
     is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.draws > 1
     return scene.draws * (2 if is_twice else 1)
 
 
-def dealt(total: int, runs: int) -> tuple[int, ...]:
-    """So many cycles in all, dealt out one by one to some runs."""
+def deal(total: int, runs: int) -> tuple[int, ...]:
+    """Return numbers of cycles that sum up to a total, as equal as possible."""
     return tuple((total + runs - 1 - index) // runs for index in range(runs))
 
 
-def first_round(task: Task, runs: int) -> tuple[int, ...]:
-    """Cycles of each run of a set after which its maps are first looked at."""
-    if task.tolerance is None:
-        return (task.cycles,) * runs
+def first_round(spec: RunSpec, runs: int) -> tuple[int, ...]:
+    """Return the cycles of each run of a set at the end of the first round."""
+    if spec.tolerance is None:
+        return (spec.cycles,) * runs
     total = STARTUP_CYCLES * runs + max(FEWEST, LEAST_SAMPLES * runs)
-    return tuple(min(own, task.cycles) for own in dealt(total, runs))
+    return tuple(min(cycles, spec.cycles) for cycles in deal(total, runs))
 
 
-def lacking(task: Task, maps: Sequence[MapBatches], error: float) -> float:
-    """Cycles, of all runs of a set, that maps known to an error lack; 0: they are known."""
-    assert task.tolerance is not None, "nothing is lacking where nothing is asked"
-    samples = sum(own.samples for own in maps)
-    return max(samples * ((error / task.tolerance) ** 2 - 1.0), 0.0)
+def lacking_cycles(spec: RunSpec, maps: Sequence[MapBatches], error: float) -> float:
+    """Return the cycles of all runs that a relative error of the maps lacks; 0: it is reached."""
+    assert spec.tolerance is not None
+    samples = sum(run.samples for run in maps)
+    return max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
 
 
-def next_round(task: Task, maps: Sequence[MapBatches], error: float) -> tuple[int, ...] | None:
-    """Cycles of each run at the end of another round; None where there is none.
+def next_round(spec: RunSpec, maps: Sequence[MapBatches], error: float) -> tuple[int, ...] | None:
+    """Return the cycles of each run at the end of another round; None: there is none.
 
     Parameters
     ----------
     maps : sequence of MapBatches
         Of each run of a set.
     error : float
-        Theirs, part of their rms.
+        Relative error of their mean.
     """
-    run = [own.cycles for own in maps]
-    more = lacking(task, maps, error)
-    if more == 0.0 or min(run) >= task.cycles:
+    cycles = [run.cycles for run in maps]
+    lacking = lacking_cycles(spec, maps, error)
+    if lacking == 0.0 or min(cycles) >= spec.cycles:
         return None
-    total = sum(run) + math.ceil(PART * more)
-    return tuple(min(own, task.cycles) for own in dealt(total, len(maps)))
+    total = sum(cycles) + math.ceil(ROUND_FRACTION * lacking)
+    return tuple(min(own, spec.cycles) for own in deal(total, len(maps)))
 
 
 class _Rounds:
-    """The rounds of an ensemble: what is to run next, and how far it is."""
+    """Rounds of an ensemble: the next jobs, and the progress."""
 
     def __init__(
         self,
         runner: Runner,
-        worn: Array,
-        task: Task,
-        begun: Partial,
-        keep: Callable[[Partial], None],
-        aside: Job | None,
+        depth: Array,
+        spec: RunSpec,
+        state: EnsembleState,
+        keep: Callable[[EnsembleState], None],
+        step_check: Job | None,
     ) -> None:
-        scene = runner.scene
-        self._runner, self._worn, self._task, self._keep = runner, worn, task, keep
-        self._aside = aside
-        self.step_errors: Mapping[str, float] = {}
-        self.wall = begun.wall
-        """Wall time until the last of the runs ended or was handed over, s."""
-        self._linkages = [linkage_on(scene, own) for own in worn]
-        self._began = clock.perf_counter() - begun.wall
-        self._size = scene.draws
-        sets = len(worn) // self._size
-        first = first_round(task, self._size)
-        self.reached = list(begun.reached) or [None] * len(worn)
-        self._until = list(begun.until) or [*first * sets]
-        self._done = [0.0 if own is None else float(own.cycles) for own in self.reached]
-        # Most often the first round is enough; whether it is shows behind it.
-        self._needed, self._known = [float(max(self._until))] * sets, [""] * sets
-        self._waits = False  # for the compiler
+        self._runner, self._depth, self._spec, self._keep = runner, depth, spec, keep
+        self._step_check, self._step_errors = step_check, state.step_errors
+        self._size = runner.scene.draws
+        sets = len(depth) // self._size
+        self._runs = list(state.runs) or [None] * len(depth)
+        self._until = list(state.until) or [*first_round(spec, self._size) * sets]
+        self._linkages = [linkage_on(runner.scene, surfaces) for surfaces in depth]
+        self._wall, self._started = state.wall, clock.perf_counter() - state.wall
+        self._done = [0.0 if run is None else float(run.cycles) for run in self._runs]
+        # Most often the first round is enough, which shows only at its end.
+        self._needed, self._reached = [float(max(self._until))] * sets, [""] * sets
+
+    def state(self) -> EnsembleState:
+        """Return the present state."""
+        return EnsembleState(tuple(self._runs), tuple(self._until), self._wall, self._step_errors)
 
     @property
-    def last(self) -> int:
+    def _last(self) -> int:
         """Index of the last run that counts: the first that failed."""
-        failed = (k for k, own in enumerate(self.reached) if own and own.status == "failed")
-        return next(failed, len(self.reached) - 1)
+        failed = (k for k, run in enumerate(self._runs) if run and run.status == "failed")
+        return next(failed, len(self._runs) - 1)
 
     def _is_over(self, index: int) -> bool:
-        """True where a run has come to the end of its round."""
-        own = self.reached[index]
-        if own is None or own.status is None:
+        run = self._runs[index]
+        if run is None or run.status is None:
             return False
-        return own.status != "enough" or own.cycles >= self._until[index]
+        return run.status != "enough" or run.cycles >= self._until[index]
 
     def jobs(self) -> dict[int, Job]:
-        """What there is to do at first."""
-        return {**self.segments(range(len(self.reached))), **self._worth()}
+        """Return the initial jobs."""
+        return {**self._units(range(len(self._runs))), **self._check()}
 
-    def _worth(self) -> dict[int, Job]:
-        """The job that is done beside the runs, once, as soon as they are long enough for it."""
-        if self._aside is None or sum(self._until) < WORTH:
+    def _check(self) -> dict[int, Job]:
+        """Start the step check once the runs are long enough."""
+        if self._step_check is None or sum(self._until) < STEP_CHECK_CYCLES:
             return {}
-        found, self._aside = {ASIDE: self._aside}, None
-        return found
+        job, self._step_check = self._step_check, None
+        return {STEP_CHECK: job}
 
-    def segments(self, runs: Iterable[int]) -> dict[int, Segment]:
-        """What some runs lack until the end of their round."""
-        found = {}
-        for index in runs:
-            reached = self.reached[index]
-            if index <= self.last and not self._is_over(index):
-                found[index] = Segment(
+    def _units(self, indices: Iterable[int]) -> dict[int, Job]:
+        """Return the work units that runs lack until the end of their round."""
+        units: dict[int, Job] = {}
+        for index in indices:
+            run = self._runs[index]
+            if index <= self._last and not self._is_over(index):
+                observers = self._runner.progress.observers
+                units[index] = WorkUnit(
                     self._runner.scene,
-                    self._task,
-                    self._worn[index],
-                    index + self._size * self._task.number,
+                    self._spec,
+                    self._depth[index],
+                    index + self._size * self._spec.number,
                     self._until[index],
-                    None if reached is None else reached.state,
+                    None if run is None else run.arrays,
                     self._runner.workers.lasts,
-                    self._runner.forecast.frames,
-                    self._runner.forecast.near,
+                    max((observer.frames for observer in observers), default=0),
+                    tuple(observer for observer in observers if observer.observes_runs),
                 )
-        return found
+        return units
 
-    def ended(self, index: int, outcome: Any) -> dict[int, Job | None]:
-        """Note how far a run is; gives what is to run next, None for what is not wanted."""
-        if index == ASIDE:
-            self.step_errors = outcome
+    def on_end(self, index: int, outcome: Any) -> dict[int, Job | None]:
+        """Store the outcome of a job; return the next jobs, None for those not needed any more."""
+        if index == STEP_CHECK:
+            self._step_errors = outcome
             return {}
-        reached: Reached = outcome
-        self.reached[index], self._done[index] = reached, float(reached.cycles)
-        self.wall = clock.perf_counter() - self._began
+        run: RunState = outcome
+        self._runs[index], self._done[index] = run, float(run.cycles)
+        self._wall = clock.perf_counter() - self._started
         following: dict[int, Job | None] = {}
-        if reached.status is None:
-            following |= self.segments([index])
-        elif reached.status == "failed":
-            following |= dict.fromkeys([*range(index + 1, len(self.reached)), ASIDE])
+        if run.status is None:
+            following |= self._units([index])
+        elif run.status == "failed":
+            following |= dict.fromkeys([*range(index + 1, len(self._runs)), STEP_CHECK])
         else:
-            following |= {**self.segments(self._decided(index // self._size)), **self._worth()}
-        self._keep(Partial(tuple(self.reached), tuple(self._until), self.wall))
+            following |= {**self._units(self._next_round(index // self._size)), **self._check()}
+        self._keep(self.state())
         return following
 
-    def _decided(self, number: int) -> Sequence[int]:
-        """The runs of a set where another round begins; none where not."""
+    def _next_round(self, number: int) -> Sequence[int]:
+        """Return the runs of a set if another round of it starts."""
         members = range(number * self._size, (number + 1) * self._size)
-        if self._task.tolerance is None or self.last < members[-1]:
+        if self._spec.tolerance is None or self._last < members[-1]:
             return ()
-        maps = [own.maps for own in self.reached[members.start : members.stop] if own]
+        maps = [run.maps for run in self._runs[members.start : members.stop] if run]
         if len(maps) < len(members) or not all(map(self._is_over, members)):
             return ()
         error = float(map_errors(*map_batches(maps)).max())
-        _LOG.info("wear maps known to %.2g after %d cycles", error, sum(o.cycles for o in maps))
-        self._known[number] = f", wear maps known to {100.0 * error:.0f} %"
-        until = next_round(self._task, maps, error)
+        cycles = sum(run.cycles for run in maps)
+        _LOG.info("wear maps known to %.2g after %d cycles", error, cycles)
+        self._reached[number] = f", wear maps known to {100.0 * error:.0f} %"
+        until = next_round(self._spec, maps, error)
         if until is None:
             return ()
         self._until[members.start : members.stop] = until
-        run = sum(own.cycles for own in maps)
-        needed = (run + lacking(self._task, maps, error)) / len(maps)
-        self._needed[number] = min(max(needed, *until), self._task.cycles)
+        needed = (cycles + lacking_cycles(self._spec, maps, error)) / len(maps)
+        self._needed[number] = min(max(needed, *until), self._spec.cycles)
         return members
 
-    def told(self, index: int, done: float, word: str, rows: Array | None) -> None:
-        """Tell how far the runs are."""
+    def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
+        """Report the progress of the runs."""
+        progress, size = self._runner.progress, self._size
         if math.isnan(done):
-            if not self._waits:
-                _LOG.info("run %d waits for the compiler", index)
-            self._waits = True
-            self._runner.forecast.compiling()
+            for observer in progress.observers:
+                observer.on_compile()
             return
-        self._waits = False
-        if index != ASIDE:
+        if index != STEP_CHECK:
             self._done[index] = done
-        number, size = max(index, 0) // self._size, self._size
-        needed = np.repeat(self._needed, size)
-        low, high = (
-            int(end(self._done[number * size : (number + 1) * size])) for end in (min, max)
-        )
+        number = max(index, 0) // size
+        needed, cycles = np.repeat(self._needed, size), self._done[number * size :][:size]
+        low, high = int(min(cycles)), int(max(cycles))
         where = f"cycle {low}" if low == high else f"cycles {low} to {high}"
         if size > 1:
             where += f" of {size} starts" + (" alone" if number else "")
-        parts = [part for part in (self._task.word, where + self._known[number]) if part]
+        word = ", ".join(filter(None, (self._spec.label, where + self._reached[number])))
         film = None
-        # A window shows one of them.
+        # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(self._linkages[index].clearances))
-        self._runner.forecast.tell(
+        progress.report(
             float(np.minimum(self._done, needed).sum()) / size,
             float(needed.sum()) / size,
-            ", ".join(parts),
+            word,
             self._linkages[index],
             film,
         )

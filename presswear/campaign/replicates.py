@@ -1,22 +1,47 @@
-"""Initial states of runs: the ideal mechanism, or a state close to it."""
+"""One replicate: its initial state, its run specification, and the unit of work that advances it.
+
+A work unit is a pure function of plain data: the specification, the surfaces, the state to resume
+from, and the cycle at which it ends; it returns the state that is reached.  It does not depend on
+the process or the machine, except for the last digits in which processors differ.
+"""
 
 import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from presswear.engines.base import Start
+from presswear.engines.base import Plan, Run, Start, Status, recorder_of
+from presswear.engines.settings import Engine
+from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import SIDES, Surface
+from presswear.physics.bottom import bottom_of
 from presswear.physics.constraints import constraints_of
+from presswear.recording.observer import AdvanceObserver, Observer
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
+from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBatches
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import State, named, part
+from presswear.tools.compile import on_compiling
+from presswear.tools.stopping import is_stopped
+from presswear.tools.workers import Report, Stopped
+
+Array = NDArray[np.float64]
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-SPREAD = 0.02
-"""Range of the replicates' initial states, part of the smallest clearance.  Replicates 1e-9 m apart
-share most of their first two cycles, and means of few cycles are too narrow by that."""
-SPREAD_CLOSED = 1e-9
-"""The same where no joint has clearance, m."""
-NEWTON_STEPS = 2
-"""Iterations that close the joints: the first leaves the square of a part of the clearance."""
+SPREAD = 0.02  # of the smallest clearance; 1e-9 m apart, replicates share their first two cycles
+SPREAD_CLOSED = 1e-9  # m, where no joint has clearance
+NEWTON_STEPS = 2  # that close the joints: the first leaves the square of a part of the clearance
+
+PIECES = 100  # of a cycle: between two touchdowns of a joint lie some of them
+PIECE_STRIDE = 4  # one piece in so many runs again with finer steps
+REFINEMENT = 100.0  # of the tolerance of these pieces
+SETTLING = 2  # cycles before the one whose pieces run again
+STEP_CHECK_CYCLES = 50  # from which on the step check costs at most a twentieth of a stage
 
 
 def start_of(scene: Scene, index: int = 0) -> Start:
@@ -33,39 +58,27 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     motion = scene.ideal.at(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
     # Multiples of two independent irrational numbers leave no two replicates close together.
-    part = (index * GOLDEN + scene.seed * math.sqrt(2.0)) % 1.0
-    if part == 0.0:
+    fraction = (index * GOLDEN + scene.seed * math.sqrt(2.0)) % 1.0
+    if fraction == 0.0:
         return start
     linkage = scene.linkage()
     clearances = [joint.clearance for joint in linkage.clearances]
     spread = SPREAD * min(clearances) if clearances else SPREAD_CLOSED
-    moved = disturbed(linkage, start, part * spread)
-    return start if moved is None else _closed(linkage, moved)
-
-
-def _closed(linkage: Linkage, start: Start) -> Start:
-    """Return the state nearest to ``start`` that satisfies the constraints to round-off."""
-    constraints = constraints_of(linkage)
-    position = start.position
+    moved = disturbed(linkage, start, fraction * spread)
+    if moved is None:
+        return start
+    constraints, position = constraints_of(linkage), moved.position
     for _ in range(NEWTON_STEPS):
-        gap, _, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
+        gap, _, _, jacobian = constraints.evaluate(0.0, position, moved.velocity)
         position = position - np.linalg.pinv(jacobian) @ gap
-    _, error, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
-    return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)
-
-
-def turned_back(end: Start, start: Start) -> Start:
-    """Take a state after whole cycles as a start: without the full turns of its bodies."""
-    position = end.position.copy()
-    turns = np.round((position[2::3] - start.position[2::3]) / (2.0 * math.pi))
-    position[2::3] -= 2.0 * math.pi * turns
-    return Start(position, end.velocity)
+    _, error, _, jacobian = constraints.evaluate(0.0, position, moved.velocity)
+    return Start(position, moved.velocity - np.linalg.pinv(jacobian) @ error)
 
 
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
-    """The start moved along a direction that the joints leave free; None if there is none.
+    """Return a start moved along the free direction that moves the output most.
 
-    Of the free directions the one that moves the slider most is taken.
+    None where the joints leave no direction free.
 
     Parameters
     ----------
@@ -88,3 +101,298 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     # velocities have to follow the turned tangent.
     _, error, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
     return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)
+
+
+def linkage_on(scene: Scene, depth: Array) -> Linkage:
+    """Return the linkage of a scene on worn surfaces.
+
+    Parameters
+    ----------
+    depth : ndarray, shape (joints, 2, bins)
+        Depth of bearings and pins, m; see ``map_shape``.
+    """
+    surfaces = {}
+    for joint, (bearing, pin) in zip(scene.linkage().clearances, depth, strict=True):
+        surfaces[joint.name] = Surface(bearing[: joint.bins]), Surface(pin[: joint.bins])
+    return scene.linkage(surfaces)
+
+
+def worn_out(joints: Sequence[ClearanceJoint], depth: Array) -> tuple[str, str] | None:
+    """Return the first joint that is worn deeper than its clearance, and a message; or None.
+
+    Beyond that depth the model of a pin in a round bearing does not hold.
+
+    Parameters
+    ----------
+    depth : ndarray, shape (joints, 2, bins)
+        Depth of bearings and pins, m.
+    """
+    for joint, sides in zip(joints, depth, strict=True):
+        for name, side in zip(SIDES, sides, strict=True):
+            deepest = float(side.max(initial=0.0))
+            if deepest > joint.clearance:
+                return joint.name, (
+                    f"the {name} would lose {deepest:.3g} m, more than the clearance of "
+                    f"{joint.clearance:.3g} m"
+                )
+    return None
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """Run specification shared by the replicates of an ensemble.
+
+    Attributes
+    ----------
+    cycles : int
+        Maximum number of cycles of each replicate.
+    tolerance : float or None
+        Relative error of the wear maps of all replicates at which the runs end early; None: all
+        cycles run.
+    wear : callable or None
+        Wear of the surfaces after each cycle, see ``Plan.wear``; None: the surfaces stay.
+    number : int
+        Number of the ensemble within its stage; no two of them start alike.
+    label : str
+        Short description for progress, or nothing.
+    """
+
+    cycles: int
+    tolerance: float | None = None
+    wear: Callable[[int, Array], Array] | None = None
+    number: int = 0
+    label: str = ""
+
+    def plan(self, scene: Scene) -> Plan:
+        """Return the plan of each run, without observers."""
+        # Strokes on work are samples of the loads of joints and drives.
+        recorded = Plan.recorded_cycles if scene.process is None else STARTUP_CYCLES + RANGE_STROKES
+        recording = scene.recording
+        if recording.recorded_cycles is not None:
+            recorded = recording.recorded_cycles
+        bottom = bottom_of(scene.ideal)
+        # Series are recorded only of the runs that a stage is judged by.
+        return Plan(
+            scene.mechanism.period,
+            self.cycles,
+            recorded if self.wear is None else 1,
+            rows_per_cycle=recording.rows_per_cycle,
+            sections=recording.phases if self.wear is None else (),
+            torques=scene.stores_torques,
+            wear=self.wear,
+            run_up=scene.run_up,
+            stroke=None if bottom is None else bottom.window,
+        )
+
+
+@dataclass(frozen=True)
+class RunState:
+    """State of a run between two cycles.
+
+    Attributes
+    ----------
+    arrays : State
+        Arrays of its recorder and, where the run can resume, of its engine.
+    status : Status or None
+        As ``Run.status``; None: the run is not finished.
+    finding : Finding or None
+    end : Start or None
+    time : float
+        s.
+    diagnostics : mapping
+    """
+
+    arrays: State
+    status: Status | None = None
+    finding: Finding | None = None
+    end: Start | None = None
+    time: float = 0.0
+    diagnostics: Mapping[str, float | int | str] = field(default_factory=dict)
+
+    @staticmethod
+    def of(run: Run, arrays: State | None = None) -> "RunState":
+        """Return the state of a run, with the arrays to resume from where there are any."""
+        if arrays is None:
+            arrays = named("recorder", run.recorder.state())
+        return RunState(arrays, run.status, run.finding, run.end, run.time, run.diagnostics)
+
+    @property
+    def cycles(self) -> int:
+        """Number of finished cycles."""
+        return len(self.arrays["recorder/cycles"])
+
+    @property
+    def maps(self) -> MapBatches:
+        """Wear maps of the finished cycles."""
+        return MapBatches.stored(part(self.arrays, "recorder/maps"))
+
+    def run(self, scene: Scene, spec: RunSpec, depth: Array) -> Run:
+        """Return the finished run on surfaces, shape (joints, 2, bins), m."""
+        assert self.status is not None
+        assert self.end is not None
+        recorder = recorder_of(linkage_on(scene, depth), start_of(scene), spec.plan(scene))
+        recorder.restore(part(self.arrays, "recorder"))
+        diagnostics = dict(self.diagnostics)
+        return Run(self.status, self.finding, recorder, self.end, self.time, diagnostics)
+
+
+@dataclass(frozen=True)
+class WorkUnit:
+    """Part of a run that one process does at a time.
+
+    Attributes
+    ----------
+    scene : Scene
+    spec : RunSpec
+    depth : ndarray, shape (joints, 2, bins)
+        Depth of the surfaces at the start of the run, m.
+    replicate : int
+        Number of the replicate; see ``start_of``.
+    until : int
+        Cycle of the run after which the unit ends.
+    arrays : State or None
+        State to resume from; None: the run starts.
+    duration : float
+        Wall time after which the unit ends with the next cycle, s.
+    frames : int
+        Number of film frames to show while it runs.
+    observers : tuple of Observer
+        Notified by the engine, in this process.
+    """
+
+    scene: Scene
+    spec: RunSpec
+    depth: Array
+    replicate: int
+    until: int
+    arrays: State | None
+    duration: float
+    frames: int = 0
+    observers: tuple[Observer, ...] = ()
+
+    def __call__(self, report: Report) -> RunState:
+        """Run it; an interrupt raises ``Stopped`` with the state of the last finished cycle."""
+        linkage = linkage_on(self.scene, self.depth)
+        watch = _UnitObserver(self, linkage, report)
+        observers = (watch, *self.observers)
+        plan = replace(self.spec.plan(self.scene), observers=observers, resume=self.arrays)
+        start = start_of(self.scene, self.replicate)
+        with on_compiling(lambda seconds: report(math.nan, "compiling")):
+            try:
+                run = self.scene.solver.simulate(linkage, start, plan)
+            except BaseException as error:
+                # After a signal any error is treated as an interrupt.
+                is_interrupt = isinstance(error, KeyboardInterrupt) or is_stopped()
+                if watch.arrays is None or not is_interrupt:
+                    raise
+                raise Stopped(RunState(watch.arrays)) from None
+        if run.status == "failed" or watch.arrays is None:
+            return RunState.of(run)
+        state = RunState.of(run, watch.arrays)
+        return replace(state, status=None) if watch.is_interrupted else state
+
+
+class _UnitObserver(Observer):
+    """Ends a work unit in time, and keeps the arrays to resume from."""
+
+    def __init__(self, unit: WorkUnit, linkage: Linkage, report: Report) -> None:
+        self._unit, self._joints, self._report = unit, linkage.clearances, report
+        self._started = clock.perf_counter()
+        self._before = 0 if unit.arrays is None else len(unit.arrays["recorder/cycles"])
+        self.arrays = unit.arrays
+        self.is_interrupted = False
+
+    def on_start(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+
+    def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+        cycles, unit = len(recorder.cycles), self._unit
+        if cycles > self._before:
+            self.arrays = state()
+        is_worn_out = unit.spec.wear is not None and worn_out(self._joints, recorder.worn)
+        if is_worn_out or cycles >= unit.until:
+            return True
+        is_due = clock.perf_counter() - self._started >= unit.duration
+        self.is_interrupted = is_due and cycles > self._before
+        return self.is_interrupted
+
+    def on_advance(self, part: float) -> None:
+        frames = self._unit.frames
+        rows = self._recorder.last_frames(frames) if frames else None
+        self._report(part * self._unit.spec.cycles, "", rows)
+
+
+_CHECKED = {"load_distance": "load_distance_step_error", "force_max": "peak_force_step_error"}
+
+
+@dataclass(frozen=True)
+class StepCheck:
+    """Check of the time step: short pieces of a run again, with a hundred times finer tolerance.
+
+    Two runs at different tolerances diverge after some touchdowns, and then their difference
+    measures the chaos of the motion, not the error of integration.  Each piece therefore starts
+    in a state of the run itself and is too short to diverge.
+
+    Attributes
+    ----------
+    scene : Scene
+    depth : ndarray, shape (joints, 2, bins)
+        Depth of the surfaces, m.
+    replicate : int
+        Number of the replicate; those of stages are not negative.
+    """
+
+    scene: Scene
+    depth: Array
+    replicate: int = -1
+
+    def __call__(self, report: Report) -> dict[str, float]:
+        """Run a cycle, and pieces of it again with finer steps.
+
+        Returns
+        -------
+        dict of str to float
+            Relative changes of load distance and of the peak forces of the pieces, largest of all
+            joints, by the names of ``StageStatistics``. Empty where the engine has no tolerance
+            or a run failed.
+        """
+        scene, linkage = self.scene, linkage_on(self.scene, self.depth)
+        cycle, joints = scene.mechanism.period, range(len(linkage.clearances))
+        engine = scene.solver.over(cycle)
+        refined = engine.finer(REFINEMENT)
+        if refined is None or not joints:
+            return {}
+        finer: Engine = refined
+        start = start_of(scene, self.replicate)
+        first, last = PIECES * SETTLING, PIECES * (SETTLING + 1)
+        plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
+
+        def values_of(recorder: Recorder, piece: int) -> Array:
+            if piece >= len(recorder.cycles):
+                return np.full((len(_CHECKED), len(joints)), np.nan)
+            return np.array([[recorder.each_cycle(n, k)[piece] for k in joints] for n in _CHECKED])
+
+        class Refining(Observer):
+            """Runs pieces of a run again with finer steps."""
+
+            def __init__(self) -> None:
+                self.fine: dict[int, Array] = {}
+
+            def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+                piece = len(recorder.cycles)
+                if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
+                    again = replace(plan, cycles=piece + 1, resume=state())
+                    recorder = finer.simulate(linkage, start, again).recorder
+                    self.fine[piece] = values_of(recorder, piece)
+                return False
+
+        refining = Refining()
+        observed = replace(plan, observers=(refining, AdvanceObserver(report)))
+        run = engine.simulate(linkage, start, observed)
+        usual = np.array([values_of(run.recorder, piece) for piece in refining.fine])
+        fine = np.array(list(refining.fine.values()))
+        if run.status == "failed" or np.isnan(fine).any():
+            return {}
+        whole, change = usual.sum(axis=0), np.abs(fine.sum(axis=0) - usual.sum(axis=0))
+        relative = np.divide(change, whole, out=np.zeros_like(whole), where=whole > 0.0)
+        return dict(zip(_CHECKED.values(), relative.max(axis=1).tolist(), strict=True))

@@ -132,7 +132,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
 def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> None:
     """Run the life of a scene and of its variants, and print them in one table."""
-    from presswear.campaign.scenes import run_scenes
+    from presswear.campaign.campaign import run_scenes
     from presswear.results.life import life_ratio
 
     scenes = {"plain": scene}

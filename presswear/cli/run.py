@@ -215,7 +215,7 @@ def _run_into(
     console: Console,
 ) -> None:
     """Run a scene into its folder, with progress on the terminal."""
-    from presswear.campaign.single import run_into, workers_of
+    from presswear.campaign.campaign import run_into, workers_of
     from presswear.cli.running import Terminal
 
     go_on = go_on_with(scene.name, store.path, arguments.command, bool(scene.user_laws))

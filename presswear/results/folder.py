@@ -8,7 +8,7 @@ included, and ends with its own.
 
 import logging
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -45,13 +45,18 @@ CHECKPOINT = "checkpoint"
 
 
 class Storable(Protocol):
-    """A checkpoint as a folder sees it."""
+    """Checkpoint of a campaign."""
 
-    def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Give it as a document that JSON can hold, and arrays."""
+    @property
+    def index(self) -> int:
+        """Index of the stage that runs."""
 
+    @property
     def words(self) -> str:
-        """Tell up to where everything is kept."""
+        """Description of the last stored cycle."""
+
+    def save(self) -> State:
+        """Return it as named arrays of numbers."""
 
 
 class ResultFolder(Observer):
@@ -63,8 +68,8 @@ class ResultFolder(Observer):
     Attributes
     ----------
     path : Path
-    resumed : tuple or None
-        Document and arrays of the checkpoint to go on from; None: from the start.
+    resumed : State or None
+        Arrays of the checkpoint to resume from; None: from the start.
     remarks : list of str
         Lines for the person who started it.
     kept : str
@@ -95,7 +100,7 @@ class ResultFolder(Observer):
         if not free and not (path / FILE).is_file():
             raise InputError(f"--out {path}: it holds no run to go on with: it has no {FILE}")
         self.path = path
-        self.resumed: tuple[Mapping[str, Any], State] | None = None
+        self.resumed: State | None = None
         self.remarks: list[str] = []
         self.kept = "kept up to its end"
         self._scene = scene
@@ -159,8 +164,8 @@ class ResultFolder(Observer):
             self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
         else:
             arrays = read_arrays(self.path / name, document["files"][name])
-            self.resumed = told["state"], arrays
-            first = told["state"]["index"]
+            self.resumed = arrays
+            first = told["index"]
             self.remarks.append(f"going on after {told['words']}")
         # The stage that is gone on with is stored again, with all of the wear after it.
         for stage in document["stages"][first:]:
@@ -216,7 +221,7 @@ class ResultFolder(Observer):
         if self._latest is None:
             return
         began = time.perf_counter()
-        state, arrays = self._latest.stored()
+        arrays = self._latest.save()
         before = self._document[CHECKPOINT]
         turn = 1 if before is None else 3 - before["turn"]
         name = checkpoint_file(turn)
@@ -224,8 +229,8 @@ class ResultFolder(Observer):
             digest = write_arrays(self.path / name, arrays, np.savez)
         self._forget_checkpoint()
         self._document["files"][name] = digest
-        words = self._latest.words()
-        self._document[CHECKPOINT] = {"turn": turn, "words": words, "state": state}
+        words = self._latest.words
+        self._document[CHECKPOINT] = {"turn": turn, "words": words, "index": self._latest.index}
         self._write()
         if before is not None:
             (self.path / checkpoint_file(before["turn"])).unlink(missing_ok=True)
@@ -261,7 +266,7 @@ class ResultFolder(Observer):
         self._document["message"] = "stopped by the user; it can be gone on with"
         self._write()
         self._lock.release()
-        words = self._latest and f"kept up to {self._latest.words()}"
+        words = self._latest and f"kept up to {self._latest.words}"
         self.kept = words or "nothing was computed yet"
 
     def discard(self) -> None:

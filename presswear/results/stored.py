@@ -31,11 +31,11 @@ LARGEST_ENTRY = 1e100
 
 @dataclass(frozen=True)
 class StoredCheckpoint:
-    """Where a run stands that has not come to its end: its file's turn, words and state."""
+    """Checkpoint of an unfinished run: turn of its file, last stored cycle, index of the stage."""
 
     turn: Literal[1, 2]
     words: str
-    state: dict[str, Any]
+    index: int
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
         raise InputError(
             "a worker has another program: install the same presswear, Python and packages there"
         )
-    from presswear.campaign.single import run  # slow to import
+    from presswear.campaign.campaign import run  # slow to import
 
     while folder is not None and holder(folder):
         time.sleep(POLL)  # a worker of a killed sweep ends within a second
@@ -265,7 +265,7 @@ def open_executor(
 def _process_executor(count: int) -> Iterator[Executor]:
     # A fork would copy the locks of numerical libraries and of the progress bar.
     context = multiprocessing.get_context("forkserver" if sys.platform == "linux" else "spawn")
-    context.set_forkserver_preload([__name__, "presswear.campaign.single"])
+    context.set_forkserver_preload([__name__, "presswear.campaign.campaign"])
     before = set(multiprocessing.active_children())
     executor = ProcessPoolExecutor(count, context, _prepare_worker)
     try:

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_stage
-from presswear.campaign.replicates import start_of
-from presswear.campaign.segment import linkage_on
+from presswear.campaign.replicates import linkage_on, start_of
 from presswear.engines.base import Plan
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -118,7 +117,7 @@ def worn_surfaces(scene: Scene, cycles: int) -> Array:
     stage, ensemble = run_stage(replace(scene, cycles=cycles), 0)
     if stage.failed:
         raise RunFailed(stage.message)
-    return scene.cycles_per_update * ensemble.depth()
+    return scene.cycles_per_update * ensemble.mean_added()
 
 
 def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list[FeatureCost]:

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.crossing import Block, Blocks
-from presswear.campaign.life import Step
+from presswear.campaign.service_life import BlockPlan, Blocks, LoadBlock
 from presswear.scene.options import Service
 
 Array = NDArray[np.float64]
@@ -42,7 +41,7 @@ class MadeUp:
         top = math.log((math.exp(depth / bedded) + fresh) / (1.0 + fresh))
         return bedded * top / self.rate
 
-    def go(self, number: int, before: Blocks, step: Step) -> Block:
+    def advance(self, number: int, before: Blocks, step: BlockPlan) -> LoadBlock:
         """Go on by a step."""
         if not before:
             self._depth = np.full(self.replicates, self.begun)
@@ -58,16 +57,16 @@ class MadeUp:
         gained = float((self._depth - begun).mean()) / (step.cycles * step.share)
         return self._block(strokes, step.cycles, before, np.mean(seen, axis=0), gained)
 
-    def serve(self, number: int, before: Blocks, service: Service) -> Block:
+    def maintain(self, number: int, before: Blocks, service: Service) -> LoadBlock:
         """Make the bush new, or turn it by half, where it has lost nothing."""
         self._depth = np.zeros(self.replicates)
         block = self._block(before[-1].strokes, 0, before, np.zeros(self.replicates), 0.0)
-        return replace(block, span=before[-1].span + 1, samples={}, rate=0.0)
+        return replace(block, interval=before[-1].interval + 1, samples={}, rate=0.0)
 
     def _block(
         self, strokes: float, cycles: int, before: Blocks, place: Array, gained: float
-    ) -> Block:
-        span = before[-1].span if before else 0
+    ) -> LoadBlock:
+        interval = before[-1].interval if before else 0
         levels, samples = {"A.depth": self._depth.copy()}, {"bdc_drift": place}
         taken = np.full((1, 1, 1), gained)
-        return Block(strokes, cycles, span, levels, samples, gained / CLEARANCE, taken)
+        return LoadBlock(strokes, cycles, interval, levels, samples, gained / CLEARANCE, taken)

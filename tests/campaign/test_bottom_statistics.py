@@ -7,8 +7,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from presswear.campaign.bottom import bottom_statistics
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
+from presswear.campaign.stage_statistics import bottom_statistics
 from presswear.linkage.drives import Drive, Dwell
 from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.linkage import assemble

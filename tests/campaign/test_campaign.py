@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswear.campaign.campaign import run_stage
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run, run_stage
 from presswear.results.result import Result
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times

@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.deviation import COLUMNS, deviation, whole_cycles
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, start_of
+from presswear.campaign.stage_statistics import COLUMNS, deviation, whole_cycles
 from presswear.physics.constraints import constraints_of
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.observer import Observer, Progress

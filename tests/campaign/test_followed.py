@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from presswear.campaign.followed import levels, samples
+from presswear.campaign.service_life import levels_of, samples_of
 from presswear.physics.bottom import bottom_of
 from presswear.physics.wear import map_shape
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
@@ -17,7 +17,7 @@ def test_every_number_is_followed_and_has_words() -> None:
     joints = scene.linkage().clearances
     worn = np.zeros((2, *map_shape(joints)))
     rows = np.zeros((2, 4, len(CYCLE_FIXED) + 2 * len(CYCLE_JOINT)))
-    found = [*levels(scene, worn, tuple(FOLLOWED)), *samples(scene, rows)]
+    found = [*levels_of(scene, worn, tuple(FOLLOWED)), *samples_of(scene, rows)]
     wanted = {
         f"{joint}.{name}" if own.of_joint else name
         for name, own in FOLLOWED.items()
@@ -33,7 +33,7 @@ def test_they_are_what_surfaces_and_strokes_give() -> None:
     worn = np.zeros((2, *map_shape(joints)))
     worn[0, 0, 1, 7] = 3e-6  # the pin of A in one bin
     worn[1, 1, 0, :] = 1e-6  # the bearing of C all around
-    found = levels(scene, worn, ())
+    found = levels_of(scene, worn, ())
     assert found["A.depth"].tolist() == [3e-6, 0.0]
     assert found["C.depth"].tolist() == [0.0, 1e-6]
     around = 2.0 * np.pi * joints[1].bearing_radius * joints[1].width * 1e-6
@@ -45,7 +45,7 @@ def test_they_are_what_surfaces_and_strokes_give() -> None:
     rows[:, :, CYCLE_FIXED.index("bottom_height")] = ideal.height + off
     place = len(CYCLE_FIXED) + len(CYCLE_JOINT) + CYCLE_JOINT.index("force_max")
     rows[0, :, place] = 10.0, 20.0, 30.0, 40.0
-    told = samples(scene, rows)
+    told = samples_of(scene, rows)
     assert told["bdc_error"] == pytest.approx([2.5, 5.0])
     assert told["bdc_drift"] == pytest.approx([2.5, 5.0])
     assert told["repeatability"] == pytest.approx([5.0 / 3.0, 0.0])

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.growth import FIRST_PASS, Growth, error_of, share_of
-from presswear.campaign.segment import worn_out
+from presswear.campaign.replicates import worn_out
+from presswear.campaign.wear_update import FIRST_PASS, WearUpdate, wear_error, wear_per_cycle
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, MapBatches, half_width, mean_map
@@ -415,9 +415,9 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
 def test_a_wear_without_a_coarser_pass_is_not_known() -> None:
     joints = wear_times().linkage().clearances
     added = np.ones((3, 2, 2, 360))
-    assert error_of(joints, Growth(added, added, ())) == math.inf
-    assert error_of(joints, Growth(added, added, (), added)) < 1e-14
-    assert error_of(joints, Growth(added, added, (), 1.5 * added)) == pytest.approx(0.5)
+    assert wear_error(joints, WearUpdate(added, added, ())) == math.inf
+    assert wear_error(joints, WearUpdate(added, added, (), added)) < 1e-14
+    assert wear_error(joints, WearUpdate(added, added, (), 1.5 * added)) == pytest.approx(0.5)
 
 
 def test_what_is_not_reached_says_what_it_would_take(campaign: Campaign) -> None:
@@ -437,9 +437,9 @@ def test_no_cycle_gives_material_back(seed: int) -> None:
     added = draw.random((2, 2, 16)) * 1e-12
     extra = draw.normal(-1e-12, 6e-12, (2, 2, 16))
     extra[0, 0] = -1e-10
-    lost = share_of(40.0, 4, extra)(STARTUP_CYCLES + 1, added)
+    lost = wear_per_cycle(40.0, 4, extra)(STARTUP_CYCLES + 1, added)
     assert lost.min() >= 0.0
     volume = np.maximum((10.0 * added + extra).sum(axis=-1), 0.0)
     np.testing.assert_allclose(lost.sum(axis=-1), volume, rtol=1e-12, atol=1e-24)
-    plain = share_of(40.0, 4)(STARTUP_CYCLES + 1, added)
+    plain = wear_per_cycle(40.0, 4)(STARTUP_CYCLES + 1, added)
     np.testing.assert_array_equal(plain, 10.0 * added)

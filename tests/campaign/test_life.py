@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 from made_up import MadeUp
 
-from presswear.campaign.crossing import curve
-from presswear.campaign.life import Known, Pass, Problem, known_by, live, next_pass
+from presswear.campaign.service_life import (
+    LifeEstimate,
+    LifeProblem,
+    Refinement,
+    curve,
+    estimate_life,
+    next_refinement,
+    run_refinements,
+)
 from presswear.scene.options import Limit, Service
 from presswear.tools.errors import InputError
 
@@ -21,18 +28,18 @@ def problem(
     at_most: float = 1e12,
     tolerance: float = 0.1,
     max_cycles: int = 10_000,
-) -> Problem:
+) -> LifeProblem:
     """A problem with limits."""
-    return Problem(limits, services, at_most, tolerance, max_cycles)
+    return LifeProblem(limits, services, at_most, tolerance, max_cycles)
 
 
-def known(asked: Problem, chains: MadeUp) -> tuple[Known, tuple[Pass, ...]]:
+def known(asked: LifeProblem, chains: MadeUp) -> tuple[LifeEstimate, tuple[Refinement, ...]]:
     """The life and the passes over it."""
-    passes = live(asked, chains)
-    return known_by(asked, passes), passes
+    passes = run_refinements(asked, chains)
+    return estimate_life(asked, passes), passes
 
 
-def is_held(truth: float, found: Known) -> bool:
+def is_held(truth: float, found: LifeEstimate) -> bool:
     """True where the interval of a life holds the truth."""
     return abs(math.log(found.strokes / truth)) <= found.error
 
@@ -79,7 +86,9 @@ def test_the_first_of_several_limits_counts() -> None:
     truth = own.life_until(2e-5)
     assert abs(math.log(found.strokes / truth)) <= found.error < 0.1
     # The other is told as well, where the wear was followed so far.
-    each = [known_by(problem(later, sooner), passes, [limit]).strokes for limit in (later, sooner)]
+    each = [
+        estimate_life(problem(later, sooner), passes, [limit]).strokes for limit in (later, sooner)
+    ]
     assert each == [math.inf, found.strokes]
 
 
@@ -95,7 +104,7 @@ def test_what_is_exceeded_when_new_is_refused() -> None:
     limit = Limit("bdc_drift", "", 1e-5)
     chains = MadeUp(4, scatter=1e-6)
     with pytest.raises(InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"):
-        live(problem(DEPTH), MadeUp(5, rate=1e-15, begun=6e-5))
+        run_refinements(problem(DEPTH), MadeUp(5, rate=1e-15, begun=6e-5))
     # A drift is none when new, whatever scatters.
     assert math.isfinite(known(problem(limit), chains)[0].strokes)
 
@@ -118,29 +127,29 @@ def test_a_bush_made_new_lives_longer() -> None:
     service = Service("A", at, False)
     found, passes = known(problem(DEPTH, services=(service,)), own)
     assert found.strokes == pytest.approx(own.life_until(DEPTH.value) + at, rel=0.05)
-    ends = [block.strokes for block in passes[-1].blocks if block.span == 0]
+    ends = [block.strokes for block in passes[-1].blocks if block.interval == 0]
     assert ends[-1] == pytest.approx(at, rel=1e-12)
 
 
 def test_no_pass_has_more_cycles_than_may_be() -> None:
     own = MadeUp(8, noise=3.0)
     asked = problem(DEPTH, tolerance=0.001, max_cycles=1000)
-    passes = live(asked, own)
+    passes = run_refinements(asked, own)
     run = [8 * sum(block.cycles for block in one.blocks) for one in passes]
     assert max(run) <= 2 * asked.max_cycles
-    assert next_pass(asked, passes) is None
-    assert known_by(asked, passes).error > asked.tolerance
+    assert next_refinement(asked, passes) is None
+    assert estimate_life(asked, passes).error > asked.tolerance
 
 
 def test_a_life_goes_on_from_any_block() -> None:
     """What has run decides alone what comes next."""
     asked = problem(DEPTH, tolerance=0.3)
-    kept: list[tuple[Pass, ...]] = []
-    whole = live(asked, MadeUp(9), keep=kept.append)
+    kept: list[tuple[Refinement, ...]] = []
+    whole = run_refinements(asked, MadeUp(9), keep=kept.append)
     for passes in kept[:: len(kept) // 4]:
         chains = MadeUp(9)
         blocks = passes[-1].blocks
         chains.set(blocks[-1].levels["A.depth"])
-        assert [own.blocks[-1].strokes for own in live(asked, chains, passes)] == [
+        assert [own.blocks[-1].strokes for own in run_refinements(asked, chains, passes)] == [
             own.blocks[-1].strokes for own in whole
         ]

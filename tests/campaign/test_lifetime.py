@@ -16,10 +16,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.campaign.chains import SceneChains
-from presswear.campaign.crossing import Block
-from presswear.campaign.life import Pass
-from presswear.campaign.lifetime import problem_of, told_of
+from presswear.campaign.service_life import (
+    LifeProblem,
+    LoadBlock,
+    Refinement,
+    SceneHistories,
+    life_result,
+)
 from presswear.engines import driver
 from presswear.linkage.linkage import Linkage
 from presswear.recording.observer import Observer, Progress
@@ -190,18 +193,20 @@ def test_a_new_bush_leaves_the_pin_and_a_turned_one_its_profile() -> None:
     scene = asked(share=0.5)
     joints = scene.linkage().clearances
     worn = np.random.default_rng(1).uniform(0.0, 1e-4, (2, 1, 2, joints[0].bins))
-    chains = SceneChains(cast(Any, SimpleNamespace(scene=scene)), np.zeros_like(worn), ("depth",))
-    last = Block(100.0, 4, 0, {}, {}, 1e-9, np.zeros(0), worn)
-    new = chains.serve(1, [last], Service("B", 100.0, False))
-    turned = chains.serve(1, [last], Service("B", 100.0, True))
+    chains = SceneHistories(
+        cast(Any, SimpleNamespace(scene=scene)), np.zeros_like(worn), ("depth",)
+    )
+    last = LoadBlock(100.0, 4, 0, {}, {}, 1e-9, np.zeros(0), worn)
+    new = chains.maintain(1, [last], Service("B", 100.0, False))
+    turned = chains.maintain(1, [last], Service("B", 100.0, True))
     for own in (new, turned):
-        assert (own.strokes, own.cycles, own.span) == (100.0, 0, 1)
-        assert np.array_equal(own.worn[:, :, 1], worn[:, :, 1])
-    assert not new.worn[:, :, 0].any()
+        assert (own.strokes, own.cycles, own.interval) == (100.0, 0, 1)
+        assert np.array_equal(own.depth[:, :, 1], worn[:, :, 1])
+    assert not new.depth[:, :, 0].any()
     assert new.levels["B.depth"] == pytest.approx(worn[:, 0, 1].max(axis=1))
     half = joints[0].bins // 2
-    assert np.array_equal(turned.worn[:, 0, 0, half:], worn[:, 0, 0, :half])
-    assert np.array_equal(turned.worn[:, 0, 0, :half], worn[:, 0, 0, half:])
+    assert np.array_equal(turned.depth[:, 0, 0, half:], worn[:, 0, 0, :half])
+    assert np.array_equal(turned.depth[:, 0, 0, :half], worn[:, 0, 0, half:])
     assert worn[:, 0, 0].any()
 
 
@@ -223,7 +228,7 @@ def test_a_limit_that_is_not_reached_ends_with_the_strokes(whole: Path) -> None:
     assert life.limits[0].last < 0.02 * CLEARANCE
 
 
-def straight(cycles: int, strokes: float, **rates: float) -> Pass:
+def straight(cycles: int, strokes: float, **rates: float) -> Refinement:
     """A pass of two starts that wear evenly, apart by a hundredth."""
     apart, count = np.array([0.99, 1.01]), len(rates)
     blocks = []
@@ -234,17 +239,17 @@ def straight(cycles: int, strokes: float, **rates: float) -> Pass:
             f"{joint}.wear_volume": 1e-6 * rate * now * apart for joint, rate in rates.items()
         }
         taken = np.full((count, 2, 8), 1e-12)
-        blocks.append(Block(now, int(k > 0), 0, depths | volumes, {}, 1e-9, taken))
-    return Pass(1.0 / cycles, 1, tuple(blocks))
+        blocks.append(LoadBlock(now, int(k > 0), 0, depths | volumes, {}, 1e-9, taken))
+    return Refinement(1.0 / cycles, 1, tuple(blocks))
 
 
 def test_the_first_limit_is_known_as_well_as_the_life() -> None:
     """Where a coarser pass ended with another limit, before it came to this one."""
     settings = {"life": "limits", "life.until": "depth > 0.05 mm", "conventions": "refined"}
     scene = changed(pw.scenes.wear_times(), settings)
-    problem = problem_of(scene)
+    problem = LifeProblem.of(scene)
     passes = straight(10, 1.04e6, A=5e-11, C=4.5e-11), straight(40, 1.04e6, A=4.7e-11, C=4.9e-11)
-    life = told_of(scene, problem, passes)
+    life = life_result(scene, problem, passes)
     first, other = life.first, life.limits[0]
     assert first is not None
     assert first.key == "C.depth"

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from presswear.campaign.crossing import Block
-from presswear.campaign.phases import ACCELERATED, RUNNING_IN, STEADY, phases_of
+from presswear.campaign.service_life import ACCELERATED, RUNNING_IN, STEADY, LoadBlock, wear_phases
 
 
-def blocks(rates: list[float], noise: float, seed: int = 1) -> list[Block]:
+def blocks(rates: list[float], noise: float, seed: int = 1) -> list[LoadBlock]:
     """Blocks of a thousand strokes with rates of wear, after a first one of four strokes."""
     draw, found = np.random.default_rng(seed), []
     volume, strokes = np.zeros(8), 0.0
@@ -15,7 +14,7 @@ def blocks(rates: list[float], noise: float, seed: int = 1) -> list[Block]:
         more = 1e3 if k else 4.0
         volume = volume + more * rate * (1.0 + noise * draw.standard_normal(8))
         strokes += more
-        found.append(Block(strokes, 4, 0, {"A.wear_volume": volume}, {}, 0.0, np.zeros(0)))
+        found.append(LoadBlock(strokes, 4, 0, {"A.wear_volume": volume}, {}, 0.0, np.zeros(0)))
     return found
 
 
@@ -29,7 +28,7 @@ def blocks(rates: list[float], noise: float, seed: int = 1) -> list[Block]:
     ],
 )
 def test_phases_are_told_apart(rates: list[float], names: list[str], ends: list[float]) -> None:
-    found = phases_of(blocks(rates, 0.1), "A")
+    found = wear_phases(blocks(rates, 0.1), "A")
     assert [own.name for own in found] == names
     assert [own.until for own in found] == pytest.approx([end + 4.0 for end in ends])
     for own in found:
@@ -39,5 +38,5 @@ def test_phases_are_told_apart(rates: list[float], names: list[str], ends: list[
 
 def test_noise_is_no_phase() -> None:
     """In few of many joints that wear steadily, and noisily, a change is seen."""
-    found = [phases_of(blocks([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
+    found = [wear_phases(blocks([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
     assert sum(len(own) > 1 for own in found) <= 10

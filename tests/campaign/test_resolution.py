@@ -5,10 +5,10 @@ from statistics import median
 
 import pytest
 
-from presswear.campaign import resolution
-from presswear.campaign.campaign import begun_on
-from presswear.campaign.resolution import StepErrors
-from presswear.campaign.single import run
+from presswear.campaign import replicates
+from presswear.campaign.campaign import run
+from presswear.campaign.replicates import StepCheck
+from presswear.campaign.wear_update import initial_depth
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -21,7 +21,7 @@ def scene_of(engine: str, tolerance: float) -> Scene:
 
 def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
     """Of the surfaces that it begins on."""
-    return StepErrors(scene, begun_on(scene)[0], start)(lambda *_: None)
+    return StepCheck(scene, initial_depth(scene)[0], start)(lambda *_: None)
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
@@ -29,7 +29,7 @@ def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
     monkeypatch: pytest.MonkeyPatch, engine: str
 ) -> None:
     """Bit for bit: each begins in the state of the run itself."""
-    monkeypatch.setattr(resolution, "FINER", 1.0)
+    monkeypatch.setattr(replicates, "REFINEMENT", 1.0)
     scene = scene_of(engine, 1e-5)
     assert step_errors(scene) == {
         "load_distance_step_error": 0.0,
@@ -56,7 +56,7 @@ def test_equal_steps_and_closed_joints_have_none() -> None:
 def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> None:
     many, few = (
         run(replace(scene_of("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
-        for cycles in (resolution.WORTH, resolution.WORTH - 1)
+        for cycles in (replicates.STEP_CHECK_CYCLES, replicates.STEP_CHECK_CYCLES - 1)
     )
     assert many.load_distance_step_error is not None
     assert many.wear_error is not None

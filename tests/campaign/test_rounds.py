@@ -11,20 +11,18 @@ import pytest
 from endurance.sameness import folder_differences
 
 from presswear.campaign import ensemble
-from presswear.campaign.campaign import run_stage
+from presswear.campaign.campaign import TURN, run, run_into, run_stage, workers_of
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import (
-    ASIDE,
     FEWEST,
-    PART,
+    ROUND_FRACTION,
+    STEP_CHECK,
     Ensemble,
-    dealt,
+    deal,
     first_round,
     next_round,
 )
-from presswear.campaign.resolution import StepErrors
-from presswear.campaign.segment import Reached, Segment, Task
-from presswear.campaign.single import TURN, run, run_into, workers_of
+from presswear.campaign.replicates import RunSpec, RunState, StepCheck, WorkUnit
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES, MapBatches
 from presswear.results.folder import ResultFolder
@@ -68,31 +66,31 @@ def filed(cycles: int) -> MapBatches:
 
 
 def test_cycles_are_dealt_out_one_by_one() -> None:
-    assert dealt(22, 3) == (8, 7, 7)
-    assert dealt(24, 4) == (6, 6, 6, 6)
-    assert all(sum(dealt(total, 7)) == total for total in range(50))
+    assert deal(22, 3) == (8, 7, 7)
+    assert deal(24, 4) == (6, 6, 6, 6)
+    assert all(sum(deal(total, 7)) == total for total in range(50))
 
 
 @pytest.mark.parametrize("replicates", [1, 3, 4, 16, 40])
 def test_the_first_round_has_the_fewest_samples(replicates: int) -> None:
-    until = first_round(Task(1000, 0.1), replicates)
+    until = first_round(RunSpec(1000, 0.1), replicates)
     samples = [own - STARTUP_CYCLES for own in until]
     assert sum(samples) == max(FEWEST, 3 * replicates)
     assert min(samples) >= 3
-    assert first_round(Task(4, 0.1), replicates) == (4,) * replicates
-    assert first_round(Task(50), replicates) == (50,) * replicates
+    assert first_round(RunSpec(4, 0.1), replicates) == (4,) * replicates
+    assert first_round(RunSpec(50), replicates) == (50,) * replicates
 
 
 def test_a_round_takes_half_of_what_is_lacking() -> None:
     """An error twice as large as asked lacks three times the samples."""
     maps = [filed(6) for _ in range(4)]
-    until = next_round(Task(1000, 0.1), maps, 0.2)
+    until = next_round(RunSpec(1000, 0.1), maps, 0.2)
     assert until is not None
-    assert sum(until) == 24 + PART * 3 * 16
-    assert next_round(Task(1000, 0.1), maps, 0.1) is None
-    assert next_round(Task(1000, 0.1), maps, 0.1001) == (7, 6, 6, 6)
-    assert next_round(Task(7, 0.1), maps, 10.0) == (7, 7, 7, 7)
-    assert next_round(Task(6, 0.1), maps, 10.0) is None
+    assert sum(until) == 24 + ROUND_FRACTION * 3 * 16
+    assert next_round(RunSpec(1000, 0.1), maps, 0.1) is None
+    assert next_round(RunSpec(1000, 0.1), maps, 0.1001) == (7, 6, 6, 6)
+    assert next_round(RunSpec(7, 0.1), maps, 10.0) == (7, 7, 7, 7)
+    assert next_round(RunSpec(6, 0.1), maps, 10.0) is None
 
 
 def finished(scene: Scene, jobs: int, path: Path) -> Path:
@@ -103,7 +101,7 @@ def finished(scene: Scene, jobs: int, path: Path) -> Path:
 @pytest.fixture
 def each_is_examined(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stages of few cycles tell what finer steps would change as well."""
-    monkeypatch.setattr(ensemble, "WORTH", 1)
+    monkeypatch.setattr(ensemble, "STEP_CHECK_CYCLES", 1)
 
 
 @pytest.mark.usefixtures("each_is_examined")
@@ -150,11 +148,11 @@ class Noting(InProcess):
 
     def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
         def noted(given: Mapping[int, Job | None]) -> Mapping[int, Job | None]:
-            self.beside += [len(self.ended)] * (given.get(ASIDE) is not None)
+            self.beside += [len(self.ended)] * (given.get(STEP_CHECK) is not None)
             return given
 
         def heard(key: int, outcome: object) -> Mapping[int, Job | None]:
-            self.ended += [key] * (key != ASIDE)
+            self.ended += [key] * (key != STEP_CHECK)
             return noted(ended(key, outcome))
 
         noted(jobs)
@@ -166,7 +164,7 @@ def test_finer_steps_are_taken_beside_the_runs(
     worth: int, ended: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As soon as it is known that the runs are long enough: 24 cycles in the first round."""
-    monkeypatch.setattr(ensemble, "WORTH", worth)
+    monkeypatch.setattr(ensemble, "STEP_CHECK_CYCLES", worth)
     workers = Noting()
     stage = run_stage(UNTIL_KNOWN, 0, workers=workers)[0]
     assert workers.beside == ([] if ended is None else [ended])
@@ -194,15 +192,15 @@ def test_no_number_depends_on_the_order() -> None:
 @pytest.mark.parametrize("workers", [InProcess(), InProcess(lasts=0.0), Reversed()])
 def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever ran behind it, in order, is left out, and those before it run on."""
-    call = Segment.__call__
+    call = WorkUnit.__call__
 
-    def failing(self: Segment, report: Report) -> Reached:
+    def failing(self: WorkUnit, report: Report) -> RunState:
         reached = call(self, report)
-        if self.start == 1 and reached.cycles >= 2:
+        if self.replicate == 1 and reached.cycles >= 2:
             return replace(reached, status="failed")
         return reached
 
-    monkeypatch.setattr(Segment, "__call__", failing)
+    monkeypatch.setattr(WorkUnit, "__call__", failing)
     ran = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), 0, workers=workers)[1]
     assert [run.status for run in ran.runs] == ["completed", "failed"]
     assert len(ran.recorders[0].cycles) == 3
@@ -263,8 +261,8 @@ def test_what_is_stopped_in_many_goes_on_in_one(part: float, jobs: int, tmp_path
         run_into(ResultFolder(path, scene), scene, [Stops(part)], workers)
     with ResultFolder(path, scene, resume=True) as folder:
         assert folder.resumed is not None
-        at = Checkpoint.restored(scene, *folder.resumed)
-    begun = [own.cycles for own in at.partial.reached if own is not None]
+        at = Checkpoint.load(folder.resumed)
+    begun = [own.cycles for own in at.running.runs if own is not None]
     assert sum(begun) / 32 > part - jobs / 32
     run_into(ResultFolder(path, scene, resume=True), scene)
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
@@ -284,13 +282,13 @@ def test_a_wear_that_is_gone_on_with_examines_its_stage_no_more(
 ) -> None:
     whole, path = finished(STEPS, 1, tmp_path / "whole"), tmp_path / "stopped"
     worn: list[float] = []
-    call = StepErrors.__call__
+    call = StepCheck.__call__
 
-    def noting(self: StepErrors, report: Report) -> dict[str, float]:
-        worn.append(float(self.worn.max()))
+    def noting(self: StepCheck, report: Report) -> dict[str, float]:
+        worn.append(float(self.depth.max()))
         return call(self, report)
 
-    monkeypatch.setattr(StepErrors, "__call__", noting)
+    monkeypatch.setattr(StepCheck, "__call__", noting)
     with pytest.raises(KeyboardInterrupt):
         run_into(ResultFolder(path, STEPS), STEPS, [StopsInWear()])
     run_into(ResultFolder(path, STEPS, resume=True), STEPS)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from closed_form import press_motion
 
-from presswear.campaign.replicates import start_of
-from presswear.campaign.segment import Task, plan_of
+from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.bottom import bottom_of
@@ -18,7 +17,7 @@ from presswear.tools.arrays import Array
 
 def bottoms(scene: Scene, engine: Engine, cycles: int) -> Array:
     """Height and time of each stroke's bottom, shape (cycles, 2)."""
-    plan = plan_of(scene, Task(cycles))
+    plan = RunSpec(cycles).plan(scene)
     run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     return np.column_stack(

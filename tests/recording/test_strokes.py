@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from presswear.campaign.replicates import start_of
-from presswear.campaign.segment import Task, plan_of
+from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.recording.observe import (
     BOTTOM_HEIGHT,
@@ -106,7 +105,7 @@ def test_a_boundary_of_cycles_at_the_bottom_gives_neither_two_nor_none(off: floa
 
 def test_a_run_that_goes_on_keeps_the_stroke_that_it_was_in() -> None:
     scene = ideal()
-    plan = plan_of(scene, Task(4))
+    plan = RunSpec(4).plan(scene)
     assert plan.stroke is not None
     one = recorder_of(scene.linkage(), start_of(scene), plan)
     other: Recorder | None = None

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Pin
 from presswear.linkage.linkage import assemble

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.results.stage import StageResult
 from presswear.scene.options import Numerics
 from presswear.show.report_tables import overview_table, stage_records

@@ -15,8 +15,8 @@ import pytest
 from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
+from presswear.campaign.campaign import run_into
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.single import run_into
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observer import Observer
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
@@ -106,7 +106,7 @@ def resumed(path: Path) -> Checkpoint:
     """The checkpoint that a folder is gone on with from."""
     with ResultFolder(path, SCENE, resume=True) as folder:
         assert folder.resumed is not None
-        return Checkpoint.restored(SCENE, *folder.resumed)
+        return Checkpoint.load(folder.resumed)
 
 
 @pytest.fixture(scope="module")
@@ -178,8 +178,8 @@ def test_what_differs_is_named(whole: Path, tmp_path: Path) -> None:
 def test_stopping_stores_the_stage_and_where_the_run_stands(halted: Path) -> None:
     assert [stage["index"] for stage in read_document(halted)["stages"]] == [0]
     checkpoint = resumed(halted)
-    assert checkpoint.ran is not None
-    assert checkpoint.words().startswith("stage 0, the wear after it, cycle ")
+    assert checkpoint.stage is not None
+    assert checkpoint.words.startswith("stage 0, the wear after it, cycle ")
 
 
 def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:

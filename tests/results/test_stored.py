@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.linkage.surface import bin_centres
 from presswear.results.provenance import provenance
 from presswear.results.result import FILE, SCHEMA, Result, load, read_document
@@ -36,7 +36,7 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     found = read_document(path)
     finding = {"kind": "wear", "what": "a", "time_s": 1.0, "joint": "", "remedy": ""}
     found["stages"][1]["finding"] = finding
-    found["checkpoint"] = {"turn": 2, "words": "stage 1", "state": {}}
+    found["checkpoint"] = {"turn": 2, "words": "stage 1", "index": 1}
     found["files"]["checkpoint-2.npz"] = 64 * "0"
     found["provenance"]["resumed"] = [{"started": "now", "machine": "this"}]
     return found

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.results.life import LifeResult
 from presswear.results.result import Result, load
 from presswear.results.tables import (

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 
 import presswear as pw
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.recording.statistics import Estimate
 from presswear.results.drives import ENERGY_BOUND, drives_of, energy_of
 from presswear.results.stage import JointResult, JointStatistics

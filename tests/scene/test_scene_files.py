@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from presswear.sweeps.files import read_sweep
 
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from made_up_result import BOTH, IDEAL, altered, legend_of, made_up, sheet_of
 from matplotlib.figure import Figure as Sheet
 
-from presswear.campaign.single import run
+from presswear.campaign.campaign import run
 from presswear.engines.base import Status
 from presswear.linkage.drives import Drive, Rise
 from presswear.linkage.loads import Blanking
