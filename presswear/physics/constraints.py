@@ -1,12 +1,13 @@
-"""Constraint equations of a planar linkage: Phi(q, t) = 0 and its derivatives.
+"""Constraint equations of a planar linkage, Phi(q, t) = 0, and their multipliers.
 
-Equations 14 to 16 of the paper for any linkage: two rows for a revolute joint or a
-guide, one for a drive.  The Jacobian is kept by rows (compressed); its pattern is
-fixed, only the entries that depend on the angles change.
+Equations 14 to 16 of the paper for any linkage: two rows for a revolute joint or a guide, one for
+a drive. With the diagonal mass matrix M equation 18 reduces to S lambda = r with
+S = Phi_q M^-1 Phi_q^T. With the multipliers a state is moved onto the constraints.
 """
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,13 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.physics.motion import drive_motion, motions_of
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 REVOLUTE, GUIDE, DRIVE = 0, 1, 2
 
+# A constraint as the kernels see it.
 CONSTRAINT = np.dtype(
     [
         ("kind", np.int64),
@@ -37,12 +38,37 @@ CONSTRAINT = np.dtype(
         ("normal_y", np.float64),
     ]
 )
-"""A constraint as the kernels see it."""
+
+
+class Held(NamedTuple):
+    """Constraints that hold a linkage, with the working space to solve for their multipliers.
+
+    Attributes
+    ----------
+    constraints, motions : records of CONSTRAINT and MOTION
+    inverse_mass : ndarray, shape (3 bodies,)
+    phi, phi_t, gamma, right, multipliers : ndarray, shape (rows,)
+        ``right`` is the right-hand side, which the solution overwrites.
+    jacobian : ndarray, shape (rows, 3 bodies)
+    matrix : ndarray, shape (rows, rows)
+        S, then its factors.
+    """
+
+    constraints: Records
+    motions: Records
+    inverse_mass: Array
+    phi: Array
+    phi_t: Array
+    gamma: Array
+    right: Array
+    multipliers: Array
+    jacobian: Array
+    matrix: Array
 
 
 @inlined
 def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
-    """A point of a body relative to its mass centre, in global directions, m."""
+    """Return a point of a body relative to its mass centre, in global directions, m."""
     if body < 0:
         return x, y
     cosine = math.cos(q[body + 2])
@@ -51,135 +77,158 @@ def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
 
 
 @compiled
-def constraint_rows(
-    constraints: Records,
-    motions: Records,
-    row_start: Indices,
-    t: float,
-    q: Array,
-    v: Array,
-    phi: Array,
-    phi_t: Array,
-    gamma: Array,
-    jacobian: Array,
-) -> None:
-    """Fill Phi, dPhi/dt, gamma (equation 16) and the changing entries of the Jacobian.
-
-    Parameters
-    ----------
-    motions : records of MOTION
-        Of the drives.
-    row_start : ndarray, shape (rows + 1,)
-        Where each row's entries begin in ``jacobian``.
-    phi, phi_t, gamma : ndarray, shape (rows,)
-    jacobian : ndarray, shape (entries,)
-    """
-    for i in range(constraints.shape[0]):
-        c = constraints[i]
-        row = c.row
+def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
+    """Evaluate Phi, dPhi/dt, gamma (equation 16) and the Jacobian in the working space."""
+    phi, phi_t, gamma, jacobian = held.phi, held.phi_t, held.gamma, held.jacobian
+    for i in range(held.constraints.shape[0]):
+        c = held.constraints[i]
+        row, first = c.row, c.first
         if c.kind == REVOLUTE:
-            x1, y1 = lever(c.first, c.x1, c.y1, q)
-            x2, y2 = lever(c.second, c.x2, c.y2, q)
-            px, py, vx, vy, gx, gy = x1 - x2, y1 - y2, 0.0, 0.0, 0.0, 0.0
-            entry_x = row_start[row] + 1
-            entry_y = row_start[row + 1] + 1
-            if c.first >= 0:
-                spin = v[c.first + 2]
-                px += q[c.first]
-                py += q[c.first + 1]
-                vx += v[c.first] - spin * y1
-                vy += v[c.first + 1] + spin * x1
-                gx += spin * spin * x1
-                gy += spin * spin * y1
-                jacobian[entry_x] = -y1
-                jacobian[entry_y] = x1
-                entry_x += 2
-                entry_y += 2
-            if c.second >= 0:
-                spin = v[c.second + 2]
-                px -= q[c.second]
-                py -= q[c.second + 1]
-                vx -= v[c.second] - spin * y2
-                vy -= v[c.second + 1] + spin * x2
-                gx -= spin * spin * x2
-                gy -= spin * spin * y2
-                jacobian[entry_x] = y2
-                jacobian[entry_y] = -x2
-            phi[row], phi[row + 1] = px, py
-            phi_t[row], phi_t[row + 1] = vx, vy
-            gamma[row], gamma[row + 1] = gx, gy
-        elif c.kind == GUIDE:
-            phi[row] = (q[c.first] - c.x1) * c.normal_x + (q[c.first + 1] - c.y1) * c.normal_y
-            phi_t[row] = v[c.first] * c.normal_x + v[c.first + 1] * c.normal_y
-            phi[row + 1] = q[c.first + 2] - c.angle
-            phi_t[row + 1] = v[c.first + 2]
+            phi[row] = phi[row + 1] = phi_t[row] = phi_t[row + 1] = 0.0
             gamma[row] = gamma[row + 1] = 0.0
+            _add_end(held, row, first, c.x1, c.y1, 1.0, q, v)
+            _add_end(held, row, c.second, c.x2, c.y2, -1.0, q, v)
+        elif c.kind == GUIDE:
+            phi[row] = (q[first] - c.x1) * c.normal_x + (q[first + 1] - c.y1) * c.normal_y
+            phi_t[row] = v[first] * c.normal_x + v[first + 1] * c.normal_y
+            phi[row + 1] = q[first + 2] - c.angle
+            phi_t[row + 1] = v[first + 2]
+            gamma[row] = gamma[row + 1] = 0.0
+            jacobian[row, first], jacobian[row, first + 1] = c.normal_x, c.normal_y
+            jacobian[row + 1, first + 2] = 1.0
         else:
-            drive = motions[c.drive]
-            turned, speed, faster = drive_motion(drive, t)
-            phi[row] = q[c.first + 2] - drive.angle - turned
-            phi_t[row] = v[c.first + 2] - speed
+            turned, speed, faster = drive_motion(held.motions[c.drive], t)
+            phi[row] = q[first + 2] - held.motions[c.drive].angle - turned
+            phi_t[row] = v[first + 2] - speed
             gamma[row] = faster
+            jacobian[row, first + 2] = 1.0
+
+
+@compiled
+def _add_end(
+    held: Held, row: int, body: int, x: float, y: float, sign: float, q: Array, v: Array
+) -> None:
+    """Add one end of a revolute joint to its two rows."""
+    px, py = lever(body, x, y, q)
+    if body >= 0:
+        spin = v[body + 2]
+        held.phi_t[row] += sign * (v[body] - spin * py)
+        held.phi_t[row + 1] += sign * (v[body + 1] + spin * px)
+        held.gamma[row] += sign * (spin * spin * px)
+        held.gamma[row + 1] += sign * (spin * spin * py)
+        held.jacobian[row, body], held.jacobian[row, body + 2] = sign, -sign * py
+        held.jacobian[row + 1, body + 1], held.jacobian[row + 1, body + 2] = sign, sign * px
+        px += q[body]
+        py += q[body + 1]
+    held.phi[row] += sign * px
+    held.phi[row + 1] += sign * py
+
+
+@compiled
+def solve(held: Held) -> None:
+    """Solve for the multipliers by S = L D L^T; overwrites ``right``."""
+    matrix, jacobian, right = held.matrix, held.jacobian, held.right
+    rows = right.shape[0]
+    for i in range(rows):
+        for j in range(i + 1):
+            total = 0.0
+            for c in range(jacobian.shape[1]):
+                total += jacobian[i, c] * jacobian[j, c] * held.inverse_mass[c]
+            for k in range(j):
+                total -= matrix[i, k] * matrix[j, k] * matrix[k, k]
+            matrix[i, j] = total / matrix[j, j] if j < i else total
+        for k in range(i):
+            right[i] -= matrix[i, k] * right[k]
+    for i in range(rows - 1, -1, -1):
+        value = right[i] / matrix[i, i]
+        for k in range(i + 1, rows):
+            value -= matrix[k, i] * held.multipliers[k]
+        held.multipliers[i] = value
+
+
+@compiled
+def move(held: Held, level: Array) -> None:
+    """Correct positions, velocities or accelerations by the error in ``right``."""
+    solve(held)
+    for row in range(held.phi.shape[0]):
+        for c in range(level.shape[0]):
+            level[c] -= held.inverse_mass[c] * held.jacobian[row, c] * held.multipliers[row]
+
+
+@compiled
+def project(held: Held, t: float, q: Array, v: Array) -> None:
+    """Move a state onto the constraints: one Newton step for q, an exact one for v.
+
+    Both use the metric of the mass matrix, so that the change of kinetic energy is of second order
+    in the violation.
+    """
+    evaluate_constraints(held, t, q, v)
+    copy_to(held.right, held.phi)
+    move(held, q)
+    evaluate_constraints(held, t, q, v)
+    copy_to(held.right, held.phi_t)
+    move(held, v)
+
+
+@compiled
+def project_acceleration(held: Held, t: float, q: Array, v: Array, a: Array) -> None:
+    """Move accelerations onto the constraints; leaves the change of the multipliers."""
+    evaluate_constraints(held, t, q, v)
+    for row in range(held.phi.shape[0]):
+        held.right[row] = -held.gamma[row]
+        for c in range(a.shape[0]):
+            held.right[row] += held.jacobian[row, c] * a[c]
+    move(held, a)
 
 
 @dataclass(frozen=True)
 class Constraints:
-    """The constraints of a linkage, packed.
+    """Constraints of a linkage.
 
     Attributes
     ----------
-    records : record array of CONSTRAINT
-    motions : record array of MOTION
+    records : records of CONSTRAINT
+    motions : records of MOTION
     names : tuple of str
-        Name of the joint behind each row.
-    row_start : ndarray, shape (rows + 1,)
-    column : ndarray, shape (entries,)
-        Coordinate of each entry of the Jacobian.
-    constant : ndarray, shape (entries,)
-        The Jacobian with its constant entries set.
+        Name of the joint, guide or drive of each row.
     """
 
     records: Records
     motions: Records
     names: tuple[str, ...]
-    row_start: Indices
-    column: Indices
-    constant: Array
 
     @property
     def rows(self) -> int:
         """Number of constraint equations."""
         return len(self.names)
 
-    def evaluate(self, t: float, q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
-        """Phi, dPhi/dt and gamma, each (rows,), and the dense Jacobian (rows, len(q))."""
-        phi, phi_t, gamma = np.zeros((3, self.rows))
-        entries = self.constant.copy()
-        constraint_rows(
+    def held(self, mass: Array) -> Held:
+        """Return the constraints for the kernels; ``mass`` is the diagonal, shape (3 bodies,)."""
+        phi, phi_t, gamma, right, multipliers = np.zeros((5, self.rows))
+        return Held(
             self.records,
             self.motions,
-            self.row_start,
-            t,
-            np.asarray(q),
-            np.asarray(v),
+            1.0 / mass,
             phi,
             phi_t,
             gamma,
-            entries,
+            right,
+            multipliers,
+            np.zeros((self.rows, mass.size)),
+            np.zeros((self.rows, self.rows)),
         )
-        dense = np.zeros((self.rows, q.size))
-        for row in range(self.rows):
-            part = slice(self.row_start[row], self.row_start[row + 1])
-            dense[row, self.column[part]] = entries[part]
-        return phi, phi_t, gamma, dense
+
+    def evaluate(self, t: float, q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
+        """Return Phi, dPhi/dt and gamma, each (rows,), and the Jacobian (rows, 3 bodies)."""
+        held = self.held(np.ones(q.size))
+        evaluate_constraints(held, t, np.asarray(q), np.asarray(v))
+        return held.phi, held.phi_t, held.gamma, held.jacobian
 
 
 def constraints_of(linkage: Linkage) -> Constraints:
     """Pack the ideal joints, guides and drives of a linkage."""
-    records = np.zeros(
-        len(linkage.revolutes) + len(linkage.guides) + len(linkage.drives), CONSTRAINT
-    )
-    rows: list[list[tuple[int, float]]] = []
+    count = len(linkage.revolutes) + len(linkage.guides) + len(linkage.drives)
+    records = np.zeros(count, CONSTRAINT)
     names: list[str] = []
     place = iter(records)
 
@@ -188,41 +237,23 @@ def constraints_of(linkage: Linkage) -> Constraints:
 
     for joint in linkage.revolutes:
         record = next(place)
-        record["kind"], record["row"] = REVOLUTE, len(rows)
+        record["kind"], record["row"] = REVOLUTE, len(names)
         record["first"], record["second"] = offset(joint.first), offset(joint.second)
         record["x1"], record["y1"] = joint.first.x, joint.first.y
         record["x2"], record["y2"] = joint.second.x, joint.second.y
-        for axis in (0, 1):
-            entries: list[tuple[int, float]] = []
-            for body, sign in ((record["first"], 1.0), (record["second"], -1.0)):
-                if body >= 0:
-                    entries += [(int(body) + axis, sign), (int(body) + 2, 0.0)]
-            rows.append(entries)
         names += [joint.name, joint.name]
     for guide in linkage.guides:
         record = next(place)
-        record["kind"], record["row"] = GUIDE, len(rows)
-        record["first"] = body = 3 * linkage.index(guide.body)
+        record["kind"], record["row"] = GUIDE, len(names)
+        record["first"] = 3 * linkage.index(guide.body)
         record["x1"], record["y1"], record["angle"] = guide.x, guide.y, guide.angle
-        normal = -math.sin(guide.direction), math.cos(guide.direction)
-        record["normal_x"], record["normal_y"] = normal
-        rows.append([(body, normal[0]), (body + 1, normal[1])])
-        rows.append([(body + 2, 1.0)])
+        record["normal_x"] = -math.sin(guide.direction)
+        record["normal_y"] = math.cos(guide.direction)
         names += [guide.name, guide.name]
     for index, drive in enumerate(linkage.drives):
         record = next(place)
-        record["kind"], record["row"] = DRIVE, len(rows)
-        record["first"] = body = 3 * linkage.index(drive.body)
+        record["kind"], record["row"] = DRIVE, len(names)
+        record["first"] = 3 * linkage.index(drive.body)
         record["drive"] = index
-        rows.append([(body + 2, 1.0)])
         names.append(drive.name)
-    sizes = [len(entries) for entries in rows]
-    flat = [entry for entries in rows for entry in entries]
-    return Constraints(
-        records=records,
-        motions=motions_of(linkage),
-        names=tuple(names),
-        row_start=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-        column=np.array([column for column, _ in flat], dtype=np.int64),
-        constant=np.array([value for _, value in flat], dtype=float),
-    )
+    return Constraints(records, motions_of(linkage), tuple(names))

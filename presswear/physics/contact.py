@@ -11,20 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.foundation import press
+from presswear.physics.foundation import BEARING, PIN, SURFACES, curvature, press, profile, turned
 from presswear.physics.laws import elastic_of
-from presswear.physics.overlap import cosine_and_sine
 from presswear.physics.packed import JOINT, Packed
-from presswear.physics.surface import (
-    BEARING,
-    PIN,
-    SLOPE,
-    SURFACES,
-    cell_of,
-    curvature,
-    depth_at,
-    profile,
-)
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
@@ -168,7 +157,7 @@ def note_contact(
     if joint.foundation > 0.0 and joint.surface_bins > 0:
         note_foundation(joint, packed.surfaces[k], contact)
     else:
-        note_radial(joint, packed.surfaces[k, :, : joint.surface_bins], contact)
+        note_radial(joint, packed.surfaces[k], contact)
     contact.sliding = (
         vy * contact.normal_x
         - vx * contact.normal_y
@@ -193,19 +182,17 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     rate = approach
     pin_radius = joint.pin_radius
     bearing_radius = joint.bearing_radius
-    if surfaces.shape[1] > 0:
+    count = joint.surface_bins
+    if count > 0:
         turns = joint.map_turns
         turning = contact.turning
         direction = math.atan2(ny, nx)
-        depth, slope = profile(
-            surfaces[BEARING], surfaces[BEARING + SLOPE], direction - turns * contact.bearing_angle
-        )
+        place = direction - turns * contact.bearing_angle
+        depth, slope = profile(surfaces, BEARING, count, place)
         penetration -= depth
         bearing_radius += depth
         rate -= slope * (turning - turns * contact.bearing_spin)
-        depth, slope = profile(
-            surfaces[PIN], surfaces[PIN + SLOPE], direction - turns * contact.pin_angle
-        )
+        depth, slope = profile(surfaces, PIN, count, direction - turns * contact.pin_angle)
         penetration -= depth
         pin_radius -= depth
         rate -= slope * (turning - turns * contact.pin_spin)
@@ -255,15 +242,14 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
         joint.least_depth,
         direction - turns * contact.bearing_angle,
         direction - turns * contact.pin_angle,
+        surfaces[:2, :0],
     )
     place = direction + bed.place
-    along, across = cosine_and_sine(bed.place)
+    along, across = turned(bed.place)
     nx = cosine * along - sine * across
     ny = sine * along + cosine * across
-    k, x = cell_of(place - turns * contact.bearing_angle, count, 0.5)
-    _, bearing_slope = depth_at(surfaces, BEARING, k, x)
-    k, x = cell_of(place - turns * contact.pin_angle, count, 0.5)
-    pin_depth, pin_slope = depth_at(surfaces, PIN, k, x)
+    _, bearing_slope = profile(surfaces, BEARING, count, place - turns * contact.bearing_angle)
+    pin_depth, pin_slope = profile(surfaces, PIN, count, place - turns * contact.pin_angle)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
     elastic = 0.0
@@ -350,9 +336,9 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         (BEARING, contact.bearing_angle, contact.bearing_spin, bearing_spin_t),
         (PIN, contact.pin_angle, contact.pin_spin, pin_spin_t),
     )
-    worn = surfaces.shape[1] > 0
+    count = joint.surface_bins
     turns = joint.map_turns
-    if joint.foundation > 0.0 and worn:
+    if joint.foundation > 0.0 and count > 0:
         # The greatest overlap follows its place: p_tt - p_ts^2 / p_ss.
         nx = math.cos(contact.place)
         ny = math.sin(contact.place)
@@ -361,8 +347,8 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         across = -(ex * nx + ey * ny)
         for row, angle, spin, spin_t in ends:
             where = contact.place - turns * angle
-            bend = curvature(surfaces[row], surfaces[row + SLOPE], where)
-            slope = profile(surfaces[row], surfaces[row + SLOPE], where)[1]
+            bend = curvature(surfaces, row, count, where)
+            slope = profile(surfaces, row, count, where)[1]
             second += turns * (slope * spin_t - bend * spin * spin)
             mixed += turns * bend * spin
             across -= bend
@@ -371,14 +357,14 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
     ny = ey / eccentricity
     turning = (vy * nx - vx * ny) / eccentricity
     result = ax * nx + ay * ny + turning * turning * eccentricity
-    if worn:
+    if count > 0:
         approach = vx * nx + vy * ny
         turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
         direction = math.atan2(ny, nx)
         for row, angle, spin, spin_t in ends:
             where = direction - turns * angle
             sweep = turning - turns * spin
-            result -= curvature(surfaces[row], surfaces[row + SLOPE], where) * sweep * sweep
-            slope = profile(surfaces[row], surfaces[row + SLOPE], where)[1]
+            result -= curvature(surfaces, row, count, where) * sweep * sweep
+            slope = profile(surfaces, row, count, where)[1]
             result -= slope * (turning_t - turns * spin_t)
     return result

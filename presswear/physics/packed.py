@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
-from presswear.physics.foundation import foundation_stiffness
+from presswear.physics.foundation import BEARING, PIN, ROWS, foundation_stiffness, packed_rows
 from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
 from presswear.physics.load_packing import pack_loads
 from presswear.physics.loads import Loads
 from presswear.physics.springs import pack_springs
-from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
@@ -167,7 +166,7 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
 
 def depths_of(packed: Packed) -> Array:
     """Depths of bearings and pins, shape (joints, 2, m), m; m = 0 while all are round."""
-    return packed.surfaces[:, (BEARING, PIN), :]
+    return packed.surfaces[:, (BEARING, PIN)]
 
 
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:

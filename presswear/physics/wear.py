@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import CONTACT, direction_of
-from presswear.physics.foundation import add_areas, add_round_areas
+from presswear.physics.foundation import SURFACES, bin_of, press, spread_round
 from presswear.physics.packed import JOINT
-from presswear.physics.surface import SURFACES, bin_of
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
@@ -123,11 +122,9 @@ def deposit_over_arc(
     direction = direction_of(contact)
     bearing_place, pin_place = direction - bearing_zero, direction - pin_zero
     if joint.surface_bins == 0:
-        total = add_round_areas(
-            contact.eccentricity, joint.clearance, bearing_place, pin_place, shares
-        )
+        spread_round(contact.eccentricity, joint.clearance, bearing_place, pin_place, shares)
     else:
-        total = add_areas(
+        press(
             surfaces,
             joint.surface_bins,
             contact.eccentricity,
@@ -137,6 +134,9 @@ def deposit_over_arc(
             pin_place,
             shares,
         )
+    total = 0.0
+    for k in range(count):
+        total += shares[0, k]
     if total == 0.0:
         # A step that ends with the separation leaves its wear where the pin last was, and so
         # does an overlap so slight that round-off hides it.

@@ -14,8 +14,7 @@ from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import assemble
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.constraints import constraints_of
-from presswear.physics.multipliers import held_by, project, project_acceleration
+from presswear.physics.constraints import constraints_of, project, project_acceleration
 from presswear.physics.packed import pack
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, speed_high, wear_times
@@ -27,7 +26,7 @@ PRESS = wear_times()
 
 @pytest.mark.parametrize("joints", ["none", "A", "C", "AC"])
 def test_multipliers_solve_equation_18(joints: str) -> None:
-    """The sparse elimination against the dense saddle-point system."""
+    """The elimination against the dense saddle-point system."""
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
     packed, constraints = pack(linkage), constraints_of(linkage)
@@ -64,7 +63,7 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(joints: 
         for level in (motion.position, motion.velocity, motion.acceleration)
     ]
     q, v, a = (level.copy() for level in given)
-    held = held_by(constraints, mass)
+    held = constraints.held(mass)
     project(held, 0.1, q, v)
     project_acceleration(held, 0.1, q, v, a)
     added = held.multipliers.copy()

@@ -10,7 +10,9 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
-from presswear.physics.surface import bin_of, curvature, profile
+from presswear.physics.foundation import BEARING, bin_of, packed_rows
+from presswear.physics.foundation import curvature as packed_curvature
+from presswear.physics.foundation import profile as packed_profile
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,18 @@ ROUND_OFF = 8 * np.finfo(float).eps
 depth_values = st.just(0.0) | st.floats(1e-12, 1e-2)
 depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=depth_values))
 angles = st.floats(-50.0, 50.0)
+
+
+def profile(surface: Surface, angle: float) -> tuple[float, float]:
+    """Depth and slope as the kernels have them."""
+    count = surface.depth.size
+    return packed_profile(packed_rows(surface, count), BEARING, count, angle)
+
+
+def curvature(surface: Surface, angle: float) -> float:
+    """Second derivative as the kernels have it."""
+    count = surface.depth.size
+    return packed_curvature(packed_rows(surface, count), BEARING, count, angle)
 
 
 def _scale(surface: Surface) -> float:
@@ -34,7 +48,7 @@ def test_passes_through_the_bin_centres(depth: Array) -> None:
     # A centre is a rounded angle: its position within the bin is off by an ulp of the turn.
     tolerance = _scale(surface) * depth.size * ROUND_OFF
     np.testing.assert_allclose(at_centres, depth, rtol=0.0, atol=tolerance)
-    slopes = [profile(surface.depth, surface.slope, float(a))[1] for a in bin_centres(depth.size)]
+    slopes = [profile(surface, float(a))[1] for a in bin_centres(depth.size)]
     steepest = _scale(surface) * depth.size / TURN
     tolerance = steepest * 12.0 * depth.size * ROUND_OFF
     np.testing.assert_allclose(slopes, surface.slope, rtol=0.0, atol=tolerance)
@@ -48,8 +62,8 @@ def test_value_and_slope_are_continuous_across_every_knot_and_the_seam(depth: Ar
     steepest = 3.0 * _scale(surface) * depth.size / TURN
     sharpest = 12.0 * _scale(surface) * (depth.size / TURN) ** 2
     for knot in knots:
-        before, slope_before = profile(surface.depth, surface.slope, float(knot) - step)
-        after, slope_after = profile(surface.depth, surface.slope, float(knot) + step)
+        before, slope_before = profile(surface, float(knot) - step)
+        after, slope_after = profile(surface, float(knot) + step)
         # Lipschitz bounds of a cubic with these slopes; a jump would be larger by 1e6.
         assert abs(after - before) <= 2.0 * step * steepest + _scale(surface) * ROUND_OFF
         noise = steepest * depth.size * 1e-13
@@ -59,7 +73,7 @@ def test_value_and_slope_are_continuous_across_every_knot_and_the_seam(depth: Ar
 @given(depths, angles)
 def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
     surface = Surface(depth)
-    value, _ = profile(surface.depth, surface.slope, angle)
+    value, _ = profile(surface, angle)
     left = math.floor(angle * depth.size / TURN - 0.5)
     # On a knot, rounding may place the angle in either interval.
     near = [depth[(left + k) % depth.size] for k in (-1, 0, 1, 2)]
@@ -73,8 +87,8 @@ def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
 @given(depths, st.floats(-20.0, 20.0), st.integers(-5, 5))
 def test_is_periodic(depth: Array, angle: float, turns: int) -> None:
     surface = Surface(depth)
-    value, slope = profile(surface.depth, surface.slope, angle)
-    again, slope_again = profile(surface.depth, surface.slope, angle + turns * TURN)
+    value, slope = profile(surface, angle)
+    again, slope_again = profile(surface, angle + turns * TURN)
     # The angle itself is rounded to an ulp of 50.
     moved = 2e-14
     steepest = 3.0 * _scale(surface) * depth.size / TURN
@@ -87,12 +101,12 @@ def test_is_periodic(depth: Array, angle: float, turns: int) -> None:
 def test_slope_is_the_derivative(depth: Array, angle: float) -> None:
     surface = Surface(depth)
     step = 1e-6
-    ahead = profile(surface.depth, surface.slope, angle + step)[0]
-    behind = profile(surface.depth, surface.slope, angle - step)[0]
+    ahead = profile(surface, angle + step)[0]
+    behind = profile(surface, angle - step)[0]
     # Across a knot the curvature jumps: error up to step times the curvature.
     sharpest = 12.0 * _scale(surface) * (depth.size / TURN) ** 2
     noise = 4.0 * ROUND_OFF * _scale(surface) * depth.size / step
-    assert profile(surface.depth, surface.slope, angle)[1] == pytest.approx(
+    assert profile(surface, angle)[1] == pytest.approx(
         (ahead - behind) / (2.0 * step), abs=step * sharpest + noise
     )
 
@@ -102,16 +116,16 @@ def test_slope_and_curvature_are_derivatives_inside_an_interval() -> None:
     for angle in map(float, [*(bin_centres(8) + 0.3), *(bin_centres(8) - 0.1)]):
 
         def quotient(level: int, step: float, angle: float = angle) -> float:
-            ends = (profile(surface.depth, surface.slope, angle + d)[level] for d in (step, -step))
+            ends = (profile(surface, angle + d)[level] for d in (step, -step))
             return (next(ends) - next(ends)) / (2.0 * step)
 
         # Third derivative below 12 * 5e-6 / (TURN / 8)^3 = 1.3e-4: error below 2e-13.
-        slope = profile(surface.depth, surface.slope, angle)[1]
+        slope = profile(surface, angle)[1]
         assert slope == pytest.approx(quotient(0, 1e-4), abs=1e-12)
         # The slope is a parabola there: a central difference has no truncation error.
-        curved = curvature(surface.depth, surface.slope, angle)
+        curved = curvature(surface, angle)
         assert curved == pytest.approx(quotient(1, 1e-3), abs=1e-14)
-    assert curvature(np.zeros(0), np.zeros(0), 1.0) == 0.0
+    assert curvature(Surface(), 1.0) == 0.0
 
 
 def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
@@ -125,7 +139,7 @@ def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
 def test_halfway_up_a_step_by_hand() -> None:
     # Halfway up a symmetric step between flats: half the height, slope 3/2 per bin.
     surface = Surface(np.array([0.0, 0.0, 2.0, 2.0]))
-    value, slope = profile(surface.depth, surface.slope, math.pi)
+    value, slope = profile(surface, math.pi)
     assert value == pytest.approx(1.0, rel=1e-14)
     assert slope == pytest.approx(1.5 * 2.0 / (0.5 * math.pi), rel=1e-14)
 
@@ -139,7 +153,7 @@ def test_tiny_depths_keep_their_shape() -> None:
 def test_unworn_surface_has_no_depth() -> None:
     surface = Surface()
     assert not surface.is_worn
-    assert profile(surface.depth, surface.slope, 1.234) == (0.0, 0.0)
+    assert profile(surface, 1.234) == (0.0, 0.0)
     np.testing.assert_array_equal(surface(np.array([0.0, 7.0])), [0.0, 0.0])
     assert not Surface(np.zeros(16)).is_worn
     assert Surface(np.array([0.0, 1e-15])).is_worn

@@ -12,9 +12,14 @@ from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, placed
 
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.foundation import foundation_stiffness, press
-from presswear.physics.overlap import ArcIntegrals
-from presswear.physics.surface import ROWS, packed_rows
+from presswear.physics.foundation import (
+    NO_SHARES,
+    ROWS,
+    ArcIntegrals,
+    foundation_stiffness,
+    packed_rows,
+    press,
+)
 
 Array = NDArray[np.float64]
 
@@ -32,12 +37,14 @@ def groove(width: float, depth: float, bins: int = BINS, at: float = 1.5) -> Sur
     return Surface(depth * np.exp(-(((bin_centres(bins) - at) / width) ** 2)))
 
 
-def bed(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> ArcIntegrals:
+def bed(
+    bearing: Surface, pin: Surface, eccentricity: float, at_bearing: float, at_pin: float
+) -> ArcIntegrals:
     count = max(bearing.depth.size, pin.depth.size)
     surfaces = np.vstack([packed_rows(bearing, count), packed_rows(pin, count)])
     assert surfaces.shape[0] == ROWS
     least = sum(float(s.depth.min()) if s.is_worn else 0.0 for s in (bearing, pin))
-    return press(surfaces, count, eccentricity, C, least, *places)
+    return press(surfaces, count, eccentricity, C, least, at_bearing, at_pin, NO_SHARES)
 
 
 def overlaps(

@@ -9,8 +9,8 @@ from two_bodies import JOINT, placed, waves, worn_joint
 
 from presswear.linkage.elements import ClearanceJoint, WearLaw
 from presswear.linkage.surface import Surface, bin_centres
+from presswear.physics.foundation import CUBE, PIN, ROWS, SLOPE, SQUARE
 from presswear.physics.packed import Packed
-from presswear.physics.surface import CUBE, PIN, ROWS, SLOPE, SQUARE
 
 
 def packed(joint: ClearanceJoint) -> Packed:

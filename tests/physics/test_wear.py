@@ -15,8 +15,7 @@ from two_bodies import JOINT, Pair, placed, worn_joint
 from presswear.linkage.elements import ClearanceJoint, MapFrame, SurfaceContact, WearLaw
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.contact import direction_of
-from presswear.physics.foundation import add_areas, press
-from presswear.physics.surface import bin_of
+from presswear.physics.foundation import bin_of, press
 from presswear.physics.wear import (
     contact_area,
     deposit_in_bin,
@@ -299,8 +298,8 @@ def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
     """Error control looks at such states before it shortens a step."""
     pair = placed(WORN, 0.0, 0.0)
     state = eccentricity, 8e-4, 0.0, 4.1e17, -1.9e15
-    press(pair.packed.surfaces[0], 360, *state)
-    add_areas(pair.packed.surfaces[0], 360, *state, np.zeros((2, 360)))
+    for shares in np.zeros((2, 0)), np.zeros((2, 360)):
+        press(pair.packed.surfaces[0], 360, *state, shares)
 
 
 def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:

@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from presswear.physics.applied import applied_forces, has_work
 from presswear.physics.articulated import ARTICULATED, articulate, release
-from presswear.physics.constraints import DRIVE, Constraints
+from presswear.physics.constraints import (
+    DRIVE,
+    Constraints,
+    Held,
+    evaluate_constraints,
+    project,
+    solve,
+)
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
 from presswear.physics.links import (
@@ -27,7 +34,6 @@ from presswear.physics.links import (
     place_links,
 )
 from presswear.physics.motion import drive_motion
-from presswear.physics.multipliers import Held, evaluate_constraints, held_by, project, solve
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import (
     Prescribed,
@@ -225,15 +231,14 @@ def _hold(held: Held, alpha: float, beta: float, state: Array, t: float, force: 
     stiffness = beta * beta
     for row in range(held.phi.shape[0]):
         right = damping * held.phi_t[row] + stiffness * held.phi[row] - held.gamma[row]
-        for e in range(held.row_start[row], held.row_start[row + 1]):
-            c = held.column[e]
-            right += held.jacobian[e] * held.inverse_mass[c] * force[c]
+        for c in range(force.shape[0]):
+            right += held.jacobian[row, c] * held.inverse_mass[c] * force[c]
         held.right[row] = right
     solve(held)
     for row in range(held.phi.shape[0]):
         multiplier = held.multipliers[row]
-        for e in range(held.row_start[row], held.row_start[row + 1]):
-            force[held.column[e]] -= held.jacobian[e] * multiplier
+        for c in range(force.shape[0]):
+            force[c] -= held.jacobian[row, c] * multiplier
     power = 0.0
     for i in range(held.constraints.shape[0]):
         c = held.constraints[i]
@@ -310,7 +315,7 @@ def keep_constraints(held: Held | None, t: float, y: Array) -> None:
 
 def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: float) -> System:
     """The equations of a linkage in all its coordinates; see ``System``."""
-    held = held_by(constraints, packed.mass)
+    held = constraints.held(packed.mass)
     return _system(packed, held, None, packed.mass.size, alpha, beta)
 
 

@@ -34,7 +34,6 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.motion import is_steady
-from presswear.physics.multipliers import held_by
 from presswear.physics.steps import STEPS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -91,7 +90,7 @@ def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
         multipliers=model.solved[3],
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
-        held=None if are_steady and not bends else held_by(constraints_of(linkage), mass),
+        held=None if are_steady and not bends else constraints_of(linkage).held(mass),
     )
 
 

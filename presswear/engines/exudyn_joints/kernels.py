@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.applied import applied_forces, settle_modes
-from presswear.physics.constraints import DRIVE
+from presswear.physics.constraints import DRIVE, Held, project, project_acceleration
 from presswear.physics.contact import note_contacts
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
@@ -20,7 +20,6 @@ from presswear.physics.load_modes import (
 )
 from presswear.physics.loads import Loads, load_forces, work_beyond_trapezoid
 from presswear.physics.motion import drive_motion, step_to_break
-from presswear.physics.multipliers import Held, project, project_acceleration
 from presswear.physics.prescribed import (
     Prescribed,
     drive_torques,
