@@ -39,7 +39,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures.style import LINES, SETTINGS, WIDTH
 from presswear.tools.arrays import Array
-from presswear.tools.workers import Workers
+from presswear.tools.processes import Workers
 from presswear.validation import reference_problems as references
 from presswear.validation.reference_checks import delivered
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from importlib.metadata import version
 
 from presswear.tools.errors import InputError, RunFailed, one_line
-from presswear.tools.stopping import exit_code, is_stopped, stoppable
+from presswear.tools.processes import exit_code, is_stopped, stoppable
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as error:
         _tell(str(error) if error.args else "interrupted")
         return exit_code()
-    # Behind a signal any error is one of being stopped: see ``tools.stopping``.
+    # Behind a signal any error is one of being stopped: see ``tools.processes``.
     except Exception:
         if not is_stopped():
             raise

@@ -32,8 +32,8 @@ from presswear.tools.documents import plain, read_sealed, sealed_json, typed
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_bytes
 from presswear.tools.folders import FolderLock
+from presswear.tools.processes import Job, Report, cores, workers_for
 from presswear.tools.quantities import Quantity
-from presswear.tools.workers import Job, Report, cores, workers_for
 
 Array = NDArray[np.float64]
 InitialState = Callable[[Scene], Start]

@@ -33,7 +33,6 @@ from presswear.campaign.wear_update import (
 )
 from presswear.engines.settings import Engine
 from presswear.linkage.elements import ClearanceJoint
-from presswear.recording.film import columns_of
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import STARTUP_CYCLES
@@ -46,7 +45,7 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import inside
 from presswear.tools.folders import check_name
-from presswear.tools.workers import InProcess, Pool, Report, Workers, cores, workers_for
+from presswear.tools.processes import InProcess, Report, Workers, cores, workers_for
 
 Array = NDArray[np.float64]
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
@@ -223,7 +222,7 @@ def workers_of(
     jobs: int | None,
     observers: Sequence[Observer] = (),
     interval: float = math.inf,
-) -> InProcess | Pool:
+) -> Workers:
     """Return the workers for the runs of a scene.
 
     Parameters
@@ -233,23 +232,14 @@ def workers_of(
     interval : float
         Time between two checkpoints, s.
     """
-    frames, room = max((observer.frames for observer in observers), default=0), 0
-    if frames:
-        linkage = scene.linkage()
-        room = frames * columns_of(len(linkage.bodies), len(linkage.clearances))
     count = min(jobs or cores(), max_runs(scene))
-    if any(observer.observes_runs for observer in observers):
+    # Frames for a window do not leave the process that runs.
+    if any(observer.observes_runs or observer.frames for observer in observers):
         count = 1
     duration = interval / _UNITS_PER_CHECKPOINT
-    # Runs that are shown in a window do not wait for others.
-    if count > 1 and not frames:
+    if count > 1:
         duration = min(duration, TURN)
-
-    def on_lost(line: str) -> None:
-        for observer in observers:
-            observer.on_message(line)
-
-    return workers_for(count, (WORK_MODULE, scene.solver.room), duration, room, on_lost)
+    return workers_for(count, (WORK_MODULE, scene.solver.room), duration)
 
 
 def run_into(

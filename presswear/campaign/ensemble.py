@@ -43,7 +43,7 @@ from presswear.recording.statistics import (
     mean_map,
 )
 from presswear.scene.scene import Scene
-from presswear.tools.workers import Job, Workers
+from presswear.tools.processes import Job, Workers
 
 Array = NDArray[np.float64]
 

@@ -27,8 +27,7 @@ from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBat
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, named, part
 from presswear.tools.compile import on_compiling
-from presswear.tools.stopping import is_stopped
-from presswear.tools.workers import Report, Stopped
+from presswear.tools.processes import Report, Stopped, is_stopped
 
 Array = NDArray[np.float64]
 

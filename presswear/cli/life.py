@@ -22,7 +22,7 @@ from presswear.scene.options import FOLLOWED, NEW, TURNED, Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed
 from presswear.tools.errors import InputError
-from presswear.tools.stopping import check_stopped
+from presswear.tools.processes import check_stopped
 
 STAGES = "2"
 """Parts of the life between stages, of a scene that says nothing on it."""

@@ -30,7 +30,6 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
-from presswear.tools.workers import foresee
 
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
@@ -240,7 +239,6 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextMana
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
-    foresee(("presswear.show.page",))
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep
 

@@ -10,7 +10,7 @@ from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import with_interval
-from presswear.tools.stopping import check_stopped
+from presswear.tools.processes import check_stopped
 
 LIFE = "life,"
 """Begin of words on a life, which stands for itself."""

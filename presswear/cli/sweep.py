@@ -30,7 +30,7 @@ from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import lasting
-from presswear.tools.stopping import check_stopped
+from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
     from presswear.sweeps.plan import Table

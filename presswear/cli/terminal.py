@@ -28,8 +28,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
 from presswear.tools.numbers import lasting
+from presswear.tools.processes import is_stopped
 from presswear.tools.quantities import Quantity, parse_quantity
-from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
     from presswear.results.result import Result

@@ -30,7 +30,7 @@ from presswear.tools.documents import plain, sealed_json
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import PART, write_bytes
 from presswear.tools.folders import FolderLock, is_free
-from presswear.tools.stopping import is_stopped
+from presswear.tools.processes import is_stopped
 
 _LOG = logging.getLogger(__name__)
 

@@ -26,7 +26,7 @@ from presswear.tools.numbers import (
     whole,
     with_interval,
 )
-from presswear.tools.workers import Report, cores, outcomes, workers_for
+from presswear.tools.processes import Report, cores, outcomes, workers_for
 
 NOTHING = "–"
 _SHARES = 3  # shares of the figures per process, so that all processes end at about the same time

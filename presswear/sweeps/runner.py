@@ -37,8 +37,7 @@ from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.folders import holder
-from presswear.tools.stopping import is_stopped
-from presswear.tools.workers import cores
+from presswear.tools.processes import cores, is_stopped
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
 POLL = 0.2  # time between two reports of the progress, s

@@ -6,7 +6,6 @@ many cycles, over which constraints, energy and memory must not drift.
 
 import math
 import re
-import resource
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
@@ -305,6 +304,8 @@ class _Memory(Observer):
 
     def on_cycle(self, recorder: Recorder, state: object) -> bool:
         """Record the memory and continue."""
+        import resource  # not on Windows
+
         self.sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
         return False
 

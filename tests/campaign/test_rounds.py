@@ -30,7 +30,8 @@ from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
-from presswear.tools.workers import Array, Ended, InProcess, Job, Pool, Report, Told
+from presswear.tools.errors import RunFailed
+from presswear.tools.processes import Array, InProcess, Job, OnProgress, OnResult, Pool, Report
 
 QUICK = {
     "engine": "dae",
@@ -121,7 +122,7 @@ def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
 class Reversed(InProcess):
     """Does the last job first, so that all come to their ends in another order."""
 
-    def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
+    def run(self, jobs: Mapping[int, Job], ended: OnResult, told: OnProgress) -> None:
         waiting = dict(jobs)
         while waiting:
             key = max(waiting)
@@ -146,7 +147,7 @@ class Noting(InProcess):
         self.ended: list[int] = []
         self.beside: list[int] = []
 
-    def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
+    def run(self, jobs: Mapping[int, Job], ended: OnResult, told: OnProgress) -> None:
         def noted(given: Mapping[int, Job | None]) -> Mapping[int, Job | None]:
             self.beside += [len(self.ended)] * (given.get(STEP_CHECK) is not None)
             return given
@@ -207,35 +208,26 @@ def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.Monkey
 
 
 class Kills(Observer):
-    """Kills a process of a pool after a few cycles."""
+    """Kill a worker process after a few cycles."""
 
     def __init__(self, pool: Pool) -> None:
-        self.pool, self.killed = pool, 0
-        self.heard: list[str] = []
-
-    def on_message(self, line: str) -> None:
-        self.heard.append(line)
+        self.pool = pool
 
     def on_progress(self, progress: Progress) -> None:
-        if not self.killed and progress.part > 0.3:
-            assert self.pool._pool is not None
-            self.killed = next(iter(self.pool._pool._processes))
-            os.kill(self.killed, signal.SIGKILL)
+        if progress.part > 0.3:
+            assert self.pool._executor is not None
+            os.kill(next(iter(self.pool._executor._processes)), signal.SIGKILL)
 
 
-def test_a_killed_process_changes_nothing(tmp_path: Path) -> None:
+def test_a_run_whose_worker_was_killed_is_resumed(tmp_path: Path) -> None:
     scene = replace(UNTIL_KNOWN, cycles=8)
-    whole = finished(scene, 1, tmp_path / "whole")
-    store = ResultFolder(tmp_path / "killed", scene, 0.0)
-    observers: list[Observer] = []
-    with workers_of(scene, 2, observers, interval=0.0) as workers:
+    whole, path = finished(scene, 1, tmp_path / "whole"), tmp_path / "killed"
+    with workers_of(scene, 2, interval=0.0) as workers:
         assert isinstance(workers, Pool)
-        kills = Kills(workers)
-        observers.append(kills)
-        run_into(store, scene, observers, workers)
-    assert kills.killed
-    assert len(kills.heard) == 1
-    assert folder_differences(whole, store.path) == []
+        with pytest.raises(RunFailed, match="memory ran out"):
+            run_into(ResultFolder(path, scene, 0.0), scene, [Kills(workers)], workers)
+    run_into(ResultFolder(path, scene, resume=True), scene)
+    assert folder_differences(whole, path) == []
 
 
 class Stops(Observer):

@@ -2,13 +2,10 @@
 
 import contextlib
 import json
-import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from random import Random
 
@@ -20,7 +17,6 @@ from endurance.subject import (
     SUBJECTS,
     Alone,
     Answer,
-    Process,
     Subject,
     checkpoint_of,
     end,
@@ -113,50 +109,6 @@ def test_stops_at_random_moments(
     kill(trial, number, wanted, alone, tmp_path)
     assert trial.passed, trial.miss
     assert trial.tried == wanted, f"only {trial.tried} stops"
-
-
-def processes_of(run: Process) -> list[int]:
-    """Processes that do the work of a run: grandchildren, of the server that forks them."""
-    parents = {}
-    for place in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            told = place.read_text().rpartition(")")[2].split()
-            parents[int(place.parent.name)] = int(told[1])
-    return [own for own, above in parents.items() if parents.get(above) == run.pid]
-
-
-def has_processes(run: Process) -> bool:
-    """Whether a run has got as far as that, or to its end."""
-    return bool(processes_of(run)) or run.poll() is not None
-
-
-@pytest.mark.endurance
-@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from Linux's /proc")
-def test_killed_workers_are_replaced(
-    trial: Trial, alone: Callable[[Subject], Alone], tmp_path: Path, is_quick: bool
-) -> None:
-    trial.what = "SIGKILL of a worker at a random moment: the run goes on"
-    wait, whole = Random(SEED), alone(IN_HOUSE)
-    wanted, runs = (2, 8) if is_quick else (20, 80)
-    for number in range(runs):
-        out = tmp_path / f"run-{number}"
-        run = IN_HOUSE.start(out, "--jobs", "2")
-        wait_for(partial(has_processes, run))
-        time.sleep(wait.uniform(0.0, 0.7 * whole.lasts))
-        killed = 0
-        found = processes_of(run)
-        for own in wait.sample(found, min(len(found), 1)):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(own, signal.SIGKILL)
-                killed += 1
-        answer = end(run)
-        wrong = [answer.problem] if answer.code else folder_differences(whole.folder, out)[:3]
-        if killed or wrong:
-            trial.add("; ".join(wrong))
-        if trial.tried == wanted:
-            break
-    trial.note = "they end equal, bit for bit"
-    assert trial.passed, trial.miss
 
 
 def test_a_run_stopped_by_a_signal_goes_on(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Jobs in processes: the same as in this one, killed, stopped, dropped, and alone at first."""
+"""Jobs in workers: equal results, workers that are killed or stopped, and spawned ones."""
 
 import math
 import os
@@ -13,26 +13,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.workers import InProcess, Job, Pool, Report, Stopped, Workers, workers_for
+from presswear.tools.processes import InProcess, Job, Pool, Report, Stopped, outcomes, workers_for
 
-PATIENCE = 60.0
-"""Wall time after which nothing comes any more, s: a machine may be busy."""
+PATIENCE = 60.0  # s, for a busy machine
 
 
 @pytest.fixture(scope="module")
 def pool() -> Iterator[Pool]:
-    with Pool(2, room=100) as found:
-        yield found
+    with Pool(2) as shared:
+        yield shared
 
 
 @dataclass(frozen=True)
 class Adds:
-    """Adds up whole numbers, and hands over what it has every ten of them."""
+    """Add whole numbers and return after every ten of them."""
 
     until: int
     done: int = 0
@@ -42,40 +40,35 @@ class Adds:
         done, total = self.done, self.total
         while done < min(self.until, self.done + 10):
             done, total = done + 1, total + done
-            report(done, f"at {done}", np.full((2, 3), float(done)))
+            report(done)
         return Adds(self.until, done, total)
 
 
-class Heard:
-    """Goes on with what is handed over, and notes what it hears."""
-
-    def __init__(self) -> None:
-        self.totals: dict[int, int] = {}
-        self.told: list[tuple[int, float, str, Any]] = []
-
-    def ended(self, key: int, outcome: Adds) -> Mapping[int, Job | None]:
-        if outcome.done < outcome.until:
-            return {key: outcome}
-        self.totals[key] = outcome.total
-        return {}
-
-    def hear(self, key: int, done: float, word: str, rows: Any) -> None:
-        self.told.append((key, done, word, rows))
+def nothing(*arguments: object) -> Mapping[int, Job | None]:
+    return {}
 
 
-def test_jobs_that_go_on_come_to_the_same_everywhere(pool: Pool) -> None:
-    totals = []
-    for each in (InProcess(), pool):
-        heard = Heard()
-        each.run({k: Adds(25 + k) for k in range(5)}, heard.ended, heard.hear)
-        totals.append(dict(sorted(heard.totals.items())))
-        for key, done, word, rows in heard.told:
-            assert 0 <= key < 5
-            # What is written may be read half written; it is never more than shown.
-            assert 0 < done <= 29
-            assert word[:3] in ("", "at ")
-            assert rows is None or rows.shape == (2, 3)
-    assert totals[0] == totals[1] == {k: sum(range(25 + k)) for k in range(5)}
+def test_results_are_equal_in_workers_and_in_this_process(pool: Pool) -> None:
+    for workers in (InProcess(), pool):
+        totals: dict[int, int] = {}
+        reported: list[tuple[int, float]] = []
+
+        def on_result(key: int, outcome: Adds, totals: dict[int, int] = totals) -> dict[int, Adds]:
+            totals[key] = outcome.total
+            return {key: outcome} if outcome.done < outcome.until else {}
+
+        def on_progress(
+            key: int,
+            done: float,
+            word: str,
+            rows: object,
+            reported: list[tuple[int, float]] = reported,
+        ) -> None:
+            reported.append((key, done))
+
+        workers.run({k: Adds(25 + k) for k in range(5)}, on_result, on_progress)
+        assert totals == {k: sum(range(25 + k)) for k in range(5)}
+        assert all(0 <= key < 5 and 0 < done <= 29 for key, done in reported)
 
 
 def test_one_core_takes_no_process() -> None:
@@ -85,68 +78,58 @@ def test_one_core_takes_no_process() -> None:
 
 @dataclass(frozen=True)
 class Waits:
-    """Tells where it is and goes on until it is stopped, or for a time, s."""
+    """Report and wait until stopped, or for a time, s."""
 
     lasts: float = math.inf
 
     def __call__(self, report: Report) -> int:
-        began, count = time.monotonic(), 0
+        started, count = time.monotonic(), 0
         try:
-            while time.monotonic() < began + self.lasts:
+            while time.monotonic() < started + self.lasts:
                 count += 1
-                report(count, f"{os.getpid()}")
+                report(os.getpid())
                 time.sleep(0.01)
         except KeyboardInterrupt:
             raise Stopped(count) from None
         return 0
 
 
-def nothing(key: int, done: float, word: str, rows: object) -> None:
-    """Hears it all."""
-
-
-def test_a_job_that_is_not_wanted_any_more_is_stopped(pool: Pool) -> None:
+def test_a_dropped_job_is_stopped(pool: Pool) -> None:
     ended: list[int] = []
 
     def drop(key: int, outcome: object) -> Mapping[int, Job | None]:
         ended.append(key)
         return {1: None, 2: None}
 
-    for each in (pool, InProcess()):
-        # In this process the others have not begun when the first has ended.
-        each.run({0: Waits(0.3), 1: Waits(), 2: Waits()}, drop, nothing)
+    for workers in (pool, InProcess()):
+        workers.run({0: Waits(0.3), 1: Waits(), 2: Waits()}, drop, nothing)
     assert ended == [0, 0]
 
 
-class Presses:
-    """Interrupts from the keyboard once both jobs are at work."""
-
-    def __init__(self, jobs: int) -> None:
-        self.missing = set(range(jobs))
-
-    def __call__(self, key: int, done: float, word: str, rows: object) -> None:
-        self.missing.discard(key)
-        if not self.missing:
-            raise KeyboardInterrupt
-
-
 @pytest.mark.parametrize("count", [1, 2])
-def test_an_interrupt_hands_over_what_there_is(count: int) -> None:
-    came: dict[int, int] = {}
+def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
+    results: dict[int, int] = {}
+    missing = set(range(count))
 
-    def ended(key: int, outcome: int) -> Mapping[int, Job | None]:
-        came[key] = outcome
+    def on_result(key: int, outcome: int) -> Mapping[int, Job | None]:
+        results[key] = outcome
         return {}
 
-    with workers_for(count) as each, pytest.raises(KeyboardInterrupt):
-        each.run({k: Waits() for k in range(count)}, ended, Presses(count))
-    assert sorted(came) == list(range(count))
-    assert all(outcome > 0 for outcome in came.values())
+    def interrupt(key: int, *_: object) -> None:
+        missing.discard(key)
+        if not missing:
+            raise KeyboardInterrupt
+
+    workers = InProcess() if count == 1 else Pool(count)
+    with workers, pytest.raises(KeyboardInterrupt):
+        workers.run({k: Waits() for k in range(count)}, on_result, interrupt)
+    assert sorted(results) == list(range(count))
+    assert all(outcome > 0 for outcome in results.values())
 
 
 @dataclass(frozen=True)
 class Raises:
-    """Goes wrong as a job may."""
+    """Raise an error."""
 
     error: Exception
 
@@ -155,44 +138,29 @@ class Raises:
 
 
 def test_an_error_of_a_job_is_that_of_the_program() -> None:
-    with Pool(2) as each, pytest.raises(InputError, match="angles = 7"):
-        each.run({0: Raises(InputError("angles = 7")), 1: Waits()}, lambda *_: {}, nothing)
+    with Pool(2) as pool, pytest.raises(InputError, match="angles = 7"):
+        pool.run({0: Raises(InputError("angles = 7")), 1: Waits()}, nothing, nothing)
 
 
-@dataclass(frozen=True)
-class Dies:
-    """Ends its process as a system does that is out of memory: once, or always without a note."""
-
-    noted: Path | None
-
-    def __call__(self, report: Report) -> str:
-        report(0.0)
-        if self.noted is None or not self.noted.exists():
-            if self.noted is not None:
-                self.noted.touch()
-            os.kill(os.getpid(), signal.SIGKILL)
-        return "done"
+def dies(report: Report) -> None:
+    """End the process as a system does that runs out of memory."""
+    report(0.0)
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
-@pytest.mark.parametrize("number", [0, 1])
-def test_a_killed_process_is_replaced(number: int, tmp_path: Path) -> None:
-    came: dict[int, Any] = {}
+def runs_out_of_memory(report: Report) -> None:
+    raise MemoryError
 
-    def ended(key: int, outcome: Any) -> Mapping[int, Job | None]:
-        came[key] = outcome
-        return {}
 
-    lines: list[str] = []
-    with workers_for(2, lost=lines.append) as each:
-        each.run({number: Dies(tmp_path / "died"), 1 - number: Waits(0.2)}, ended, nothing)
-    assert came == {number: "done", 1 - number: 0}
-    (line,) = lines
-    assert "2 at a time" in line
+@pytest.mark.parametrize("job", [dies, runs_out_of_memory])
+def test_a_killed_worker_ends_the_run(job: Job) -> None:
+    with Pool(2) as pool, pytest.raises(RunFailed, match="memory ran out"):
+        pool.run({0: Waits(), 1: job}, nothing, nothing)
 
 
 @dataclass(frozen=True)
 class Large:
-    """A large result; its process is killed some time after it begins to be sent, s."""
+    """A large result; its worker is killed a time after writing of it started, s."""
 
     delay: float
 
@@ -202,97 +170,86 @@ class Large:
 
 
 @dataclass(frozen=True)
-class GivesLarge:
-    """Returns a large result once, then a small one."""
+class ReturnsLarge:
+    """Return a large result."""
 
-    noted: Path
     delay: float
 
     def __call__(self, report: Report) -> Any:
         report(0.0)
-        if self.noted.exists():
-            return 0
-        self.noted.touch()
         return Large(self.delay)
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.1, 0.2])
-def test_half_a_result_does_not_stop_the_pool(delay: float, tmp_path: Path) -> None:
-    came: list[int] = []
-
-    def ended(key: int, outcome: Any) -> Mapping[int, Job | None]:
-        came.append(outcome)
-        return {}
+def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
+    results: list[Any] = []
 
     def run() -> None:
-        with Pool(2) as each:
-            each.run({0: GivesLarge(tmp_path / "given", delay)}, ended, nothing)
+        with Pool(2) as pool:
+            try:
+                results.extend(outcomes(pool, [ReturnsLarge(delay), Waits(1.0)]))
+            except RunFailed as error:
+                results.append(str(error))
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     thread.join(PATIENCE)
-    assert came in ([0], [200_000_000])
-
-
-def test_processes_that_are_killed_again_and_again_end_the_run() -> None:
-    with Pool(2) as each, pytest.raises(RunFailed, match=r"out of memory"):
-        each.run({0: Dies(None)}, lambda *_: {}, nothing)
+    assert not thread.is_alive()
+    assert results == [200_000_000, 0] or "memory ran out" in results[0]
 
 
 @dataclass(frozen=True)
 class Notes:
-    """Writes down when it began and, a while later, when it first told how far it is."""
+    """Write the times of the start and of the first progress to files."""
 
-    place: Path
+    folder: Path
     key: int
 
     def __call__(self, report: Report) -> float:
-        (self.place / f"begun-{self.key}").write_text(f"{time.monotonic()}")
-        report(math.nan, "getting ready")
+        (self.folder / f"start-{self.key}").write_text(f"{time.monotonic()}")
+        report(math.nan)
         time.sleep(0.5)
-        (self.place / f"told-{self.key}").write_text(f"{time.monotonic()}")
+        (self.folder / f"progress-{self.key}").write_text(f"{time.monotonic()}")
         report(1.0)
         time.sleep(0.3)
         return 0.0
 
 
-def test_the_first_job_is_alone_until_it_tells(tmp_path: Path) -> None:
-    heard: dict[str, list[float]] = {}
+def test_the_first_job_runs_alone_until_it_reports_progress(tmp_path: Path) -> None:
+    reported: list[float] = []
 
-    def hears(key: int, done: float, word: str, rows: object) -> None:
-        heard.setdefault(word, []).append(done)
+    def on_progress(key: int, done: float, word: str, rows: object) -> None:
+        reported.append(done)
 
-    with Pool(2) as each:
-        each.run({k: Notes(tmp_path, k) for k in range(3)}, lambda *_: {}, hears)
-    assert all(map(math.isnan, heard.pop("getting ready")))
-    assert set(heard[""]) == {1.0}
-    told, begun = (
+    with Pool(2) as pool:
+        pool.run({k: Notes(tmp_path, k) for k in range(3)}, nothing, on_progress)
+    assert {done for done in reported if not math.isnan(done)} == {1.0}
+    progress, start = (
         [float((tmp_path / f"{name}-{k}").read_text()) for k in range(3)]
-        for name in ("told", "begun")
+        for name in ("progress", "start")
     )
-    assert min(begun[1:]) > told[0]
-    # Then the others are at work at once.
-    assert begun[2] < told[1] or begun[1] < told[2]
+    assert min(start[1:]) > progress[0]
+    assert start[2] < progress[1] or start[1] < progress[2]
 
 
+# It has no ``if __name__ == "__main__":``.
 _SCRIPT = """
 import test_workers
-print("begun", flush=True)
+print("start", flush=True)
 test_workers.forever()
 """
-"""It does not ask whether it is the main module."""
 
 
 def forever() -> None:
-    def told(key: int, done: float, word: str, rows: object) -> None:
-        print(word, flush=True)
+    def on_progress(key: int, done: float, word: str, rows: object) -> None:
+        print(f"{done:.0f}", flush=True)
 
-    with Pool(2) as each:
-        each.run({0: Waits(), 1: Waits()}, lambda *_: {}, told)
+    with Pool(2) as pool:
+        pool.run({0: Waits(), 1: Waits()}, nothing, on_progress)
 
 
 def script(tmp_path: Path) -> "subprocess.Popen[str]":
-    """The script, in a session of its own."""
+    """Start the script in a session of its own."""
     (tmp_path / "script.py").write_text(_SCRIPT)
     places = Path(presswear.__path__[0]).parent, Path(__file__).parent
     path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
@@ -307,7 +264,7 @@ def script(tmp_path: Path) -> "subprocess.Popen[str]":
 
 
 def is_running(pid: int) -> bool:
-    """Whether there is such a process that has not ended."""
+    """Return whether a process exists and has not ended."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except OSError:
@@ -316,7 +273,7 @@ def is_running(pid: int) -> bool:
 
 
 def within(is_so: Callable[[], bool]) -> bool:
-    """Whether something comes to be so."""
+    """Return whether a condition becomes true."""
     last = time.monotonic() + PATIENCE
     while not is_so() and time.monotonic() < last:
         time.sleep(0.05)
@@ -327,12 +284,12 @@ def within(is_so: Callable[[], bool]) -> bool:
 def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
     process = script(tmp_path)
     assert process.stdout is not None
-    said: list[str] = []
-    while len(set(said)) < 3:
-        said.append(process.stdout.readline().strip())
-        assert said[-1], "it has ended"
-    pids = [int(word) for word in set(said) - {"begun"}]
-    assert said.count("begun") == 1
+    lines: list[str] = []
+    while len(set(lines)) < 3:
+        lines.append(process.stdout.readline().strip())
+        assert lines[-1], "it has ended"
+    pids = [int(word) for word in set(lines) - {"start"}]
+    assert lines.count("start") == 1
     assert all(map(is_running, pids))
     process.kill()
     process.wait()
@@ -340,41 +297,36 @@ def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
     process.communicate()
 
 
-def test_nobody_else_says_anything_when_all_are_interrupted(tmp_path: Path) -> None:
-    """Ctrl-C reaches every process of a terminal; the parent alone answers."""
+def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
+    """Ctrl-C reaches every process of a terminal; only the parent reports it."""
     process = script(tmp_path)
     assert process.stdout is not None
-    said: set[str] = set()
-    while len(said) < 3:
-        said.add(process.stdout.readline().strip())
-        assert "" not in said, "it has ended"
+    lines: set[str] = set()
+    while len(lines) < 3:
+        lines.add(process.stdout.readline().strip())
+        assert "" not in lines, "it has ended"
     os.killpg(process.pid, signal.SIGINT)
     errors = process.communicate(timeout=PATIENCE)[1]
     assert errors.count("Traceback") == 1
     assert errors.strip().endswith("KeyboardInterrupt")
 
 
-def doers() -> tuple[Workers, ...]:
-    """Both kinds keep to the protocol, for the type checker."""
-    return InProcess(), Pool(1)
-
-
-def test_processes_import_from_where_this_one_does(tmp_path: Path) -> None:
-    """Not from the working directory, where another version may lie."""
+def test_workers_import_the_version_of_the_parent(tmp_path: Path) -> None:
+    """Not that of the working directory."""
     script, here = tmp_path / "scripts" / "script.py", tmp_path / "here"
     root = Path(__file__).parents[2]
     shutil.copytree(root / "presswear", here / "presswear")
     script.parent.mkdir()
     (script.parent / "jobs.py").write_text(
-        "from presswear.tools import workers\ndef where(report): return workers.__file__\n"
+        "from presswear.tools import processes\ndef where(report): return processes.__file__\n"
     )
     script.write_text(
         "import jobs\n"
-        "from presswear.tools import workers\n"
+        "from presswear.tools import processes\n"
         "def ended(key, path):\n"
-        "    print(path == workers.__file__)\n"
+        "    print(path == processes.__file__)\n"
         "    return {}\n"
-        "with workers.Pool(2, ('presswear.tools.workers',)) as pool:\n"
+        "with processes.Pool(2, ('presswear.tools.processes',)) as pool:\n"
         "    pool.run({0: jobs.where}, ended, print)\n"
     )
     done = subprocess.run(
@@ -386,3 +338,28 @@ def test_processes_import_from_where_this_one_does(tmp_path: Path) -> None:
         check=False,
     )
     assert done.stdout == "True\n", done.stderr
+
+
+_SPAWNED = """
+import multiprocessing, sys
+for name in ("fcntl", "resource", "multiprocessing.forkserver"):
+    sys.modules[name] = None
+multiprocessing.get_all_start_methods = lambda: ["spawn"]
+import presswear as pw
+import presswear.validation.hard_cases
+if __name__ == "__main__":
+    scene = pw.scenes.wear_times(cycles=2, wear_updates=0, replicates=2, engine="dae")
+    print(pw.run(scene, jobs=2).status)
+"""
+
+
+def test_a_run_works_where_processes_can_only_be_spawned(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(_SPAWNED)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "script.py"],
+        env={**os.environ, "PYTHONPATH": str(Path(presswear.__path__[0]).parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout == "completed\n", done.stderr

@@ -39,7 +39,7 @@ from presswear.show.replay.picture import Picture
 from presswear.show.replay.shapes import exu
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
-from presswear.tools.workers import cores, end_with_parent
+from presswear.tools.processes import cores, end_with_parent
 
 Pixels = NDArray[np.uint8]
 Frames = Sequence[Sequence[int]]

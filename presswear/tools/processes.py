@@ -1,0 +1,383 @@
+"""Jobs in worker processes or in this process, and signals that stop a command.
+
+A job is a picklable function. It gets a function to report its progress, many times a second, which
+is also where it is stopped. Its result does not depend on where or when it runs.
+
+A worker may be killed at any moment. Progress and stop requests are therefore shared without a
+lock, and results are written to files: half of a result in the pipe of an executor, which all
+workers share, would leave its reader waiting forever. The first job runs alone until it reports
+progress, so that one process compiles the kernels and the others load them.
+"""
+
+import math
+import multiprocessing
+import os
+import pickle
+import shutil
+import signal
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from importlib import import_module
+from multiprocessing.connection import wait as wait_for
+from types import FrameType, ModuleType
+from typing import Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.tools.errors import RunFailed
+
+Array = NDArray[np.float64]
+
+POLL = 0.1  # s between two looks at the progress of workers
+GRACE = 3.0  # s until a worker whose job does not stop is ended, for example while it compiles
+STOP, HALT = 1.0, 2.0  # requests to a worker: stop the job; the pool ends
+LOST = "a worker process was ended from outside, for example because memory ran out"
+
+
+class Report(Protocol):
+    """Function that a job calls with its progress; KeyboardInterrupt stops the job."""
+
+    def __call__(self, done: float, word: str = "", rows: Array | None = None) -> None:
+        """Report progress, nan while the job gets ready; words and rows stay in this process."""
+
+
+Job = Callable[[Report], Any]
+OnResult = Callable[[int, Any], Mapping[int, Job | None]]
+"""Called with the key and the result of a job; returns further jobs, None to drop a job."""
+OnProgress = Callable[[int, float, str, Array | None], object]
+"""Called with the key of a job and what it reports."""
+
+
+class Stopped(KeyboardInterrupt):
+    """Raised by a job that is stopped, with its result so far."""
+
+    def __init__(self, outcome: Any) -> None:
+        super().__init__(outcome)
+        self.outcome = outcome
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class InProcess:
+    """Run one job after another in this process.
+
+    Parameters
+    ----------
+    lasts : float
+        Wall time after which a job that can be resumed should return, s.
+    """
+
+    def __init__(self, lasts: float = math.inf) -> None:
+        self.lasts = lasts
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Do nothing."""
+
+    def run(self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
+        """Run jobs in order, and those that follow after them."""
+        waiting: dict[int, Job] = dict(jobs)
+        while waiting:
+            key = next(iter(waiting))
+            job = waiting.pop(key)
+
+            def report(
+                done: float, word: str = "", rows: Array | None = None, key: int = key
+            ) -> None:
+                on_progress(key, done, word, rows)
+
+            try:
+                outcome = job(report)
+            except Stopped as stopped:
+                on_result(key, stopped.outcome)
+                raise KeyboardInterrupt from None
+            _follow(waiting, on_result(key, outcome))
+
+
+def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> None:
+    for key, job in following.items():
+        waiting.pop(key, None)
+        if job is not None:
+            waiting[key] = job
+
+
+class Pool:
+    """Run jobs in worker processes, which end with this process, however it ends.
+
+    Parameters
+    ----------
+    count : int
+        Number of workers; they start with the first job.
+    imports : sequence of str
+        Modules that jobs need.
+    lasts : float
+        As in ``InProcess``.
+    """
+
+    def __init__(self, count: int, imports: Sequence[str] = (), lasts: float = math.inf) -> None:
+        self.lasts, self._count, self._imports = lasts, count, tuple(imports)
+        self._executor: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        self._end(wait=error is None)
+
+    def _start(self) -> None:
+        methods = multiprocessing.get_all_start_methods()
+        context: Any = multiprocessing.get_context(
+            "forkserver" if "forkserver" in methods else "spawn"
+        )
+        package = import_module("presswear").__path__[0]
+        # The server of forks would import another version from the working directory.
+        is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
+        if "forkserver" in methods and is_safe:
+            context.set_forkserver_preload(list(self._imports))
+        self._is_warm = False
+        self._folder = tempfile.mkdtemp(prefix="presswear-")
+        self._shared = context.RawArray("d", 2 * self._count)  # progress, then requests
+        arguments = self._shared, self._folder, self._imports
+        self._executor = ProcessPoolExecutor(self._count, context, _prepare, arguments)
+        for _ in range(self._count):  # start all workers now, so that they import together
+            self._submit(os.getpid)
+
+    def _submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        assert self._executor is not None, "workers have started"
+        with _hidden_main():
+            return self._executor.submit(function, *arguments)
+
+    def _request(self, places: Sequence[int], request: float) -> None:
+        for place in places:
+            self._shared[self._count + place] = request
+
+    def _end(self, wait: bool) -> None:
+        if self._executor is not None:
+            self._request(range(self._count), HALT)
+            self._executor.shutdown(wait, cancel_futures=True)
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._executor = None
+
+    def run(self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
+        """Run jobs, at most one in each worker, and those that follow after them.
+
+        Raises
+        ------
+        RunFailed
+            If a worker was killed.
+        """
+        waiting: dict[int, Job] = dict(jobs)
+        running: dict[Future[Any], tuple[int, int]] = {}  # place and key
+        dropped: set[int] = set()
+        try:
+            while waiting or running:
+                self._submit_waiting(waiting, running)
+                done = wait(running, POLL, FIRST_COMPLETED).done
+                # When a pool breaks, some jobs may have finished all the same.
+                for future in sorted(done, key=lambda each: each.exception() is not None):
+                    key = running[future][1]
+                    following = {} if key in dropped else on_result(key, _result(future))
+                    del running[future]
+                    dropped.discard(key)
+                    self._is_warm = True
+                    _follow(waiting, following)
+                    unwanted = {place: k for place, k in running.values() if k in following}
+                    self._request(list(unwanted), STOP)
+                    dropped.update(unwanted.values())
+                for place, key in running.values():
+                    part = self._shared[place]
+                    self._is_warm |= math.isfinite(part)
+                    if part != -math.inf:
+                        on_progress(key, part, "", None)
+        except BaseException as error:
+            if isinstance(error, KeyboardInterrupt) or is_stopped():
+                self._request(range(self._count), HALT)
+                wait(running)
+                for future, (_, key) in running.items():
+                    if key not in dropped and future.exception() is None:
+                        on_result(key, _result(future))
+            self._end(wait=False)
+            if isinstance(error, BrokenProcessPool | MemoryError):
+                raise RunFailed(LOST) from None
+            raise
+
+    def _submit_waiting(
+        self, waiting: dict[int, Job], running: dict["Future[Any]", tuple[int, int]]
+    ) -> None:
+        if self._executor is None:
+            self._start()
+        busy = {place for place, _ in running.values()}
+        free = [place for place in range(self._count) if place not in busy]
+        if not self._is_warm:
+            free = free[: 1 - len(busy)]
+        for place, key in zip(free, list(waiting), strict=False):
+            self._shared[place], self._shared[self._count + place] = -math.inf, 0.0
+            running[self._submit(_run_job, place, waiting.pop(key))] = place, key
+
+
+Workers = InProcess | Pool
+
+
+def workers_for(count: int, imports: Sequence[str] = (), lasts: float = math.inf) -> Workers:
+    """Return what runs ``count`` jobs at a time; see ``Pool``."""
+    # A process that ends with its parent may have no children.
+    is_alone = count <= 1 or multiprocessing.current_process().daemon
+    return InProcess(lasts) if is_alone else Pool(count, imports, lasts)
+
+
+def outcomes(workers: Workers, jobs: Sequence[Job]) -> list[Any]:
+    """Run jobs and return their results in order."""
+    results: dict[int, Any] = {}
+
+    def on_result(key: int, outcome: Any) -> Mapping[int, Job | None]:
+        results[key] = outcome
+        return {}
+
+    workers.run(dict(enumerate(jobs)), on_result, lambda *progress: None)
+    return [results[key] for key in range(len(jobs))]
+
+
+def _result(future: "Future[Any]") -> Any:
+    with open(future.result(), "rb") as file:
+        return pickle.load(file)
+
+
+@contextmanager
+def _hidden_main() -> Iterator[None]:
+    """Start processes that do not import the main module and that Ctrl-C does not reach.
+
+    They would run a script a second time that lacks ``if __name__ == "__main__":``.
+    """
+    main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
+    before = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+        if mask:
+            mask(signal.SIG_SETMASK, before)
+
+
+_worker: dict[str, Any] = {}  # arguments of ``_prepare`` in a worker
+
+
+def _prepare(shared: Any, folder: str, imports: Sequence[str]) -> None:
+    """Prepare a worker."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # its parent decides
+    _worker.update(shared=shared, folder=folder, is_running=False)
+    end_with_parent(lambda: bool(shared[len(shared) - 1] == HALT and _worker["is_running"]), folder)
+    for name in imports:
+        import_module(name)
+
+
+def end_with_parent(is_stuck: Callable[[], bool] = lambda: False, folder: str = "") -> None:
+    """End this process when its parent has ended, even if the parent was killed.
+
+    It also ends after GRACE seconds in which ``is_stuck`` returned True. The folder is removed
+    together with the parent.
+    """
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a process of an executor has a parent"
+
+    def watch() -> None:
+        stuck = 0.0
+        while stuck < GRACE:
+            if wait_for([parent.sentinel], 1.0):
+                shutil.rmtree(folder, ignore_errors=True)
+                break
+            stuck = stuck + 1.0 if is_stuck() else 0.0
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _run_job(place: int, job: Job) -> str:
+    """Run a job in a worker; return the path of the file with its result."""
+    shared = _worker["shared"]
+    count = len(shared) // 2
+
+    def report(done: float, word: str = "", rows: Array | None = None) -> None:
+        shared[place] = done
+        if shared[count + place]:
+            _worker["is_running"] = False
+            raise KeyboardInterrupt
+
+    _worker["is_running"] = True
+    try:
+        outcome = job(report)
+    except Stopped as stopped:
+        outcome = stopped.outcome
+    finally:
+        _worker["is_running"] = False
+    handle, path = tempfile.mkstemp(dir=_worker["folder"])
+    with open(handle, "wb") as file:
+        pickle.dump(outcome, file)
+    return path
+
+
+_received: list[int] = []  # signals
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    _received.append(number)
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt; ignored signals stay ignored.
+
+    The program may be in a place that drops KeyboardInterrupt, or makes another error of it. A
+    command therefore calls ``check_stopped`` with its progress, and any error after a signal counts
+    as an interrupt.
+    """
+    _received.clear()
+    before, hook = {}, sys.unraisablehook
+
+    def unraisable(problem: "sys.UnraisableHookArgs") -> None:
+        if not is_stopped():  # an object that a signal left incomplete fails when it is deleted
+            hook(problem)
+
+    if threading.current_thread() is threading.main_thread():
+        sys.unraisablehook = unraisable
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, _interrupt)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if not is_stopped():  # such objects may live until the program ends
+            sys.unraisablehook = hook
+
+
+def is_stopped() -> bool:
+    """Return whether a signal has come."""
+    return bool(_received)
+
+
+def check_stopped() -> None:
+    """Raise KeyboardInterrupt if a signal has come."""
+    if is_stopped():
+        raise KeyboardInterrupt
+
+
+def exit_code() -> int:
+    """Return 128 plus the number of the signal that has come."""
+    return 128 + (_received[0] if _received else signal.SIGINT)
