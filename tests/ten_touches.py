@@ -14,7 +14,7 @@ TOUCHES = 10
 def run_until(scene: Scene, engine: ExudynTree | InHouse, duration: float) -> Run:
     """Run a scene for a time, s."""
     plan = Plan(duration, 1, recorded_cycles=1)
-    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     return run
 

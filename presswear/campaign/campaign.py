@@ -239,7 +239,7 @@ def workers_of(
     duration = interval / _UNITS_PER_CHECKPOINT
     if count > 1:
         duration = min(duration, TURN)
-    return workers_for(count, (WORK_MODULE, scene.solver.room), duration)
+    return workers_for(count, (WORK_MODULE, scene.solver.module), duration)
 
 
 def run_into(

@@ -357,7 +357,7 @@ class StepCheck:
         """
         scene, linkage = self.scene, linkage_on(self.scene, self.depth)
         cycle, joints = scene.mechanism.period, range(len(linkage.clearances))
-        engine = scene.solver.over(cycle)
+        engine = scene.solver.for_cycle(cycle)
         refined = engine.finer(REFINEMENT)
         if refined is None or not joints:
             return {}

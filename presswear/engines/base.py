@@ -32,7 +32,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Plan:
-    """How long to run and what to keep.
+    """Duration of a run and the results to store.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Plan:
     torques : bool
         Whether the series hold the torques of the drives.
     observers : tuple of Observer
-        Told what happens; any of them can end the run after a cycle.
+        Notified of progress; each can end the run after a cycle.
     wear : callable or None
         Gives the depth, m, that the surfaces lose after a cycle, from the number of cycles run
         and the depth that the last one added, both depths of shape (joints, 2, m); None: the
@@ -86,7 +86,7 @@ class Plan:
         return self.run_up + SETTLED * self.cycle
 
     def advanced(self, time: float) -> None:
-        """Tell the observers that a run has come to a time, s."""
+        """Report the time reached, s, to the observers."""
         for observer in self.observers:
             observer.on_advance(min(time / self.duration, 1.0))
 
@@ -152,11 +152,11 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     model : str
         The coordinates and joints that the engine solves for.
     prescribed : iterable of str
-        Bodies whose motion is known, and which it does not solve for.
+        Bodies whose motion is prescribed, which it does not solve for.
     """
-    known = sorted(prescribed)
-    if known:
-        model = f"{model}, {listed(known)} prescribed"
+    names = sorted(prescribed)
+    if names:
+        model = f"{model}, {listed(names)} prescribed"
     named = [load.name for load in linkage.live_loads if isinstance(load, Force) and load.name]
     if named:
         model = f"{model}; forces: {', '.join(named)}"

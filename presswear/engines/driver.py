@@ -63,8 +63,7 @@ Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 """Builds the model of a linkage in a start, with an engine's settings."""
 
 
-_WORN_OFF = "worn_off"
-"""Elastic energy of what was worn off under load, J, among the sums."""
+_WORN_OFF = "worn_off"  # elastic energy of what was worn off under load, J, among the sums
 _MADE, _DRIVE_WORK = "made", "drive_work"
 """Energies of the ledger up to the end of the last cycle, J, among the sums."""
 
@@ -144,9 +143,9 @@ def _cycles(
                 return "completed", None
             if any(answers):
                 return "enough", None
-        begin = plan.run_up + plan.cycle * done
+        cycle_start = plan.run_up + plan.cycle * done
         for phase in inner:
-            finding = running.advance(begin + phase * plan.cycle)
+            finding = running.advance(cycle_start + phase * plan.cycle)
             if finding:
                 return "failed", finding
             recorder.note_section()

@@ -17,13 +17,12 @@ from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
 
+# Exudyn ends a run this close to its end time, s; a cycle is closed the same way.
 END_TOLERANCE = 1e-10
-"""Exudyn ends a run this close to its end time, s; a cycle is closed the same way."""
 
 _PROGRESS_STEPS = 512
 
-STEP_SAFETY = 0.9
-"""Exudyn's own factor behind the step that an error of DOPRI5 allows."""
+STEP_SAFETY = 0.9  # Exudyn's own factor behind the step that an error of DOPRI5 allows
 
 Accept = Callable[[float], float]
 """Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
@@ -34,7 +33,7 @@ Write = Callable[[Any, float], None]
 
 @dataclass
 class Solve:
-    """How the solve of the present cycle goes, and how it ended.
+    """State of the solve of the present cycle, and its end.
 
     Attributes
     ----------
@@ -70,7 +69,7 @@ class Solve:
         counts: Mapping[str, str],
         proposed: float = 0.0,
     ) -> "Solve":
-        """A solve that has not begun, with a first step as proposed, s."""
+        """Return the initial state of a solve with a proposed first step, s."""
         names = ("steps", "sent_back", *counts, "wall", "time", "following")
         sums = {**dict.fromkeys(names, 0.0), "proposed": proposed}
         return Solve(recorder, plan, counts, sums)
@@ -212,11 +211,11 @@ def settings_of(longest: float, shortest: float) -> Any:
     return settings
 
 
-def set_span(settings: Any, begin: float, longest: float, steps: int) -> None:
-    """Set the time that a solve begins at, s, and its end: so many longest steps, s, behind."""
+def set_span(settings: Any, start: float, longest: float, steps: int) -> None:
+    """Set the start time of a solve, s, and its end after a number of longest steps, s."""
     integration = settings.timeIntegration
-    integration.startTime = begin
-    integration.endTime = begin + steps * longest
+    integration.startTime = start
+    integration.endTime = start + steps * longest
     integration.numberOfSteps = steps
 
 

@@ -1,15 +1,15 @@
-"""The engines as objects: how finely each integrates, and how it is run.
+"""Settings of the engines: how finely each integrates.
 
-A tolerance that is not given follows from what the numbers are for.  Chosen from ``presswear
-benchmark``, for a trajectory: the coarsest that keep the bounds of the cross-check up to the
-horizon (slider to 1e-6 m, touches to 1e-6 s); for the open tree and the in-house solver a
-decade finer, which costs them a fifth.  The in-house solver takes order 8, at twice the price
-of order 5, because it checks Exudyn's DOPRI5.  For forces and wear, which are statistics of a
-chaotic motion: the coarsest whose error in them cannot be told from none, a decade finer; what
-that error is in the run at hand, the run itself finds out (``campaign/resolution.py``).
+A tolerance that is not specified follows from the purpose of the run; the values are chosen from
+``presswear benchmark``.  For a trajectory they are the coarsest that keep the bounds of the
+cross-check up to the horizon (slider to 1e-6 m, touchdowns to 1e-6 s), a decade finer for the open
+tree and the in-house solver, at a fifth more computing time.  The in-house solver uses order 8
+there, at twice the price of order 5, because it checks Exudyn's DOPRI5.  Forces and wear are
+statistics of a chaotic motion: the tolerance is a decade finer than the coarsest without a
+detectable error.  Each run measures its step error itself (``campaign/resolution.py``).
 
-Ranges are checked where a scene takes the settings; trials go beyond them on purpose.  What an
-engine needs to run is imported when it runs.
+A scene checks the ranges; the benchmark exceeds them on purpose.  The code of an engine is
+imported when it runs.
 """
 
 from collections.abc import Mapping
@@ -24,75 +24,73 @@ if TYPE_CHECKING:
     from presswear.linkage.linkage import Linkage
 
 Integrator = Literal["auto", "dop853", "dopri5", "rk4", "rk4-paper"]
-Purpose = Literal["trajectory", "forces", "wear"]
-"""What the numbers of a run are for."""
+Purpose = Literal["trajectory", "forces", "wear"]  # of the numbers of a run
 
-USUAL = 0.1
-"""Part to which wear is asked to be known, for which the tolerances here are."""
+WEAR_ERROR = 0.1  # relative error of the wear maps for which the tolerances below are chosen
+LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
+PAPER_STEP = 1e-4  # s; integral step of the paper's Table 2
 TREE_TOLERANCES: dict[Purpose, float] = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
-"""Tolerances of the open tree by purpose."""
 IN_HOUSE: dict[Purpose, tuple[Integrator, float]] = {
     "trajectory": ("dop853", 1e-9),
     "forces": ("dopri5", 1e-7),
     "wear": ("dopri5", 1e-6),
 }
-"""Integrators of the in-house solver by purpose, and their tolerances."""
 
 
-def asked(tolerances: Mapping[Purpose, float], purpose: Purpose, known: float) -> float:
-    """The tolerance for a purpose; that of wear falls with the part to which it is to be known."""
-    finest = tolerances["trajectory"]
-    scaled = tolerances[purpose] * (min(known / USUAL, 1.0) if purpose == "wear" else 1.0)
-    return max(scaled, finest)
-
-
-LEAST_STEPS = 500
-"""Steps of an error-controlled engine in a cycle without contact, at least."""
-PAPER_STEP = 1e-4
-"""Integral step of the paper's Table 2, s."""
+def scaled_tolerance(
+    tolerances: Mapping[Purpose, float], purpose: Purpose, wear_error: float
+) -> float:
+    """Return the tolerance for a purpose; for wear it is proportional to the wanted error."""
+    scale = min(wear_error / WEAR_ERROR, 1.0) if purpose == "wear" else 1.0
+    return max(tolerances[purpose] * scale, tolerances["trajectory"])
 
 
 class _Engine:
-    """Parts that all engines share: the longest step, and how they are run."""
+    """Longest step and run of any engine."""
 
     word: ClassVar[str]
-    free_step: float | None
-    """Longest step between contacts, s; None: a part of the plan's cycle."""
+    free_step: float | None  # longest step between contacts, s; None: a part of the cycle
 
     @property
     def _least_steps(self) -> int:
         return LEAST_STEPS
 
-    def resolved(self, purpose: Purpose = "trajectory", known: float = USUAL) -> Self:
-        """The same with what is not given as a purpose needs it.
+    def resolved(self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR) -> Self:
+        """Return a copy with unspecified settings set for the purpose.
 
         Parameters
         ----------
-        known : float
-            Part to which wear is to be known.
+        wear_error : float
+            Wanted relative error of the wear maps.
         """
         return self
 
     def longest(self, cycle: float) -> float:
-        """Longest step in a cycle of a duration, s."""
+        """Return the longest step, s, in a cycle of a duration, s."""
         return cycle / self._least_steps if self.free_step is None else self.free_step
 
-    def over(self, cycle: float) -> Self:
-        """The same with the longest step of a cycle of a duration, s, whatever is run."""
+    def for_cycle(self, cycle: float) -> Self:
+        """Return a copy whose longest step is that for a cycle of a duration, s."""
         return replace(cast(Any, self), free_step=self.longest(cycle))
 
     def finer(self, factor: float) -> Self | None:
-        """The same at a tolerance so many times smaller; None where it has none."""
+        """Return a copy with the tolerance divided by a factor; None without a tolerance."""
         return None
 
     @property
-    def room(self) -> str:
-        """The module that runs it."""
+    def module(self) -> str:
+        """Name of the module that runs this engine."""
         return f"presswear.engines.{self.word.replace('-', '_')}.engine"
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
-        """Run a linkage from a start; InputError where this engine cannot begin there."""
-        prepare = import_module(self.room).prepare
+        """Run a linkage from a start.
+
+        Raises
+        ------
+        InputError
+            If the engine cannot run this linkage or begin at this start.
+        """
+        prepare = import_module(self.module).prepare
         run: Run = import_module("presswear.engines.driver").simulate(
             prepare, linkage, start, self.resolved(), plan
         )
@@ -107,7 +105,7 @@ class ExudynTree(_Engine):
     ----------
     tree_tolerance : float or None
         Error allowed in a step: root mean square over the coordinates, rad or m, and
-        their rates, rad/s or m/s.  None: by the purpose.
+        their rates, rad/s or m/s.  None: by the purpose of the run.
     """
 
     word: ClassVar[str] = "exudyn-tree"
@@ -118,23 +116,25 @@ class ExudynTree(_Engine):
         1e-13,
         1e-3,
         "chosen",
-        "of exudyn-tree: error of a step, rad or m and rad/s or m/s; none given: by the purpose",
+        "of exudyn-tree: error of a step, rad or m and rad/s or m/s; default: by the purpose",
     )
     free_step: float | None = None
 
-    def resolved(self, purpose: Purpose = "trajectory", known: float = USUAL) -> "ExudynTree":
-        """The same with a tolerance as a purpose needs it, where none is given."""
+    def resolved(
+        self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
+    ) -> "ExudynTree":
+        """Return a copy with a tolerance for the purpose if none is specified."""
         if self.tree_tolerance is not None:
             return self
-        return replace(self, tree_tolerance=asked(TREE_TOLERANCES, purpose, known))
+        return replace(self, tree_tolerance=scaled_tolerance(TREE_TOLERANCES, purpose, wear_error))
 
     @property
     def tolerance(self) -> float:
-        """The tolerance; that of a trajectory where none is given."""
+        """Specified tolerance, else the one for a trajectory."""
         return cast(float, self.resolved().tree_tolerance)
 
     def finer(self, factor: float) -> "ExudynTree":
-        """The same at a tolerance so many times smaller."""
+        """Return a copy with the tolerance divided by a factor."""
         return replace(self, tree_tolerance=self.tolerance / factor)
 
 
@@ -192,7 +192,7 @@ class ExudynJoints(_Engine):
 
 @dataclass(frozen=True)
 class InHouse(_Engine):
-    """The solver of this house, with touches located: an open tree, or Lagrange multipliers.
+    """In-house solver with located touchdowns, for an open tree or with Lagrange multipliers.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ class InHouse(_Engine):
         classical of order 4 with equal steps; the same with the paper's 1e-4 s.
     integration_tolerance : float or None
         Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
-        ``1 m/s + |v|`` in velocities.  None: by the purpose.
+        ``1 m/s + |v|`` in velocities.  None: by the purpose of the run.
     equal_step : float
         Of ``rk4``, s.
     coordinates : {"auto", "fewest", "all"}
@@ -228,8 +228,8 @@ class InHouse(_Engine):
         1e-14,
         1e-3,
         "chosen",
-        "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; none "
-        "given: by the purpose",
+        "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; "
+        "default: by the purpose",
     )
     equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: its step")
     coordinates: str = choice(
@@ -245,43 +245,44 @@ class InHouse(_Engine):
     beta: float = 20.0
     free_step: float | None = None
 
-    def resolved(self, purpose: Purpose = "trajectory", known: float = USUAL) -> "InHouse":
-        """The same with integrator and tolerance as a purpose needs them, where none is given."""
+    def resolved(
+        self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
+    ) -> "InHouse":
+        """Return a copy with unspecified integrator and tolerance set for the purpose."""
         chosen, tolerance = self.integrator, self.integration_tolerance
         if chosen == "auto":
             chosen = IN_HOUSE[purpose][0]
         if tolerance is None:
             tolerances = {key: value for key, (_, value) in IN_HOUSE.items()}
-            tolerance = asked(tolerances, purpose, known)
+            tolerance = scaled_tolerance(tolerances, purpose, wear_error)
         return replace(self, integrator=chosen, integration_tolerance=tolerance)
 
     @property
     def tolerance(self) -> float:
-        """The tolerance; that of a trajectory where none is given."""
+        """Specified tolerance, else the one for a trajectory."""
         return cast(float, self.resolved().integration_tolerance)
 
     def finer(self, factor: float) -> "InHouse | None":
-        """The same at a tolerance so many times smaller; None where steps are equal."""
+        """Return a copy with the tolerance divided by a factor; None if steps are equal."""
         finer = self.tolerance / factor
         return None if self.has_equal_steps else replace(self, integration_tolerance=finer)
 
     @property
     def takes_all_coordinates(self) -> bool:
-        """True where constraints are kept by multipliers, whatever the linkage."""
+        """Return whether constraints are held by multipliers for any linkage."""
         if self.coordinates == "auto":
             return self.integrator == "rk4-paper" or self.projection == "on"
         return self.coordinates == "all"
 
     @property
     def has_equal_steps(self) -> bool:
-        """True where steps are equal, without control of their error."""
+        """Return whether steps are equal, without error control."""
         return self.integrator.startswith("rk4")
 
     @property
     def step(self) -> float:
-        """The equal step, s."""
+        """Equal step, s."""
         return PAPER_STEP if self.integrator == "rk4-paper" else self.equal_step
 
 
 Engine = ExudynTree | ExudynJoints | InHouse
-"""An engine with its settings."""

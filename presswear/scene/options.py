@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, ClassVar
 
-from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
+from presswear.engines.settings import (
+    WEAR_ERROR,
+    Engine,
+    ExudynJoints,
+    ExudynTree,
+    InHouse,
+    Purpose,
+)
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import (
     Quantity,
@@ -36,7 +43,7 @@ class Numerics:
     def _engines(self) -> dict[str, Any]:
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
-    def resolved(self, purpose: Purpose, accuracy: float = USUAL) -> "Numerics":
+    def resolved(self, purpose: Purpose, accuracy: float = WEAR_ERROR) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
         return Numerics(**{k: own.resolved(purpose, accuracy) for k, own in self._engines.items()})
 

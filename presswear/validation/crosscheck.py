@@ -171,7 +171,7 @@ def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
     scene = replace(scene, purpose="trajectory")
     scene.check()
     period = scene.mechanism.period
-    engine = scene.solver.over(period)
+    engine = scene.solver.for_cycle(period)
     if isinstance(engine, ExudynTree):
         trees = [
             replace(engine, tree_tolerance=engine.tolerance / part) for part in TOLERANCE_PARTS

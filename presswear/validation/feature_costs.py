@@ -84,7 +84,7 @@ def timed_run(name: str, scene: Scene, cycles: float, worn: Array | None = None)
     cycle, count = (period, int(cycles)) if cycles >= 1.0 else (cycles * period, 1)
     plan = Plan(cycle, count, count, torques=scene.stores_torques)
     linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
-    return TimedRun(name, linkage, start_of(scene), scene.solver.over(period), plan)
+    return TimedRun(name, linkage, start_of(scene), scene.solver.for_cycle(period), plan)
 
 
 def clearance_runs(scene: Scene, cycles: float) -> dict[str, TimedRun]:

@@ -87,7 +87,9 @@ def run_scene(
     """Run a cycle of a scene, or a duration, s, in its engine."""
     period = scene.mechanism.period
     plan = guarded(duration or period, patience=patience)
-    return run_sound(scene.linkage(worn), start or start_of(scene), scene.solver.over(period), plan)
+    return run_sound(
+        scene.linkage(worn), start or start_of(scene), scene.solver.for_cycle(period), plan
+    )
 
 
 def balanced(scene: Scene, duration: float = 0.0, start: Start | None = None) -> Iterator[Check]:
@@ -315,7 +317,7 @@ def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
     memory, period = _Memory(), scene.mechanism.period
     plan = guarded(period, cycles, LONGEST)
     plan = replace(plan, observers=(*plan.observers, memory))
-    run = run_sound(scene.linkage(), start_of(scene), scene.solver.over(period), plan)
+    run = run_sound(scene.linkage(), start_of(scene), scene.solver.for_cycle(period), plan)
     return run, memory.sizes[-1] - memory.sizes[cycles // 10]
 
 

@@ -236,7 +236,7 @@ def smooth_methods(
         engine = ExudynJoints(50, 10, free_step=step * SHORTER, newton=SMOOTH_NEWTON)
         joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
     if period is not None:
-        default = numerics.joints.over(period)
+        default = numerics.joints.for_cycle(period)
         joints.append(Method(default, TRAPEZOIDAL, STEP, default.longest(period), is_default=True))
     steps = [duration / count for count in extent.rk4_steps]
     dae = replace(numerics.dae, free_step=duration)
@@ -250,7 +250,7 @@ def joints_over_impacts(
     counts: Sequence[int], numerics: Numerics, period: float
 ) -> Iterator[Method]:
     """Yield the trapezoidal rule at several steps in an impact; all its steps shrink together."""
-    default = numerics.joints.over(period)
+    default = numerics.joints.for_cycle(period)
     for count in sorted({*counts, default.steps_per_contact}):
         finer = count / default.steps_per_contact
         engine = replace(
@@ -278,7 +278,7 @@ def contact_methods(
         True if the linkage is an open tree.
     """
     numerics = numerics.resolved("trajectory")
-    tree = numerics.tree.over(period)
+    tree = numerics.tree.for_cycle(period)
     trees = [
         replace(tree, tree_tolerance=value)
         for value in sorted({*extent.tree_tolerances, tree.tolerance}, reverse=True)
@@ -413,7 +413,8 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
     has_tree = isinstance(tree_of(linkage), Tree)
     second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
     runs = [
-        finite(engine.over(period).simulate(linkage, start, plan)) for engine in (TIGHT, second)
+        finite(engine.for_cycle(period).simulate(linkage, start, plan))
+        for engine in (TIGHT, second)
     ]
     names = (
         *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),

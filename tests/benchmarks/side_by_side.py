@@ -122,7 +122,7 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
     def engine(make: Callable[[float], Engine]) -> Method:
         def run(start: Start, value: float) -> tuple[Array, float]:
             plan = Plan(END, 1, 1, torques=False)
-            result = make(value).resolved().over(period).simulate(linkage, start, plan)
+            result = make(value).resolved().for_cycle(period).simulate(linkage, start, plan)
             if result.status == "failed":
                 raise RunFailed(result.message)
             seconds = float(result.diagnostics["wall_solve_s"])

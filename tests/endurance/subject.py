@@ -232,7 +232,7 @@ def run_part(scene: Scene, part: float, look: Callable[[float], None]) -> Energy
     """
     period, linkage = scene.mechanism.period, scene.linkage()
     plan = Plan(part * period, 1, 1, observers=(AdvanceObserver(look),))
-    run = scene.solver.over(period).simulate(linkage, start_of(scene), plan)
+    run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
     if run.finding and run.finding.kind == "penetration":
         raise OutsideError(run.message)
     told = sound(run, plan).diagnostics

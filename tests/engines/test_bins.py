@@ -36,7 +36,7 @@ def ran(engine: Engine, bins: dict[str, int], worn: bool) -> Run:
     assert {joint.name: joint.bins for joint in linkage.clearances} == bins
     period = scene.mechanism.period
     plan = Plan(PART * period, 1, 1)
-    run = engine.over(period).simulate(linkage, start_of(scene), plan)
+    run = engine.for_cycle(period).simulate(linkage, start_of(scene), plan)
     assert run.status == "completed", run.message
     assert run.recorder.book.tally["contacts"].min() > 1
     return run

@@ -101,7 +101,7 @@ def smooth() -> tuple[Run, Run]:
     plan = Plan(scene.mechanism.period / 3.0, 1)
     return (
         InHouse().simulate(scene.linkage(), start_of(scene), plan),
-        scene.numerics.joints.over(scene.mechanism.period).simulate(
+        scene.numerics.joints.for_cycle(scene.mechanism.period).simulate(
             scene.linkage(), start_of(scene), plan
         ),
     )

@@ -14,7 +14,7 @@ from presswear.scene.catalog import ideal, wear_times
 
 SCENE = wear_times()
 NUMERICS = SCENE.numerics
-EXUDYN = [engine.over(SCENE.mechanism.period) for engine in (NUMERICS.tree, NUMERICS.joints)]
+EXUDYN = [engine.for_cycle(SCENE.mechanism.period) for engine in (NUMERICS.tree, NUMERICS.joints)]
 
 
 @pytest.mark.parametrize("engine", EXUDYN, ids=lambda engine: engine.word)
@@ -46,7 +46,7 @@ def test_ideal_press_follows_the_closed_form(
     """Position, velocity and acceleration of the slider in every row, and all bodies at the end."""
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
     period = scene.mechanism.period
-    run = engine.over(period).simulate(scene.linkage(), start_of(scene), Plan(period, 1))
+    run = engine.for_cycle(period).simulate(scene.linkage(), start_of(scene), Plan(period, 1))
     rows = run.recorder.rows
     assert len(rows) > least
     apart = np.abs(rows[:, 1:4] - scene.ideal_slider(rows[:, 0])).max(axis=0)

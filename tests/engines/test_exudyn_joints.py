@@ -122,7 +122,7 @@ def press_runs() -> dict[str, Run]:
     runs = {}
     for name, conventions in CONVENTIONS.items():
         scene = replace(wear_times(), conventions=conventions)
-        runs[name] = scene.numerics.joints.over(scene.mechanism.period).simulate(
+        runs[name] = scene.numerics.joints.for_cycle(scene.mechanism.period).simulate(
             scene.linkage(), start_of(scene), Plan(scene.mechanism.period / 3.0, 1)
         )
     return runs
@@ -163,7 +163,9 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
     scene = ideal()
     ends = EndsAfter(2)
     period = scene.mechanism.period
-    coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)
+    coarse = replace(
+        scene.numerics.joints.for_cycle(scene.mechanism.period), free_step=period / 300.0
+    )
     run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, observers=(ends,)))
     assert run.status == "enough"
     assert ends.asked == [1, 2]

@@ -17,7 +17,7 @@ from presswear.scene.catalog import wear_times
 def both(joints: str) -> tuple[Run, Run]:
     scene = replace(wear_times(), joints=joints)
     linkage, start, plan = scene.linkage(), start_of(scene), Plan(0.03, 1)
-    accuracy = scene.numerics.joints.over(scene.mechanism.period)
+    accuracy = scene.numerics.joints.for_cycle(scene.mechanism.period)
     fine = replace(
         accuracy,
         steps_per_contact=200,

@@ -29,7 +29,7 @@ class Case:
     cycles: int
 
     def run(self, resume: State | None, *observers: Observer) -> Run:
-        scene, accuracy = self.scene, self.scene.solver.over(self.scene.mechanism.period)
+        scene, accuracy = self.scene, self.scene.solver.for_cycle(self.scene.mechanism.period)
         period = scene.mechanism.period
         plan = Plan(period, self.cycles, RECORDED, observers=observers, resume=resume)
         return accuracy.simulate(scene.linkage(), start_of(scene), plan)

@@ -64,7 +64,7 @@ def with_laws(settings: dict[str, object], folder: Path) -> Scene:
 
 def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
     plan = Plan(duration, 1, recorded_cycles=1)
-    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     residual = abs(float(run.diagnostics["energy_residual_J"]))
     assert residual < 1e-7 * float(run.diagnostics["drive_exchange_J"])
@@ -103,7 +103,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
 
     def outcome(engine: ExudynJoints | InHouse) -> tuple[float, int]:
         plan = Plan(0.0114, 1, recorded_cycles=1)
-        engine = engine.over(scene.mechanism.period)
+        engine = engine.for_cycle(scene.mechanism.period)
         run = engine.simulate(scene.linkage(), start_of(scene), plan)
         touchdowns = sum(contacts_of(run, k)["touchdown"].size for k in range(2))
         return float(run.diagnostics["friction_loss_J"]), touchdowns
@@ -174,7 +174,7 @@ def test_a_law_that_gives_no_number_later_ends_the_run(
     scene = changed(BASE, {"normal_law": f"{tmp_path}/late.py:late"})
     scene.check_own_laws()
     plan = Plan(0.1, 1, recorded_cycles=1)
-    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "failed"
 
 
@@ -197,7 +197,7 @@ def test_energy_adds_up_where_the_force_ends_before_the_contact(damping: str) ->
     settings = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-10"}
     law = {"normal_law": "kelvin-voigt", "viscous_damping": damping}
     scene = changed(BASE, settings | law)
-    engine = scene.solver.over(scene.mechanism.period)
+    engine = scene.solver.for_cycle(scene.mechanism.period)
     run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.05, 1, 1))
     names = ("energy_residual_J", "contact_loss_J", "friction_loss_J")
     residual, *losses = (float(run.diagnostics[name]) for name in names)

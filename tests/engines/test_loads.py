@@ -363,7 +363,7 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy() -> None:
     for engine in (InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-11)):
         # Ten touches come before 0.03 s; the cycle is what the longest step is a part of.
         plan = Plan(0.03, 1, recorded_cycles=1)
-        ran = engine.over(scene.mechanism.period).simulate(linkage, start_of(scene), plan)
+        ran = engine.for_cycle(scene.mechanism.period).simulate(linkage, start_of(scene), plan)
         assert ran.status == "completed", ran.message
         assert residual(ran) < 1e-7 * float(ran.diagnostics["drive_exchange_J"])
         times = sorted(t for k in joints for t in ran.recorder.episodes(k)[:, 0].tolist())
@@ -394,7 +394,7 @@ def test_drives_and_loads_balance_on_the_ideal_press(word: str) -> None:
         ],
     )
     period = scene.mechanism.period
-    engine = scene.solver.over(period)
+    engine = scene.solver.for_cycle(period)
     ran = engine.simulate(linkage, start_of(scene), Plan(period, 1, recorded_cycles=1))
     assert ran.status == "completed", ran.message
     exchange = float(ran.diagnostics["drive_exchange_J"])

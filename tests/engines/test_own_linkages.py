@@ -87,7 +87,9 @@ def test_clearance_on_the_frame_runs_in_every_engine() -> None:
     ends = []
     for engine in engines:
         plan = Plan(0.02, 1, recorded_cycles=1)
-        run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+        run = engine.for_cycle(scene.mechanism.period).simulate(
+            scene.linkage(), start_of(scene), plan
+        )
         assert run.status == "completed", run.message
         ends.append(run.end.position)
     assert np.abs(ends[0] - ends[1]).max() < 1e-5
@@ -105,7 +107,7 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
         if word.endswith("coordinates"):
             engine = replace(engine, coordinates="all")
         plan = Plan(0.1 * crank.period, 1)
-        run = engine.over(crank.period).simulate(scene.linkage(), start_of(scene), plan)
+        run = engine.for_cycle(crank.period).simulate(scene.linkage(), start_of(scene), plan)
         assert run.status == "completed"
         assert len(run.recorder.episodes(0)) > 0
         ends.append(np.array([run.end.position, run.end.velocity]))

@@ -374,7 +374,7 @@ def test_the_shortest_rod_passes_all_around() -> None:
 def test_engines_follow_the_closed_form(engine: str) -> None:
     """Displacement, velocity and acceleration of the slider over two turns."""
     scene = replace(slider_crank(), joints="none", engine=engine)
-    run = scene.solver.over(CRANK.period).simulate(
+    run = scene.solver.for_cycle(CRANK.period).simulate(
         scene.linkage(), start_of(scene), Plan(CRANK.period, 2)
     )
     assert run.status == "completed"

@@ -169,7 +169,7 @@ def test_every_engine_follows_an_uneven_drive(
     scene = Scene(mechanism=MOTIONS[name], joints=joints, wear_updates=0, engine=engine)
     period = scene.mechanism.period
     plan = Plan(period, 1, run_up=scene.run_up)
-    run = scene.solver.over(period).simulate(scene.linkage(), start_of(scene), plan)
+    run = scene.solver.for_cycle(period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed"
     assert run.time == pytest.approx(scene.run_up + period, rel=1e-9)
     end = scene.ideal.at(np.array([run.time]))
@@ -222,7 +222,7 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     linkage, period = scene.linkage(), scene.mechanism.period
     kept: list[State] = []
     plan = Plan(0.07 * period, 3, observers=(Keeps(kept.append),))
-    run = ExudynJoints().over(period).simulate(linkage, start_of(scene), plan)
+    run = ExudynJoints().for_cycle(period).simulate(linkage, start_of(scene), plan)
     touches = int(run.recorder.book.tally["contacts"].sum())
     assert run.status == "completed", run.message
     assert (touches < 3) == is_far

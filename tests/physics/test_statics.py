@@ -144,7 +144,7 @@ def test_engine_that_runs_to_rest_stands_there(conventions: str, force: float) -
     )
     linkage = scene.linkage()
     found = equilibrium(linkage, 0.0)
-    run = scene.solver.over(0.05).simulate(linkage, start_of(scene), Plan(0.05, 8))
+    run = scene.solver.for_cycle(0.05).simulate(linkage, start_of(scene), Plan(0.05, 8))
     assert run.status == "completed"
     assert np.abs(run.end.velocity).max() < 1e-8
     np.testing.assert_allclose(found.position, run.end.position, rtol=0.0, atol=1e-11)

@@ -13,7 +13,7 @@ from presswear.scene.settings import changed
 
 
 def ran(scene: Scene, cycles: int) -> Run:
-    accuracy = scene.solver.over(scene.mechanism.period)
+    accuracy = scene.solver.for_cycle(scene.mechanism.period)
     plan = Plan(scene.mechanism.period, cycles)
     return accuracy.simulate(scene.linkage(), start_of(scene, 0), plan)
 

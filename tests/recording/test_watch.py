@@ -132,7 +132,7 @@ def test_missing_energy_of_a_vibrating_pin_is_found() -> None:
     found = {}
     for engine in (coarse, ExudynJoints()):
         plan = Plan(0.3 * period, 1, recorded_cycles=1)
-        run = engine.over(period).simulate(scene.linkage(), start_of(scene), plan)
+        run = engine.for_cycle(period).simulate(scene.linkage(), start_of(scene), plan)
         ledger = run.diagnostics
         lost = float(ledger["contact_loss_J"]) + float(ledger["friction_loss_J"])
         missing = abs(float(ledger["energy_residual_J"])) / lost

@@ -20,7 +20,7 @@ from presswear.scene.catalog import wear_times
 import sys
 scene, found = wear_times(), []
 for engine in (ExudynTree(1e-11), ExudynJoints()):
-    engine = engine.over(scene.mechanism.period)
+    engine = engine.for_cycle(scene.mechanism.period)
     run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.012, 1, 1))
     found.append([*map(float, run.end.position), float(run.recorder.book.tally["contacts"].sum())])
 print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, found]))

@@ -170,7 +170,7 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
     defaults = [p.method.engine for p in family(points, 3) if p.method.is_default]
     numerics, period = SCENE.numerics.resolved("trajectory"), SCENE.mechanism.period
     dae = replace(numerics.dae, free_step=period / 500.0)
-    assert defaults == [numerics.joints.over(period), numerics.tree.over(period), dae]
+    assert defaults == [numerics.joints.for_cycle(period), numerics.tree.for_cycle(period), dae]
     changed = SCENE.numerics.having(
         steps_per_contact=70, tree_tolerance=3e-7, integrator="rk4", equal_step=3e-5
     )

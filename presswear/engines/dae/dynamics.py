@@ -48,14 +48,11 @@ from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 Array = NDArray[np.float64]
 
-DRIVE_INTEGRALS = 2
-"""Integrals before those of the joints: drive work and its absolute value, J."""
-JOINT_INTEGRALS = JOINT_RATES
-"""Integrals per joint: those of the rates of ``add_contacts``."""
+DRIVE_INTEGRALS = 2  # integrals before those of the joints: drive work and its absolute value, J
+JOINT_INTEGRALS = JOINT_RATES  # integrals per joint: those of the rates of ``add_contacts``
 TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE = range(4)
 """Integrals per drive."""
-TORQUE_INTEGRALS = 4
-"""Their number."""
+TORQUE_INTEGRALS = 4  # their number
 
 
 class Hung(NamedTuple):

@@ -9,7 +9,6 @@ from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
-    System,
     state_size,
     system_of,
     tree_system_of,
@@ -37,11 +36,10 @@ from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 
+# Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
-"""Advice that makes a run finer."""
 
-_CHUNK = 2000
-"""Steps between two looks at the clock and the keyboard."""
+_CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
 def check_start(constraints: Constraints, start: Start) -> None:
@@ -71,8 +69,8 @@ def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> st
     for row, name in zip(jacobian, names, strict=True):
         rest = row / np.linalg.norm(row)
         # Twice: once leaves a remainder of round-off.
-        for known in basis + basis:
-            rest = rest - (rest @ known) * known
+        for direction in basis + basis:
+            rest = rest - (rest @ direction) * direction
         size = float(np.linalg.norm(rest))
         if size < least:
             return name
@@ -130,7 +128,7 @@ def prepare(
         return int(march_controlled(system, tableau, book, control, motion, end, most))
 
     def worn() -> None:
-        control["known"] = False
+        control["has_slope"] = False
 
     march(0.0, 1)  # accounts for the start; compiles, or loads what was compiled
     ready = clock.perf_counter()
@@ -166,9 +164,15 @@ def prepare(
         losses = y[2 * n + DRIVE_INTEGRALS : joints_end].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
         work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
         contact, friction, made = map(float, losses[[CONTACT_LOSS, FRICTION_LOSS, MADE]])
-        given = float(y[-1]) if system.has_work else 0.0
+        load_work = float(y[-1]) if system.has_work else 0.0
         return Ledger(
-            float(work), float(exchange), stored() - energy_before, contact, friction, made, given
+            float(work),
+            float(exchange),
+            stored() - energy_before,
+            contact,
+            friction,
+            made,
+            load_work,
         )
 
     def diagnostics() -> dict[str, float | int | str]:
@@ -184,22 +188,18 @@ def prepare(
             "wall_solve_s": sums["solve"],
         }
 
+    prescribed = {} if system.hung is None else {"prescribed": system.hung.prescribed.work}
     return Simulation(
         advance,
         state,
         ledger,
-        {"y": y, "slope": motion.slopes[0], "control": control, **_kept(system)},
+        {"y": y, "slope": motion.slopes[0], "control": control, **prescribed},
         sums,
         diagnostics,
         REMEDY,
         None if isinstance(tree, Tree) else constraints,
         worn=worn,
     )
-
-
-def _kept(system: System) -> dict[str, Array]:
-    """What a tree remembers of its last motion."""
-    return {} if system.hung is None else {"prescribed": system.hung.prescribed.work}
 
 
 def _words(

@@ -31,8 +31,8 @@ CONTROL = np.dtype(
         ("shortest", np.float64),  # s
         ("tolerance", np.float64),
         ("projected", np.bool_),
-        ("begun", np.bool_),  # the start is accounted for
-        ("known", np.bool_),  # ... and the slopes of the state are
+        ("has_started", np.bool_),  # the initial state is recorded
+        ("has_slope", np.bool_),  # the slopes of the state are evaluated
         ("past_corners", np.bool_),  # the next step does not end where friction has a corner
         ("steps", np.int64),
         ("rejected", np.int64),
@@ -44,24 +44,20 @@ CONTROL = np.dtype(
 )
 """State of an integration."""
 
+# Most repetitions that locate an event; four do, halving helps where Newton strays.
 NEWTON_STEPS = 60
-"""Most repetitions that locate an event; four do, halving helps where Newton strays."""
-SHORTEST_MOVE = 1e-15
-"""Change of a step, s, below which Newton's method stands still."""
-EVENT_DEPTH = 1e-17
-"""Penetration at which an event is located, m."""
-FOUND_DEPTH = 1e-12
-"""Penetration up to which a place that round-off keeps from it is one, m."""
-AT_ONCE = 1e-14
-"""Time, s, after which an event on which the last step has ended is another one."""
+SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
+EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
+DEPTH_TOL = 1e-12  # penetration up to which a place that round-off keeps from it is one, m
+MIN_SEPARATION = (
+    1e-14  # time, s, after which an event on which the last step has ended is another one
+)
+# Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact.
 HELD_OPEN = -1.0
-"""Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact."""
-CLASSICAL_STAGES = 4
-"""Evaluations in a step of the classical method."""
+CLASSICAL_STAGES = 4  # evaluations in a step of the classical method
+# A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s.
 BEHIND = 1e-13
-"""A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s."""
-FOUND_BEHIND = 1e-9
-"""... and so far where round-off keeps it from ending sooner."""
+MAX_BEHIND = 1e-9  # ... and so far where round-off keeps it from ending sooner
 
 
 @compiled
@@ -116,7 +112,7 @@ def first_of_corners(system: System) -> int:
 
 @compiled
 def first_corner(
-    system: System, book: Book, first: int, apart: int | np.int64, joints: int
+    system: System, book: Book, first: int, excluded: int | np.int64, joints: int
 ) -> tuple[int, float]:
     """Corner of friction that a closed joint slides past first in a trial step; or -1.
 
@@ -125,22 +121,22 @@ def first_corner(
     first : int
         The first event that is one.
     joints : int
-        Number of joints that are looked at.
+        Number of joints whose events are located, from the first.
     """
-    found = -1
+    event = -1
     part = 2.0
     for k in range(joints):
         start, end = book.contacts[k].sliding, system.contacts[k].sliding
         for down in range(2):
             sense = 1.0 - 2.0 * down
             number = first + 2 * k + down
-            if book.onset[k] <= 0.0 or number == apart:
+            if book.onset[k] <= 0.0 or number == excluded:
                 continue
             ahead = sense * (corner_ahead(start, sense, system.packed.joints[k].friction) - start)
             way = sense * (end - start)
             if way > ahead + 2.0 * BEHIND and ahead < part * way:
-                found, part = number, ahead / way
-    return found, part
+                event, part = number, ahead / way
+    return event, part
 
 
 @compiled
@@ -151,7 +147,7 @@ def first_change(
     motion: Integration,
     t: float,
     h: float,
-    apart: int | np.int64,
+    excluded: int | np.int64,
 ) -> tuple[int, float]:
     """Change of a load's law that comes first in a trial step, and at which part; or -1.
 
@@ -159,28 +155,28 @@ def first_change(
 
     Parameters
     ----------
-    apart : int
-        Event that is not looked at.
+    excluded : int
+        Event that is ignored.
     """
-    found = -1
+    event = -1
     part = 2.0
     if loads is None:
-        return found, part
+        return event, part
     reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
     joints = system.contacts.shape[0]
     for k in range(joints, joints + count_ways(loads)):
         value, rate = way_out(loads, k - joints, q, v, a)
-        if k == apart or value == -math.inf:
+        if k == excluded or value == -math.inf:
             continue
         start, first_rate, _, _ = way_at_start(loads, k - joints, 0.0)
         # What goes no further behind is round-off, or comes with that on which the step ends.
         reach = 2.0 * BEHIND
         s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)
-        comes_back = first_rate > 0.0 or value - reach > FOUND_BEHIND
-        if s < part and (s * h > AT_ONCE or comes_back):
-            found, part = k, s
-    return found, part
+        comes_back = first_rate > 0.0 or value - reach > MAX_BEHIND
+        if s < part and (s * h > MIN_SEPARATION or comes_back):
+            event, part = k, s
+    return event, part
 
 
 @compiled
@@ -192,7 +188,7 @@ def first_event(
     motion: Integration,
     t: float,
     h: float,
-    apart: int | np.int64,
+    excluded: int | np.int64,
     joints: int,
 ) -> tuple[int, float]:
     """Joint that touches down or separates first in a trial step, and at which part; or -1.
@@ -205,12 +201,12 @@ def first_event(
     Parameters
     ----------
     joints : int
-        Number of joints that are looked at.
+        Number of joints whose events are located, from the first.
     """
-    found = -1
+    event = -1
     part = 2.0
     for k in range(joints):
-        if k == apart:
+        if k == excluded:
             continue
         memory = book.memory[k]
         depth, rate = system.contacts[k].penetration, system.contacts[k].rate
@@ -219,17 +215,17 @@ def first_event(
         s = crossing(start, sign * memory.rate, sign * depth, sign * rate, h)
         # A state that was just placed on an event moves away from it and does not repeat it, but
         # where it is drawn back at once.
-        comes_back = sign * memory.rate > 0.0 or sign * depth > FOUND_DEPTH
-        if s < part and (s * h > AT_ONCE or comes_back):
-            found, part = k, s
-    k, s = first_change(system.packed.loads, system, tableau, motion, t, h, apart)
+        comes_back = sign * memory.rate > 0.0 or sign * depth > DEPTH_TOL
+        if s < part and (s * h > MIN_SEPARATION or comes_back):
+            event, part = k, s
+    k, s = first_change(system.packed.loads, system, tableau, motion, t, h, excluded)
     if s < part:
-        found, part = k, s
+        event, part = k, s
     if tableau is not None and tableau.ends_at_corners and not control[0].past_corners:
-        k, s = first_corner(system, book, first_of_corners(system), apart, joints)
+        k, s = first_corner(system, book, first_of_corners(system), excluded, joints)
         if s < part:
-            found, part = k, s
-    return found, part
+            event, part = k, s
+    return event, part
 
 
 @compiled
@@ -276,9 +272,9 @@ def locate(
     part : float
         Part of the step to look at first.
     """
-    aim, near, found = 0.0, EVENT_DEPTH, FOUND_DEPTH
+    aim, near, accepted = 0.0, EVENT_DEPTH, DEPTH_TOL
     if k >= system.contacts.shape[0]:
-        aim, near, found = BEHIND, 0.5 * BEHIND, FOUND_BEHIND
+        aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
     low, high = 0.0, h
     following = part * h
     further = SHORTEST_MOVE
@@ -306,13 +302,13 @@ def locate(
             further *= 4.0
             is_last = following == high
     if aim > 0.0:
-        return length, -near <= value <= found
-    return length, abs(value) <= found
+        return length, -near <= value <= accepted
+    return length, abs(value) <= accepted
 
 
 @compiled
 def last_slope(tableau: Tableau | None) -> int:
-    """Which of the slopes of a step is that at its end."""
+    """Return the index of the slope at the end of a step."""
     if tableau is None:
         return CLASSICAL_STAGES - 1
     return tableau.b.shape[0]
@@ -336,24 +332,24 @@ def end_on_event(
     Parameters
     ----------
     k, part, joints : int, float, int
-        The event as ``first_event`` tells it, and the joints that are looked at.
+        The event as returned by ``first_event``, and the joints that are looked at.
 
     Returns
     -------
     tuple
-        The event, the length of the step, s, and whether it is there.
+        The event, the length of the step, s, and whether it was located.
     """
-    located, found, earlier = h, True, k
+    located, is_located, earlier = h, True, k
     # The cubics may see events of two joints in the wrong order.
     for _ in range(1 + first_of_corners(system) + 2 * system.contacts.shape[0]):
         if earlier < 0:
             break
         k = earlier
-        located, found = locate(system, tableau, book, control, motion, t, k, located, part)
-        if not found:
+        located, is_located = locate(system, tableau, book, control, motion, t, k, located, part)
+        if not is_located:
             break
         earlier, part = first_event(system, tableau, book, control, motion, t, located, k, joints)
-    return k, located, found
+    return k, located, is_located
 
 
 @compiled

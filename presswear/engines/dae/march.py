@@ -45,8 +45,7 @@ from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
 
-FIRST_PARTS = 40.0
-"""First step behind a touchdown, as a part of the expected contact."""
+FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 
 
@@ -91,25 +90,27 @@ def finish_step(
 
 
 @compiled
-def begin(system: System, book: Book, control: Records, motion: Integration, most: int) -> None:
-    """Find the slopes of a state where they are not known, and account for the start, once.
+def start_march(
+    system: System, book: Book, control: Records, motion: Integration, most: int
+) -> None:
+    """Evaluate the slopes of the state if necessary, and record the initial state once.
 
-    Where no steps are to follow all bodies are placed in the state, and nothing else is done.
+    Without steps to follow, only place all bodies in the state.
     """
     state, y, slope = control[0], motion.y, motion.slopes[0]
-    if most > 0 and not state.known:
+    if most > 0 and not state.has_slope:
         rates(system, book.onset, state.time, y, slope)
-        state.known = True
-    if most == 0 or not state.begun:
+        state.has_slope = True
+    if most == 0 or not state.has_started:
         place(system, state.time, y)
-    if not state.begun:
+    if not state.has_started:
         accelerate(system, slope)
         copy_to(book.torque, system.torque)
         q, v, a, _, _ = system.state
         note_contacts(book.packed, book.contacts, q, v)
         settle_state(book, 0.0, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
-        state.begun = True
+        state.has_started = True
 
 
 @compiled
@@ -132,7 +133,7 @@ def march_controlled(
     """Integrate towards ``end`` for at most so many steps; returns how far it got."""
     n = system.size
     state = control[0]
-    begin(system, book, control, motion, most)
+    start_march(system, book, control, motion, most)
     # No step feels a contact before its touchdown, because steps end there.
     for k in range(book.onset.shape[0]):
         if book.onset[k] == 0.0:
@@ -166,14 +167,14 @@ def march_controlled(
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         joints = system.contacts.shape[0]
-        # No literal: for one the compiler would make all that looks for events twice.
-        apart = np.int64(-1)
-        k, part = first_event(system, tableau, book, control, motion, t, h, apart, joints)
+        # Not a literal, for which numba would compile the search for events twice.
+        no_event = np.int64(-1)
+        k, part = first_event(system, tableau, book, control, motion, t, h, no_event, joints)
         if k >= 0:
-            k, located, found = end_on_event(
+            k, located, is_located = end_on_event(
                 system, tableau, book, control, motion, t, h, k, part, joints
             )
-            if not found:
+            if not is_located:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
                 # The sliding of a pin that hardly presses on a worn arc is round-off.
                 state.past_corners = k >= first_of_corners(system)
@@ -216,7 +217,7 @@ def march_fixed(
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.size
     state = control[0]
-    begin(system, book, control, motion, most)
+    start_march(system, book, control, motion, most)
     for _ in range(most):
         t = state.time
         left = end - t
@@ -231,8 +232,10 @@ def march_fixed(
         trial_step(system, None, book, control, motion, t, h)
         k, part = first_event(system, None, book, control, motion, t, h, -1, 0)
         if k >= 0:
-            k, located, found = end_on_event(system, None, book, control, motion, t, h, k, part, 0)
-            if found:
+            k, located, is_located = end_on_event(
+                system, None, book, control, motion, t, h, k, part, 0
+            )
+            if is_located:
                 h = located
                 state.events += 1
             else:

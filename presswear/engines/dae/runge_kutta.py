@@ -16,11 +16,10 @@ from presswear.tools.compile import compiled, inlined
 
 Array = NDArray[np.float64]
 
+# The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
-"""The tolerance times this is the error allowed in a position, m or rad, per step."""
 
-UNEXCHANGED = 1e-3
-"""Part of the kinetic energy to which the error of a loss is compared at least."""
+UNEXCHANGED = 1e-3  # part of the kinetic energy to which the error of a loss is compared at least
 
 
 class Integration(NamedTuple):

@@ -44,8 +44,7 @@ Array = NDArray[np.float64]
 
 exu = exudyn_module()
 
-REMEDY = "more steps_per_contact may help"
-"""Advice that makes a run finer."""
+REMEDY = "more steps_per_contact may help"  # advice that makes a run finer
 
 _COUNTS = {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
 
@@ -72,10 +71,10 @@ def pack_steps(accuracy: ExudynJoints, cycle: float) -> Records:
 
 
 def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
-    """Where the torques of the drives come from, and what holds the linkage where needed."""
+    """Return the sources of the drive torques, with the projection where it is needed."""
     number = model.system.systemData.GetObjectLTGAE
-    own = [drive for drive in linkage.drives if drive.name in model.joints]
-    are_steady = all(is_steady(linkage, drive) for drive in own)
+    modelled = [drive for drive in linkage.drives if drive.name in model.joints]
+    are_steady = all(is_steady(linkage, drive) for drive in modelled)
     # Behind the short step to a bend in a load the accelerations would swing about the right ones.
     bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
     count = 3 * len(linkage.bodies)

@@ -35,12 +35,11 @@ from presswear.tools.compile import PackedArguments, Records, all_finite, compil
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+# Change of a load on passing from one piece of its law to the next that is a jump, part of it.
 JUMP = 1e-3
-"""Change of a load on passing from one piece of its law to the next that is a jump, part of it."""
-NOISE = 1e-9
-"""What passes a change of a load's law no further is not sent back, m, rad, m/s or rad/s."""
-LATE = 2.0
-"""A step ends so many shortest steps behind a change of a load's law."""
+# What passes a change of a load's law no further is not sent back, m, rad, m/s or rad/s.
+EVENT_TOL = 1e-9
+EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
 class Frame(NamedTuple):
@@ -199,7 +198,7 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
         Power of the drives, and of loads and dampers, W.
     """
     prescribed = frame.prescribed
-    given = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
+    load_power = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
         subtract_inertia(prescribed.parts, frame.a, drives.force)
@@ -209,7 +208,7 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
         if drives.multiplier[i] >= 0:
             book.torque[i] = -drives.multipliers[drives.multiplier[i]]
         power += book.torque[i] * drive_motion(book.motions[i], t)[1]
-    return power, given
+    return power, load_power
 
 
 @compiled
@@ -263,11 +262,11 @@ def accept_joint_step(run: PackedArguments, t: float) -> float:
     hold(frame, drives, drives.held, t)
     note_contacts(book.packed, book.contacts, frame.q, frame.v)
     advance_bristles(book.packed.joints, book.memory, book.contacts, t)
-    power, given = powers(frame, drives, book, t)
+    power, load_power = powers(frame, drives, book, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
     settle_state(book, t, LEAST_STEPS)
-    sum_step(book, power, given, t, h)
+    sum_step(book, power, load_power, t, h)
     sum_drives(book, h, frame.v)
     packed = book.packed
     book.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
@@ -320,9 +319,9 @@ def late_change(
         if p1 == -math.inf:
             continue
         p0, r0, _, _ = way_at_start(loads, k, 0.0)
-        s = crossing(min(p0, 0.0) - NOISE, r0, p1 - NOISE, r1, h)
-        if s <= 1.0 and (1.0 - s) * h > 2.0 * LATE * steps[0].least:
-            wanted = s * h + LATE * steps[0].least
+        s = crossing(min(p0, 0.0) - EVENT_TOL, r0, p1 - EVENT_TOL, r1, h)
+        if s <= 1.0 and (1.0 - s) * h > 2.0 * EVENT_MARGIN * steps[0].least:
+            wanted = s * h + EVENT_MARGIN * steps[0].least
             if shortest < 0.0 or wanted < shortest:
                 shortest = wanted
     return shortest

@@ -35,8 +35,8 @@ Array = NDArray[np.float64]
 exu = exudyn_module()
 
 
+# Names that Exudyn gives to what it solves for.
 SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
-"""Names that Exudyn gives to what it solves for."""
 
 
 @dataclass(frozen=True)
@@ -65,17 +65,17 @@ def _speed_function(motion: Records) -> Callable[..., float]:
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
-    """Bodies whose motion is known and that hold on to the rest by clearance joints only."""
-    known = prescribed_of(linkage)
-    if len(known) == len(linkage.bodies):
+    """Return the prescribed bodies that only clearance joints connect to the others."""
+    omitted = prescribed_of(linkage)
+    if len(omitted) == len(linkage.bodies):
         return frozenset()
-    known -= {end.body for spring in linkage.springs for end in spring.ends}
+    omitted -= {end.body for spring in linkage.springs for end in spring.ends}
     while True:
         joined = [bodies_of(joint) for joint in joints_of(linkage)]
-        held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= known))
-        if not held & known:
-            return known
-        known -= held
+        held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= omitted))
+        if not held & omitted:
+            return omitted
+        omitted -= held
 
 
 def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
@@ -191,8 +191,8 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     solved = tuple(getattr(data, f"Get{name}")(copy=False) for name in SOLVED)
     frame = _frame(solved[:3], linkage, start, omitted)
     if joined:
-        given = frame, packed, live, slots, onset, memory, np.frombuffer(out)
-        fill = bind(connector_forces, *given)
+        arguments = frame, packed, live, slots, onset, memory, np.frombuffer(out)
+        fill = bind(connector_forces, *arguments)
     return JointsModel(container, system, constraints, solved, frame)
 
 
@@ -202,8 +202,8 @@ def _frame(solved: Any, linkage: Linkage, start: Start, omitted: frozenset[str])
     begin_motion(prescribed, 0.0, start.position)
     count = 3 * len(linkage.bodies)
     contacts = np.zeros(len(linkage.clearances), CONTACT)
-    kept = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
-    places = np.array([3 * i + c for i in kept for c in range(3)], np.int64)
+    solved_bodies = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
+    places = np.array([3 * i + c for i in solved_bodies for c in range(3)], np.int64)
     q, v, a = np.array(start.position), np.array(start.velocity), np.zeros(count)
     if not omitted:
         places, (q, v, a) = places[:0], solved

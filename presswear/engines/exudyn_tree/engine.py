@@ -55,17 +55,13 @@ Array = NDArray[np.float64]
 
 exu = exudyn_module()
 
-REMEDY = "a smaller tree_tolerance may help"
-"""Advice that makes a run finer."""
-SHORTEST_STEP = 1e-13
-"""s."""
-FIRST_STEP = 1e-7
-"""s."""
+REMEDY = "a smaller tree_tolerance may help"  # advice that makes a run finer
+SHORTEST_STEP = 1e-13  # s
+FIRST_STEP = 1e-7  # s
 MOST_CALLS = 7000
 """Calls for forces without an accepted step after which there is no way on: a thousand steps
 sent back, where thirty reach the shortest.  Exudyn would repeat that one for ever."""
-_INSTANT = 1e-12
-"""Length of the step that asks Exudyn for the accelerations at the start, s."""
+_INSTANT = 1e-12  # length of the step that asks Exudyn for the accelerations at the start, s
 
 
 def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> TreeSystem:
@@ -165,17 +161,17 @@ def _build(
     x, u = model.x, model.u
     stage = bind(stage_forces, system, book, x, u, model.u_t, filled)
     if is_bristly:
-        given = system, packed, contacts.copy(), x, u, model.bristles, rates
-        bristles = bind(stage_bristles, *given)
+        arguments = system, packed, contacts.copy(), x, u, model.bristles, rates
+        bristles = bind(stage_bristles, *arguments)
     end = bind(accept_tree_step, system, book, inside, x, u, model.u_t)
     at_start = _accelerations_at_start(model)
-    begin = bind(accept_tree_step, system, book, inside, x, u, at_start)
+    first = bind(accept_tree_step, system, book, inside, x, u, at_start)
     system.pace["evaluations"] = 0
 
     def accept(t: float) -> float:
         if is_bristly:
             contacts["bristle"] = model.bristles
-        return end(t) if t > 0.0 else begin(t)
+        return end(t) if t > 0.0 else first(t)
 
     return model, accept
 

@@ -38,12 +38,10 @@ from presswear.tools.compile import PackedArguments, Records, all_finite, compil
 
 Array = NDArray[np.float64]
 
-WEIGHTS = np.append(DOPRI5.b, 0.0)
-"""Weights of the seven stages of DOPRI5."""
+WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size
 
-GROWTH = 5.0
-"""A step is at most so many times the one before."""
+GROWTH = 5.0  # a step is at most so many times the one before
 LEAST_STEPS = 5
 """A contact of fewer steps counts as unresolved: its peak could be missed.  A free impact gets
 LEAST_PARTS; a bump of a worn surface can cut a contact short that began like one, and
@@ -51,10 +49,9 @@ there the error control decides."""
 LANDING_DEPTH = 1e-11
 """A step that ends on a touchdown or separation goes this far behind it, m; on a change of a
 load's law, m, rad, m/s or rad/s."""
-LANDING_PART = 1e-3
-"""... but no further than this part of the contact's duration."""
-UNKNOWN_DOUBT = 0.05
-"""Part of a predicted time that is in doubt while the change of acceleration is unknown."""
+LANDING_PART = 1e-3  # ... but no further than this part of the contact's duration
+# Part of a predicted time that is in doubt while the change of acceleration is unknown.
+PREDICTION_TOL = 0.05
 
 PACE = np.dtype(
     [
@@ -152,11 +149,11 @@ def stage_forces(run: PackedArguments, t: float) -> int:
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
-    given = applied_forces(packed, t, q, v, force)
+    load_power = applied_forces(packed, t, q, v, force)
     pace = system.pace[0]
     stage = pace.evaluations % STAGES
     row = system.stages[stage]
-    row[row.shape[0] - 1] = given
+    row[row.shape[0] - 1] = load_power
     pace.evaluations += 1
     # The first stage is in the state that the last step ended in.
     if stage > 0 or t != pace.noted:
@@ -262,7 +259,7 @@ def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float
         if arrival > h or not speed > 0.0:
             continue
         if not smooth:
-            doubt = max(doubt, UNKNOWN_DOUBT * arrival)
+            doubt = max(doubt, PREDICTION_TOL * arrival)
         near = doubt * speed <= 0.5 * LANDING_DEPTH
         h = min(h, arrival if near else max(arrival - 2.0 * doubt, 0.5 * arrival))
     return h
@@ -303,7 +300,7 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         if arrival > h or not speed > 0.0:
             continue
         if not pace.smooth:
-            doubt = max(doubt, UNKNOWN_DOUBT * arrival)
+            doubt = max(doubt, PREDICTION_TOL * arrival)
         if doubt * speed <= LANDING_DEPTH:
             behind = min(LANDING_DEPTH / speed, LANDING_PART * contact_step(joint, 0.0, speed, 1.0))
             # A law that begins with a jump gets its touchdown in a short step of its own.
@@ -411,9 +408,9 @@ def sum_torques(
 
     Both lie inside the step, so that a load that jumps at an end has the force of the step.
     """
-    known = system.prescribed.work
-    for i in range(known.shape[0]):
-        copy_to(inside.system.prescribed.work[i], known[i])
+    work = system.prescribed.work
+    for i in range(work.shape[0]):
+        copy_to(inside.system.prescribed.work[i], work[i])
     for k in range(book.drives.shape[0]):
         drive = book.drives[k]
         drive.torque_integral = drive.torque_square_integral = 0.0
@@ -423,8 +420,8 @@ def sum_torques(
             s = 0.5 + (side - 0.5) / math.sqrt(3.0)
             interpolate(inside, s, h, x, u, u_t)
             for k in range(inside.bristles.shape[0]):
-                begun = inside.bristles[k]
-                inside.book.contacts[k].bristle = begun + s * (book.contacts[k].bristle - begun)
+                first = inside.bristles[k]
+                inside.book.contacts[k].bristle = first + s * (book.contacts[k].bristle - first)
             xs, us, accelerations = inside.state[0], inside.state[1], inside.state[2]
             tree_state(inside.system, inside.book, t - h + s * h, xs, us, accelerations)
             v = inside.system.state[1]

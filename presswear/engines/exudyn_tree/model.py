@@ -73,12 +73,12 @@ def assemble(
     )
     types, parents, turns, offsets, centres, masses, inertias = [], [], [], [], [], [], []
 
-    def add(kind: Any, parent: int, turn: float, offset: Array, own: Array, body: Any) -> None:
+    def add(kind: Any, parent: int, turn: float, offset: Array, joint: Array, body: Any) -> None:
         types.append(kind)
         parents.append(parent)
         turns.append(_turned(turn))
         offsets.append([*offset, 0.0])
-        centres.append([*-own, 0.0])
+        centres.append([*-joint, 0.0])
         masses.append(body.mass if body else 0.0)
         inertias.append(np.diag([0.0, 0.0, body.effective_inertia if body else 0.0]))
 
@@ -101,8 +101,8 @@ def assemble(
             if before["kind"] == GUIDED:
                 turn = before["angle"] - math.atan2(before["sine"], before["cosine"])
                 offset = _turned(turn)[:2, :2] @ offset
-        own = np.array([link["own_x"], link["own_y"]])
-        add(kind, parent, turn, offset, own, linkage.bodies[linkage.index(name)])
+        joint = np.array([link["own_x"], link["own_y"]])
+        add(kind, parent, turn, offset, joint, linkage.bodies[linkage.index(name)])
     add_object(
         system,
         "KinematicTree",
