@@ -8,25 +8,20 @@ import sys
 import presswear as pw
 from presswear.cli.terminal import scene_given
 from presswear.results.bottom import rise
-from presswear.scene.settings import changed, settings_of
 from presswear.show.page import text_of
 
 
 def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) -> None:
-    scene = changed(
-        scene_given(name), {"wear_updates": 0, "cycles": cycles, "replicates": replicates}
-    )
-    speed = {own.key: own.value for own in settings_of(scene)}[
-        "speed"
-    ]  # of a press or slider-crank
-    stages = []
+    settings = {"wear_updates": 0, "cycles": cycles, "replicates": replicates}
+    scene, stages = pw.changed(scene_given(name), settings), []
+    assert isinstance(scene.mechanism, pw.Press | pw.SliderCrank)
     print("µm, 95 % intervals: over the ideal | range of strokes | change since the first row")
     for process in ("none", scene.process.kind) if scene.process else ("none",):
         for part in (0.8, 1.0):
-            own = changed(scene, {"process": process, "speed": part * speed})
-            stage = pw.run(own, engine="dae").stages[0]
-            stages.append(stage)
-            values = stage.bdc.error, stage.bdc.range, rise(stage, stages[0])
+            slower = {"process": process, "speed": part * scene.mechanism.speed}
+            stages.append(pw.run(pw.changed(scene, slower), engine="dae").stages[0])
+            bottom = stages[-1].bdc
+            values = bottom.error, bottom.range, rise(stages[-1], stages[0])
             texts = " | ".join(text_of(value, "µm") for value in values)
             print(f"work {process}, {part:.0%} of the speed: {texts}")
 

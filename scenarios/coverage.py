@@ -56,7 +56,7 @@ def make_scenes(conventions: str, **settings: Any) -> dict[str, pw.Scene]:
     long = common | {"replicates": 1, "cycles": 200}
     names = {f"campaign-{k}": common | {"seed": k} for k in range(1, CAMPAIGNS + 1)}
     names |= {f"truth-{k}": long | {"seed": CAMPAIGNS + k} for k in range(1, TRUTHS + 1)}
-    return {name: pw.scenes.wear_times(**own) for name, own in names.items()}
+    return {name: pw.scenes.wear_times(**one) for name, one in names.items()}
 
 
 def intervals_of(stage: pw.StageResult) -> Intervals:
@@ -70,9 +70,9 @@ def intervals_of(stage: pw.StageResult) -> Intervals:
         intervals[f"{name}, worn volume (m³)"] = around(volume.mean, half)
         for side, peak in joint.wear_peaks.items():
             estimates[f"{name}, deepest of {side} (m)"] = peak.depth
-    for quantity, own in estimates.items():
-        ends = (np.nan, np.nan) if own.low is None or own.high is None else (own.low, own.high)
-        intervals[quantity] = (own.mean, *ends)
+    for quantity, one in estimates.items():
+        low, high = (np.nan if end is None else end for end in (one.low, one.high))
+        intervals[quantity] = (one.mean, low, high)
     return intervals
 
 
@@ -87,17 +87,16 @@ def coverages(
     """Compare every quantity of every stage of the campaigns with the mean of the long ones."""
     for stage, name in enumerate(STAGES):
         long = [stages[stage] for stages in truths if len(stages) > stage]
-        ran = [stages[stage] for stages in campaigns if len(stages) > stage]
-        for quantity in ran[0] if long and ran else ():
-            values = np.array([own[quantity][0] for own in long])
+        short = [stages[stage] for stages in campaigns if len(stages) > stage]
+        for quantity in short[0] if long and short else ():
+            values = np.array([one[quantity][0] for one in long])
             half = student.ppf(0.975, values.size - 1) * values.std(ddof=1) / values.size**0.5
             truth = around(values.mean(), half)
-            means, low, high = np.array([own[quantity] for own in ran]).T
-            known = ~np.isnan(low)
-            if known.any():
+            ends = np.array([one[quantity] for one in short])
+            means, low, high = ends[~np.isnan(ends[:, 1])].T
+            if means.size:
                 held = (low <= truth[0]) & (truth[0] <= high)
-                half_widths = 0.5 * (high - low)
-                yield Coverage(name, quantity, truth, means[known], half_widths[known], held[known])
+                yield Coverage(name, quantity, truth, means, 0.5 * (high - low), held)
 
 
 def main(folder: str = "results/coverage", jobs: int | None = None, **settings: Any) -> None:
@@ -109,8 +108,8 @@ def main(folder: str = "results/coverage", jobs: int | None = None, **settings: 
             for name, result in results.items()
             if result.status != "failed"
         }
-        truths = [own for name, own in stages.items() if name.startswith("truth")]
-        campaigns = [own for name, own in stages.items() if name.startswith("campaign")]
+        truths = [one for name, one in stages.items() if name.startswith("truth")]
+        campaigns = [one for name, one in stages.items() if name.startswith("campaign")]
         print(f"{conventions}: stage | quantity | truth | mean estimate | mean half width | "
               "beside the truth (half widths) | intervals that hold it | verdict")  # fmt: skip
         for coverage in coverages(truths, campaigns):

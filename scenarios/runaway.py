@@ -56,11 +56,8 @@ def make_scenes(common: dict[str, Any]) -> dict[str, pw.Scene]:
 
 def depths_of(result: pw.Result) -> list[Any]:
     """Return the depth that each wear adds, m, each of shape (joints, replicates)."""
-    joints = [stage.joints.values() for stage in result.stages[:2] if not stage.failed]
-    return [
-        np.array([joint.statistics.wear_depth_max_by_replicate for joint in some])
-        for some in joints
-    ]
+    stages = [stage.statistics.joints for stage in result.stages[:2] if not stage.failed]
+    return [np.array([one.wear_depth_max_by_replicate for one in s.values()]) for s in stages]
 
 
 def mean_text(estimate: Any, factor: float = 1.0) -> str:

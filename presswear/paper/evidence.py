@@ -126,8 +126,8 @@ class Evidence:
             if result is None:
                 self._cache[key] = None
             elif is_map:
-                found = _from_maps(result, place, _stages_added(place, quantity))
-                self._cache.update({(case, place, name): one for name, one in found.items()})
+                every = _from_maps(result, place, _stages_added(place, quantity))
+                self._cache.update({(case, place, name): one for name, one in every.items()})
             else:
                 self._cache[key] = _from_cycles(result, place, quantity)
         return self._cache[key]

@@ -66,14 +66,15 @@ def drawers(evidence: Evidence) -> list[Drawer]:
 
 def _wear_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
     with matplotlib.rc_context(STYLE):
-        found = [depths(evidence, number, lines)]
-        found += [surfaces(evidence, number + k, lines, joint) for k, joint in enumerate(JOINTS, 1)]
-    return [drawing for drawing in found if drawing is not None]
+        drawings = [depths(evidence, number, lines)]
+        for k, joint in enumerate(JOINTS, 1):
+            drawings.append(surfaces(evidence, number + k, lines, joint))
+    return [drawing for drawing in drawings if drawing is not None]
 
 
 def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
     """Return figures of motion, force and path of each setting, and of their peaks."""
-    found = []
+    drawings = []
     slider = [(quantity, "") for quantity in ("displacement", "velocity", "acceleration")]
     for k, (kind, panels) in enumerate(
         (("response", slider), ("force", [("force", joint) for joint in JOINTS]), ("path", []))
@@ -86,11 +87,11 @@ def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> l
             for drawing in drawn(kind, result, stages) if result else ():
                 title = f"Fig. {number + k} {drawing.title}, {SETTINGS[setting].label}"
                 file = f"fig-{number + k}-{setting}.png"
-                found.append(replace(drawing, file=file, title=title))
+                drawings.append(replace(drawing, file=file, title=title))
         with matplotlib.rc_context(STYLE):
             compared = peaks(evidence, number + k, lines, panels)
-        found += [compared] if compared else []
-    return found
+        drawings += [compared] if compared else []
+    return drawings
 
 
 def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str) -> Drawing | None:

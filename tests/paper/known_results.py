@@ -25,28 +25,21 @@ EVEN = {"A": 200.0, "C": 100.0}  # mean peak forces, N
 def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
     """Return a row per cycle: peaks scatter by a tenth, with seven contacts in each cycle."""
     draw = np.random.default_rng(seed)
-    numbers = {
-        "displacement_max": 0.107 * (1.0 + 1e-4 * draw.normal(size=CYCLES)),
-        "velocity_max": 0.99 * (1.0 + 1e-3 * draw.normal(size=CYCLES)),
-        "acceleration_max": 1000.0 * (1.0 + 0.1 * draw.normal(size=CYCLES)),
-    }
-    columns = [numbers.get(name, np.zeros(CYCLES)) for name in CYCLE_FIXED]
-    for mean in force.values():
+    columns = {name: np.zeros(CYCLES) for name in CYCLE_FIXED}
+    for name, mean, part in (
+        ("displacement_max", 0.107, 1e-4),
+        ("velocity_max", 0.99, 1e-3),
+        ("acceleration_max", 1000.0, 0.1),
+    ):
+        columns[name] = mean * (1.0 + part * draw.normal(size=CYCLES))
+    for joint, mean in force.items():
         numbers = {
             "force_max": mean * (1.0 + 0.1 * draw.normal(size=CYCLES)),
             "load_distance": 3.0 * (1.0 + 0.03 * draw.normal(size=CYCLES)),
             "contacts": np.full(CYCLES, 7.0),
         }
-        columns += [numbers[name] for name in CYCLE_JOINT]
-    return np.column_stack(columns)
-
-
-def wear_batches(peak: float, place: int, seed: int, count: int) -> Array:
-    """Return maps of one wear, half on each side, shape (count, 2, BINS); deepest in a bin."""
-    away = (np.arange(BINS) - place + BINS // 2) % BINS - BINS // 2
-    scatter = 1.0 + 0.05 * np.random.default_rng(seed).normal(size=(count, 1))
-    maps = peak * np.exp(-0.5 * (away / 4.0) ** 2) * scatter
-    return np.asarray(0.5 * np.stack([maps, maps], axis=1))
+        columns |= {f"{joint}_{name}": numbers[name] for name in CYCLE_JOINT}
+    return np.column_stack(list(columns.values()))
 
 
 def stage(
@@ -71,14 +64,16 @@ def stage(
         "deviation": np.tile(deviation, (3 * count, 1)),
     }
     turn = 6.0 * np.pi * time / time[-1]
-    for k, joint in enumerate(JOINTS):
-        batches = wear_batches(peak[k], 18 + 20 * k, seed + k, count * (CYCLES - 1))
+    away = (np.arange(BINS)[:, np.newaxis] - (18, 38) + BINS // 2) % BINS - BINS // 2
+    for joint, depth, bell in zip(JOINTS, peak, np.exp(-0.5 * (away.T / 4.0) ** 2), strict=True):
+        draw = np.random.default_rng([seed, ord(joint)]).normal(size=(count * (CYCLES - 1), 1, 1))
+        batches = np.repeat(0.5 * depth * bell * (1.0 + 0.05 * draw), 2, axis=1)
         arrays[f"{joint}_wear_batches"] = batches
         arrays[f"{joint}_flight"] = np.full(3 * count, 0.1 + 0.1 * wear_updates)
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
         arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
-        for s, side in enumerate(("bearing", "pin")):
-            arrays[f"{joint}_wear_{side}"] = batches[:, s].mean(axis=0)
+        for side, mean in zip(("bearing", "pin"), batches.mean(axis=0), strict=True):
+            arrays[f"{joint}_wear_{side}"] = mean
             arrays[f"{joint}_depth_{side}"] = np.zeros(BINS)
     return arrays
 

@@ -12,27 +12,12 @@ import presswear as pw
 from presswear.paper.claims import CLAIMS, DEPTH_RATIOS, Comparison, Expected, wrapped_angle
 from presswear.paper.evidence import QUANTITIES, Ends, Measured
 from presswear.paper.printed import PRINTED, Place, Printed
-from presswear.paper.settings import (
-    BASE,
-    FRICTION,
-    GEOMETRIES,
-    HIGH_FRICTION,
-    REPLICATES,
-    SENSITIVITIES,
-    SETTINGS,
-    make_scenes,
-)
-from presswear.paper.verdicts import (
-    Position,
-    Verdict,
-    agreement,
-    combined,
-    compared,
-    difference,
-    position,
-    ratio,
-    verdict,
-)
+from presswear.paper.settings import BASE, FRICTION, GEOMETRIES, HIGH_FRICTION, REPLICATES
+
+from presswear.paper.settings import SENSITIVITIES, SETTINGS, make_scenes  # isort: skip
+from presswear.paper.verdicts import Position, Verdict, agreement, combined, compared
+
+from presswear.paper.verdicts import difference, position, ratio, verdict  # isort: skip
 
 A, B = Place("speed-4pi", 0, "A"), Place("speed-8pi", 0, "A")
 
@@ -100,17 +85,15 @@ def estimate(mean: float, half: float) -> pw.Estimate:
 
 def test_the_interval_of_a_ratio_covers_it() -> None:
     generator = np.random.default_rng(2)
-    inside, draws = 0, 400
-    for _ in range(draws):
+    inside = 0
+    for _ in range(400):
         samples = [generator.normal(mean, 0.3 * mean, 40) for mean in (3.0, 2.0)]
-        over, under = (
-            estimate(float(s.mean()), 2.02 * float(s.std(ddof=1)) / math.sqrt(40)) for s in samples
-        )
+        over, under = (estimate(s.mean(), 2.02 * s.std(ddof=1) / math.sqrt(40)) for s in samples)
         one = ratio([over], [under])
         assert one.low is not None
         assert one.high is not None
         inside += one.low <= 1.5 <= one.high
-    assert 0.92 <= inside / draws <= 0.98
+    assert 0.92 <= inside / 400 <= 0.98
 
 
 @pytest.mark.parametrize(("over", "under", "end"), [(0.1, 1.5, math.inf), (1.5, 0.1, 0.0)])
@@ -130,28 +113,25 @@ def test_differences_of_angles_go_the_short_way() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ours", "expected", "word"),
+    ("low", "high", "more", "less", "same"),
     [
-        (pw.Estimate(2.0, 1.5, 3.0), "more", Verdict.HOLDS),
-        (pw.Estimate(2.0, 1.5, 3.0), "less", Verdict.FAILS),
-        (pw.Estimate(2.0, 0.9, 3.0), "more", Verdict.OPEN),
-        (pw.Estimate(0.5, 0.3, 0.9), "less", Verdict.HOLDS),
-        (pw.Estimate(0.5, 0.3, 0.9), "more", Verdict.FAILS),
-        (pw.Estimate(1.0, 0.99, 1.01), "same", Verdict.HOLDS),
-        (pw.Estimate(1.0, 0.9, 1.1), "same", Verdict.OPEN),
-        (pw.Estimate(1.3, 1.2, 1.4), "same", Verdict.FAILS),
-        (pw.Estimate(2.0), "more", Verdict.OPEN),
-        (None, "more", Verdict.MISSING),
+        (1.5, 3.0, Verdict.HOLDS, Verdict.FAILS, Verdict.FAILS),
+        (0.9, 3.0, Verdict.OPEN, Verdict.OPEN, Verdict.OPEN),
+        (0.3, 0.9, Verdict.FAILS, Verdict.HOLDS, Verdict.FAILS),
+        (0.99, 1.01, Verdict.OPEN, Verdict.OPEN, Verdict.HOLDS),
     ],
 )
 def test_a_verdict_needs_the_whole_interval(
-    ours: pw.Estimate | None, expected: Expected, word: Verdict
+    low: float, high: float, more: Verdict, less: Verdict, same: Verdict
 ) -> None:
     """Ratios are compared with one, differences with zero."""
-    assert verdict(ours, Comparison("force", (B,), (A,), expected)) is word
-    if ours and ours.low is not None and ours.high is not None:
-        less_one = pw.Estimate(ours.mean - 1.0, ours.low - 1.0, ours.high - 1.0)
-        assert verdict(less_one, Comparison("angle", (B,), (A,), expected)) is word
+    expected: Expected
+    for expected, word in (("more", more), ("less", less), ("same", same)):
+        for quantity, off in (("force", 0.0), ("angle", 1.0)):
+            ours = pw.Estimate(1.0 - off, low - off, high - off)
+            assert verdict(ours, Comparison(quantity, (B,), (A,), expected)) is word
+    assert verdict(pw.Estimate(2.0), Comparison("force", (B,), (A,))) is Verdict.OPEN
+    assert verdict(None, Comparison("force", (B,), (A,))) is Verdict.MISSING
 
 
 @pytest.mark.parametrize(

@@ -17,19 +17,10 @@ from presswear.paper.claims import CLAIMS
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawers
 from presswear.paper.printed import DOUBTFUL, PRINTED, shown_in
-from presswear.paper.report import (
-    case_ratio,
-    depth_factors,
-    differs_from_one,
-    findings,
-    fit,
-    headline,
-    long_table,
-    number_table,
-    page_sections,
-    printed_text,
-    ratio_table,
-)
+from presswear.paper.report import case_ratio, depth_factors, differs_from_one, findings, fit
+
+from presswear.paper.report import headline, long_table, number_table, page_sections  # isort: skip
+from presswear.paper.report import printed_text, ratio_table  # isort: skip
 from presswear.paper.settings import BASE, WEAR, make_scenes, run_name
 from presswear.paper.verdicts import judge
 from presswear.show.figures import Drawing
