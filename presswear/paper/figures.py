@@ -148,28 +148,26 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
 
 
 def _draw_depths(axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: str) -> None:
-    marked = []
-    for line in lines:
-        worn = evidence.wear_map(BASE, line.at(joint))
+    maps = {line: evidence.wear_map(BASE, line.at(joint)) for line in lines}
+    printed = {line: printed_at(line.at(joint), "depth") for line in lines}
+    largest = [1e6 * float(worn.mean.max()) for worn in maps.values() if worn]
+    largest += [1e6 * number.value for number in printed.values() if number]
+    is_logarithmic = max(largest) > LINEAR_RATIO * min(largest)
+    floor = min(largest) / 30.0 if is_logarithmic else 0.0
+    for line, worn in maps.items():
         if worn is None:
             continue
-        degrees = np.degrees(worn.angle)
-        low, mean, high = (1e6 * depth for depth in (worn.low, worn.mean, worn.high))
-        axes.fill_between(degrees, low, high, color=line.pen.colour, alpha=0.2, linewidth=0.0)
+        degrees, colour = np.degrees(worn.angle), line.pen.colour
+        low, mean, high = (np.maximum(1e6 * depth, floor) for depth in worn[1:])
+        axes.fill_between(degrees, low, high, color=colour, alpha=0.2, linewidth=0.0)
         line.pen.draw(axes, degrees, mean, linewidth=1.2)
-        marked.append(float(mean.max()))
-        depth, angle = (printed_at(line.at(joint), name) for name in ("depth", "angle"))
+        depth, angle = printed[line], printed_at(line.at(joint), "angle")
         if depth and angle:
-            marked.append(1e6 * depth.value)
-            place = (np.degrees(angle.value), marked[-1])
-            axes.plot(*place, color=line.pen.colour, gid="printed", **_DIAMOND)
-    axes.set_xlim(0.0, 360.0)
+            place = (np.degrees(angle.value), 1e6 * depth.value)
+            axes.plot(*place, color=colour, gid="printed", **_DIAMOND)
+    axes.set(xlim=(0.0, 360.0), yscale="log" if is_logarithmic else "linear")
+    axes.set_ylim(floor, 3.0 * max(largest) if is_logarithmic else None)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))
-    if max(marked) > LINEAR_RATIO * min(marked):
-        axes.set_yscale("log", nonpositive="mask")
-        axes.set_ylim(min(marked) / 30.0, 3.0 * max(marked))
-    else:
-        axes.set_ylim(0.0, None)
 
 
 def _measured(
@@ -207,6 +205,8 @@ def peaks(
         axes.set_xlabel(f"{row.label}{where} ({row.unit})")
         axes.set_yticks(range(len(lines)), [line.pen.label for line in lines])
         axes.set_ylim(len(lines) - 0.5, -0.5)
+        axes.use_sticky_edges = False
+        axes.margins(x=0.05)
     caption = (
         "Peak of a cycle: mean with its 95 % interval (dot and line), range of 95 % of the single "
         "cycles (bar), and the peak that the paper prints (diamond; where it does not say the "

@@ -141,9 +141,7 @@ def range_text(ends: tuple[float, float] | None, unit: str, digits: int = 3) -> 
     if ends is None:
         return NOTHING
     low, high = (readable(unit_factor(unit) * end, digits) for end in ends)
-    if low == high:
-        return low
-    return f"from {low}" if math.isinf(ends[1]) else f"{low} to {high}"
+    return low if low == high else f"{low} to {high}"
 
 
 def value_text(evidence: Evidence, case: str, place: Place, quantity: str) -> str:
@@ -459,28 +457,27 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
 def _trends(evidence: Evidence) -> list[str]:
     """Return the changes by a second wear, friction and speed, as far as they were computed."""
     ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
-    text = {
-        name: f"{text_of(ours[name])} (printed: {readable(part.printed)})"
-        for name, part in HIGHLIGHTS.items()
-    }
+    text = {name: text_of(one) for name, one in ours.items()}
+    printed = {name: f"printed: {readable(part.printed)}" for name, part in HIGHLIGHTS.items()}
     sentences = []
     if second := ours["second wear"]:
         # The ratio of total depths has the first wear in it.
         runs_away = "runs away" if second.mean - 1.0 > RUNAWAY else "does not run away"
         sentences.append(
-            f"The second wear {runs_away}: after it the deepest wear at A is "
-            f"{text['second wear']} times that after the first. scenarios/runaway.py asks why."
+            f"The second wear {runs_away}: after it the deepest wear at A is {text['second wear']} "
+            f"times that after the first ({printed['second wear']}). scenarios/runaway.py asks why."
         )
     if ours["friction, wear"] and ours["friction, force"]:
         sentences.append(
             f"Doubling the friction coefficient changes the deepest wear at A by a factor of "
-            f"{text['friction, wear']}, the mean peak force of a cycle by "
-            f"{text['friction, force']}."
+            f"{text['friction, wear']} ({printed['friction, wear']}), the mean peak force of a "
+            f"cycle by {text['friction, force']} ({printed['friction, force']})."
         )
     if ours["speed"] and ours["joints"]:
         sentences.append(
-            f"Twice the speed makes the wear at A {text['speed']} times deeper, and A wears "
-            f"{text['joints']} times deeper than C at 8π."
+            f"Twice the speed makes the wear at A {text['speed']} times deeper "
+            f"({printed['speed']}), and A wears {text['joints']} times deeper than C at 8π "
+            f"({printed['joints']})."
         )
     return sentences
 
