@@ -28,12 +28,11 @@ from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, values_of
 from presswear.tools.arrays import read_numbers, write_arrays
-from presswear.tools.documents import plain, read_sealed, sealed_json, typed
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import write_bytes
-from presswear.tools.folders import FolderLock
+from presswear.tools.files import FolderLock
 from presswear.tools.processes import Job, Report, cores, workers_for
 from presswear.tools.quantities import Quantity
+from presswear.tools.serialize import plain, read_json, typed, write_json
 
 Array = NDArray[np.float64]
 InitialState = Callable[[Scene], Start]
@@ -444,7 +443,7 @@ def compute(
                 if stored[name] != value:
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
-            write_bytes(folder / FILE, sealed_json(document))
+            write_json(folder / FILE, document)
         values = (parameter.values, parameter.values[::-1])
         work: dict[int, Job] = {
             k: BranchJob(scene, parameter, each, cycles, initial_state, folder / f"{direction}.npz")
@@ -475,4 +474,4 @@ def load(folder: Path) -> Diagram:
 
 def _document(folder: Path) -> dict[str, Any]:
     missing = f"{folder} holds no bifurcation diagram: it has no {FILE}"
-    return read_sealed(folder / FILE, missing, SCHEMA)
+    return read_json(folder / FILE, missing, SCHEMA)

@@ -43,8 +43,7 @@ from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.errors import InputError, RunFailed, shown
-from presswear.tools.files import inside
-from presswear.tools.folders import check_name
+from presswear.tools.files import check_name, inside
 from presswear.tools.processes import InProcess, Report, Workers, cores, workers_for
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from presswear.cli.terminal import (
 )
 from presswear.cli.trials import telling
 from presswear.scene.settings import changed
-from presswear.tools.folders import only_writer
+from presswear.tools.files import only_writer
 
 if TYPE_CHECKING:
     from presswear.scene.scene import Scene
@@ -61,7 +61,7 @@ def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
     with only_writer(folder):
         measure(scene, arguments.quick, repeats, folder, console)
         from presswear.results.provenance import provenance
-        from presswear.tools.documents import write_json
+        from presswear.tools.serialize import write_json
         from presswear.validation.timing import processor_name
 
         machine = {"processor": processor_name(), **provenance(), "scene": scene.as_dict()}

@@ -21,7 +21,7 @@ from presswear.cli.terminal import (
 from presswear.cli.trials import telling
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.folders import check_folder, only_writer
+from presswear.tools.files import check_folder, only_writer
 
 _CYCLES = (1e-3, 100.0)
 """Shortest and longest time over which trajectories are compared, cycles."""
@@ -92,7 +92,7 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
         )
     folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
     from presswear.show.figures import save
-    from presswear.tools.documents import write_json
+    from presswear.tools.serialize import write_json
     from presswear.validation.crosscheck import check_engines, draw_differences
 
     with only_writer(folder):

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from presswear.cli.terminal import finished_part, progress_bar
 from presswear.tools.errors import InputError
-from presswear.tools.folders import check_folder
+from presswear.tools.files import check_folder
 from presswear.tools.quantities import Quantity, parse_quantity
 
 if TYPE_CHECKING:

@@ -29,7 +29,7 @@ from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.folders import check_folder
+from presswear.tools.files import check_folder
 
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder

@@ -26,7 +26,7 @@ from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.folders import check_folder
+from presswear.tools.files import check_folder
 from presswear.tools.numbers import lasting
 from presswear.tools.processes import is_stopped
 from presswear.tools.quantities import Quantity, parse_quantity

@@ -26,11 +26,10 @@ from presswear.results.stored import checkpoint_file, files_of, stored_result
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
 from presswear.tools.arrays import State, read_arrays, write_arrays
-from presswear.tools.documents import plain, sealed_json
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import PART, write_bytes
-from presswear.tools.folders import FolderLock, is_free
+from presswear.tools.files import PART, FolderLock, is_free
 from presswear.tools.processes import is_stopped
+from presswear.tools.serialize import plain, write_json
 
 _LOG = logging.getLogger(__name__)
 
@@ -297,7 +296,7 @@ class ResultFolder(Observer):
     def _write(self) -> None:
         self._document["wall_s"] = self._earlier + time.perf_counter() - self._began
         with self._writing():
-            write_bytes(self.path / FILE, sealed_json(self._document))
+            write_json(self.path / FILE, self._document)
 
     def _check(self) -> None:
         """RunFailed where the folder is gone, or is another than the one that was begun in."""

@@ -32,11 +32,10 @@ from presswear.results.tonnage import Tonnage, tonnage_of
 from presswear.scene.catalog import name_of
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import read_numbers
-from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
-from presswear.tools.files import read_checked
-from presswear.tools.folders import holder
+from presswear.tools.files import holder, read_checked
 from presswear.tools.numbers import large
+from presswear.tools.serialize import read_json
 
 if TYPE_CHECKING:
     import pandas
@@ -222,7 +221,7 @@ def _short(value: float | None) -> str:
 def read_document(path: Path) -> dict[str, Any]:
     """Content of ``result.json`` in a folder; InputError where it is not what was written."""
     missing = "" if (path / FILE).exists() else _missing(path)
-    return read_sealed(path / FILE, missing, SCHEMA)
+    return read_json(path / FILE, missing, SCHEMA)
 
 
 def _missing(path: Path) -> str:

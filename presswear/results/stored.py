@@ -20,8 +20,8 @@ from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance
 from presswear.results.stage import SIDES, StageResult, angle_names
-from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
+from presswear.tools.serialize import typed
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from presswear.results.result import load
 from presswear.scene.bearing import Surfaces
 from presswear.scene.files import TABLE, read_profiles
 from presswear.tools.errors import InputError
-from presswear.tools.folders import check_folder
+from presswear.tools.files import check_folder
 
 
 def read_surfaces(source: str | Path) -> Surfaces:

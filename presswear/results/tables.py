@@ -41,8 +41,7 @@ from presswear.results.strokes import Strokes, height_of, process_force
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
-from presswear.tools.files import read_checked, write_whole
-from presswear.tools.folders import check_name
+from presswear.tools.files import check_name, read_checked, write_whole
 
 Array = NDArray[np.float64]
 Table = Mapping[str, Array]

@@ -18,8 +18,7 @@ from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, changed, on_surfaces, settings_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import read_checked
-from presswear.tools.folders import check_file
+from presswear.tools.files import check_file, read_checked
 from presswear.tools.quantities import Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST
 

@@ -21,8 +21,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import Setting, setting_of, values_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
-from presswear.tools.files import read_checked
-from presswear.tools.folders import check_file
+from presswear.tools.files import check_file, read_checked
 from presswear.tools.quantities import Choice, Quantity, parse_quantity
 
 TOGETHER = "&"

@@ -28,11 +28,10 @@ from presswear.sweeps.parameters import (
     parse_group,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, not_installed, unknown
-from presswear.tools.files import digest
-from presswear.tools.folders import check_file
+from presswear.tools.files import check_file, digest
 from presswear.tools.quantities import Quantity
+from presswear.tools.serialize import typed
 
 if TYPE_CHECKING:
     import pandas

@@ -35,8 +35,7 @@ from presswear.results.provenance import program_digest
 from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import inside, write_bytes
-from presswear.tools.folders import holder
+from presswear.tools.files import holder, inside, write_bytes
 from presswear.tools.processes import cores, is_stopped
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results

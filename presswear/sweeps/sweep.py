@@ -34,11 +34,10 @@ from presswear.sweeps.runner import (
     run_row,
     run_rows,
 )
-from presswear.tools.documents import plain, read_json, typed, write_json
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import digest, write_bytes
-from presswear.tools.folders import FolderLock, check_name, is_free
+from presswear.tools.files import FolderLock, check_name, digest, is_free, write_bytes
 from presswear.tools.quantities import Choice
+from presswear.tools.serialize import plain, read_json, typed, write_json
 
 FILE = "sweep.json"
 SCHEMA = 2

@@ -1,28 +1,42 @@
-"""Files that are there whole or not at all, and the digests that tell whether they still are."""
+"""Files that are written whole or not at all, names of files and folders, and the folder lock.
 
+One process at a time writes into a folder. Its lock is the system's lock on an open file, so that a
+process that is killed leaves none behind; the file names its holder.
+"""
+
+import errno
 import hashlib
 import os
-from collections.abc import Callable
+import platform
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO, BinaryIO
 
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, nearest
 
-PART = ".part"
-"""Ending of a file that is being written."""
+PART = ".part"  # ending of a file that is being written
+LOCK = "lock"  # name of the file that is locked
+MAX_NAME = 255  # bytes of a name in common file systems
+_LEFT = {LOCK, "result.json.part"}  # files that a run leaves that is killed at its start
+_BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
+_TRIES = 5
+_PAUSE = 0.02  # between two tries, s: a process that asks for the holder has the lock for a moment
 
 
-def check_link(path: Path) -> None:
-    """Raise InputError if a file or folder that is written into is a symbolic link."""
+def _check_link(path: Path) -> None:
     if path.is_symlink():
         raise InputError(f"{path}: this is a link; nothing is written through it, so remove it")
 
 
 def inside(folder: Path, *names: str) -> Path:
-    """Return a folder inside another one; InputError where a link leads out of it."""
+    """Return a folder inside another one; raise InputError where a link leads out of it."""
     for name in names:
         folder = folder / name
-        check_link(folder)
+        _check_link(folder)
     return folder
 
 
@@ -32,12 +46,12 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     Raises
     ------
     OSError
-        Naming the file: what was there before is untouched.
+        With the file, whose previous content is unchanged.
     InputError
-        Where a link would lead the bytes elsewhere.  A link in place of the file is replaced.
+        Where a link would lead the bytes elsewhere. A link in place of the file is replaced.
     """
     part = path.with_name(path.name + PART)
-    check_link(part)
+    _check_link(part)
     try:
         try:
             with part.open("wb") as file:
@@ -45,25 +59,19 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
                 file.flush()
                 os.fsync(file.fileno())
             os.replace(part, path)
-            _sync_folder(path.parent)
+            if os.name == "posix":  # elsewhere a folder cannot be synchronized
+                descriptor = os.open(path.parent, os.O_RDONLY)
+                try:
+                    os.fsync(descriptor)
+                finally:
+                    os.close(descriptor)
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
         if error.errno is None:
             raise
-        # A full disk is reported without a name, others under that of the part.
+        # A full disk is reported without a name, other errors under that of the part.
         raise OSError(error.errno, error.strerror, str(path)) from None
-
-
-def _sync_folder(folder: Path) -> None:
-    """Have the folder's entry of a renamed file on the disk, where the system can say so."""
-    if os.name != "posix":
-        return
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -72,18 +80,12 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def digest(data: bytes) -> str:
-    """SHA-256 in hexadecimal."""
+    """Return the SHA-256 in hexadecimal."""
     return hashlib.sha256(data).hexdigest()
 
 
 def read_checked(path: Path, expected: str | None = None) -> bytes:
-    """Read a file; InputError names one that is missing or not what was written.
-
-    Parameters
-    ----------
-    expected : str or None
-        Its digest; None: unknown.
-    """
+    """Read a file; raise InputError where it is missing or its digest is not the expected one."""
     try:
         data = path.read_bytes()
     except FileNotFoundError:
@@ -93,3 +95,183 @@ def read_checked(path: Path, expected: str | None = None) -> bytes:
     if expected is not None and digest(data) != expected:
         raise InputError(f"{path} is cut off or altered: its checksum is not the stored one")
     return data
+
+
+def check_name(path: Path) -> None:
+    """Raise InputError unless a file or folder can have this name, and it can be shown."""
+    text = os.fspath(path)
+    if not text.isprintable():
+        raise InputError(f"{text!r}: a name of printable characters is expected")
+    if any(len(part.encode()) > MAX_NAME for part in path.parts):
+        raise InputError(f"{text}: names of at most {MAX_NAME} bytes are expected")
+
+
+def check_folder(path: Path) -> None:
+    """Raise InputError where there is no such folder, with the nearest name."""
+    check_name(path)
+    if not path.is_dir():
+        raise InputError(f"{path}: there is no such folder{_nearest(path, Path.is_dir)}")
+
+
+def check_file(path: Path) -> None:
+    """Raise InputError where there is no such file, with the nearest name."""
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file{_nearest(path, Path.is_file)}")
+
+
+def _nearest(path: Path, is_wanted: Callable[[Path], bool]) -> str:
+    """Return the name nearest to the first missing part of a path, as a question."""
+    missing = next((one for one in (*reversed(path.parents), path) if not one.exists()), path)
+    if missing != path:
+        is_wanted = Path.is_dir
+    beside = missing.parent.iterdir() if missing.parent.is_dir() else ()
+    return nearest(missing.name, (item.name for item in beside if is_wanted(item)))
+
+
+def is_free(path: Path) -> bool:
+    """Return whether a new run can start in a folder: it is not there, or empty.
+
+    InputError where no folder of this name can be made and written into.
+    """
+    check_name(path)
+    try:
+        if path.exists():
+            return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
+        if path.is_symlink():
+            raise InputError(f"--out {path}: it is a link that leads nowhere")
+        parent = next(folder for folder in path.parents if folder.exists())
+        if not parent.is_dir():
+            raise InputError(f"--out {path}: {parent} is no folder")
+        # Permissions do not tell for every kind of file system: trying does.
+        os.rmdir(tempfile.mkdtemp(dir=parent))
+    except OSError as error:
+        raise _unwritable(path, error) from None
+    return True
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError(f"--out {path}: nothing can be written there: {error.strerror}")
+
+
+class FolderLock:
+    """Exclusive right to write into a folder, until it is released or the process ends.
+
+    Attributes
+    ----------
+    path : Path
+        Folder.
+    warning : str
+        Text where this file system has no locks, or nothing.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Lock a folder, made where it is not there.
+
+        InputError where nothing can be written there, with the holder of the lock, or where the
+        lock is a link.
+        """
+        self.path = path
+        self.warning = ""
+        _check_link(path / LOCK)
+        self._made = tuple(folder for folder in (path, *path.parents) if not folder.exists())
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            self._file = self._locked_file()
+        except OSError as error:
+            raise _unwritable(path, error) from None
+
+    def _locked_file(self) -> IO[str]:
+        for _ in range(_TRIES):
+            file = (self.path / LOCK).open("a+", encoding="utf-8")
+            problem = _lock(file)
+            if problem in _BUSY:
+                file.close()
+                time.sleep(_PAUSE)
+                continue
+            if problem:
+                self.warning = (
+                    f"{self.path} is on a file system without locks ({os.strerror(problem)}): "
+                    "start no second run in it"
+                )
+            # It may have been released, and removed, since it was opened.
+            if _is_same(self.path / LOCK, file):
+                file.truncate(0)
+                file.write(f"process {os.getpid()} on {platform.node()}\n")
+                file.flush()
+                return file
+            file.close()
+        who = holder(self.path) or "another process"
+        raise InputError(f"--out {self.path}: {who} is at work in it; wait for it, or name another")
+
+    def is_held(self) -> bool:
+        """Return whether the folder is still there and still locked by this object."""
+        return not self._file.closed and _is_same(self.path / LOCK, self._file)
+
+    @property
+    def is_released(self) -> bool:
+        """True once it was released."""
+        return self._file.closed
+
+    def release(self) -> None:
+        """Release the folder, and remove it where it is empty and was made here."""
+        is_held = self.is_held()
+        if os.name != "posix":  # where no open file can be removed
+            self._file.close()
+        if is_held:
+            (self.path / LOCK).unlink(missing_ok=True)
+            with suppress(OSError):  # up to the first folder that holds something
+                for folder in self._made:
+                    folder.rmdir()
+        self._file.close()
+
+
+def _lock(file: IO[str]) -> int:
+    """Take the system's lock on a file; return the number of the error, or 0."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            file.seek(1 << 30)  # behind the text, which other processes may read
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno or errno.EIO
+    return 0
+
+
+def _is_same(path: Path, file: IO[str]) -> bool:
+    """Return whether a path leads to an open file."""
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(file.fileno()))
+    except OSError:
+        return False
+
+
+def holder(path: Path) -> str | None:
+    """Return the process that holds the lock of a folder, in words; None for none."""
+    with suppress(OSError), (path / LOCK).open("r+", encoding="utf-8") as file:
+        if _lock(file) in _BUSY:
+            file.seek(0)
+            return file.readline().strip() or "another process"
+    return None
+
+
+@contextmanager
+def only_writer(path: Path) -> Iterator[None]:
+    """Hold the lock of a new folder; an empty one is removed at the end.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds something, cannot be made, or is locked.
+    """
+    if not is_free(path):
+        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
+    lock = FolderLock(path)
+    try:
+        yield
+    finally:
+        lock.release()

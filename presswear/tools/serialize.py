@@ -8,16 +8,19 @@ same fields.
 
 import inspect
 import json
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from numbers import Real
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 
 from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.files import read_checked, write_bytes
 from presswear.tools.quantities import Choice, Quantity, meaning_of, plain_number
 
 T = TypeVar("T")
@@ -328,3 +331,61 @@ def typed(data: Any, kind: type[T], place: str) -> T:
     except msgspec.ValidationError as error:
         fault, _, inner = str(error).partition(" - at `$")
         raise InputError(": ".join(filter(None, (place, inner.strip(".`"), fault)))) from None
+
+
+MAX_NUMBER = 1e300  # in a document: beyond it sums and units would overflow
+
+
+def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
+    """Read a document of one schema, all of whose numbers are finite.
+
+    Parameters
+    ----------
+    missing : str
+        Message where there is no such file.
+
+    Raises
+    ------
+    InputError
+    """
+    if not file.is_file():
+        raise InputError(missing)
+    try:
+        document = json.loads(
+            read_checked(file).decode(), parse_float=_finite, parse_constant=_finite
+        )
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise InputError(f"{file} cannot be read: {error}") from None
+    if not isinstance(document, dict):
+        raise InputError(f"{file} is no document of presswear: it holds no names and values")
+    # JSON's true equals 1 and 2.0 equals 2, but neither is a schema.
+    if type(document.get("schema")) is not int or document["schema"] != schema:
+        raise InputError(
+            f"{file} has schema {document.get('schema')!r}; this version reads {schema}"
+        )
+    return document
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not abs(value) <= MAX_NUMBER:
+        raise ValueError(f"{text[:40]} is no finite number up to {MAX_NUMBER:g}")
+    return value
+
+
+def plain(value: Any) -> Any:
+    """Return data that JSON can hold: a number that is not finite becomes None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def write_json(file: Path, document: Mapping[str, Any]) -> None:
+    """Write a document whole or not at all."""
+    write_bytes(file, json.dumps(plain(document), indent=1, allow_nan=False).encode())

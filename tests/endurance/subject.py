@@ -22,8 +22,7 @@ from presswear.recording.observer import AdvanceObserver
 from presswear.results.result import load, read_document
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
-from presswear.tools.files import read_checked
-from presswear.tools.folders import holder
+from presswear.tools.files import holder, read_checked
 from presswear.validation.cases import sound
 
 PATIENCE = 60.0

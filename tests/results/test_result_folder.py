@@ -29,9 +29,9 @@ from presswear.scene.settings import changed
 from presswear.show.figures import drawings
 from presswear.show.report import render_report
 from presswear.tools.arrays import write_arrays
-from presswear.tools.documents import sealed_json
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.folders import FolderLock
+from presswear.tools.files import FolderLock
+from presswear.tools.serialize import write_json
 
 SCENE = changed(
     replace(
@@ -93,7 +93,7 @@ def edit(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
     """Change the document of a folder and seal it anew."""
     document = read_document(path)
     change(document)
-    (path / "result.json").write_bytes(sealed_json(document))
+    write_json(path / "result.json", document)
 
 
 def checkpoint_file(path: Path) -> Path:

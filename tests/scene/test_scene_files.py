@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from presswear.sweeps.files import read_sweep
 
 from presswear.campaign.campaign import run
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import Scene
+from presswear.sweeps.plan import read_sweep
 from presswear.tools.errors import InputError, one_line
 from presswear.tools.user_function import UserFunction
 

@@ -15,8 +15,8 @@ from made_up_sweep import table_of
 import presswear as pw
 from presswear.sweeps.plan import Plan, scene_digest
 from presswear.sweeps.sweep import export_table
-from presswear.tools.documents import plain
 from presswear.tools.errors import InputError
+from presswear.tools.serialize import plain
 
 SCENE = pw.scenes.wear_times(engine="dae", wear_updates=0, cycles=1)
 VARY = ("clearance=0.2mm,0.4mm", "A.friction=0.1,0.2 & C.friction=0.3,0.4", "engine=dae,exudyn")

@@ -1,14 +1,31 @@
-"""Files that are there whole or not at all, and that know whether they still are."""
+"""Files that are written whole or not at all, names, arrays, documents, and the folder lock."""
 
 import errno
+import fcntl
 import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
+import numpy as np
 import pytest
 
+from presswear.tools.arrays import named, part, read_arrays, read_numbers, write_arrays
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest, read_checked, write_bytes, write_whole
+from presswear.tools.files import (
+    LOCK,
+    FolderLock,
+    digest,
+    holder,
+    is_free,
+    only_writer,
+    read_checked,
+    write_bytes,
+    write_whole,
+)
+from presswear.tools.serialize import read_json, write_json
 
 
 def test_a_full_disk_leaves_the_last_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -49,3 +66,156 @@ def test_files_that_are_not_what_was_written_are_named(tmp_path: Path) -> None:
         assert read_checked(file, expected) == b"something"
     with pytest.raises(InputError, match=r"stage-0\.npz is cut off or altered"):
         read_checked(file, digest(b"something else"))
+
+
+def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
+    records = np.zeros(2, [("x", np.float64), ("n", np.int64)])
+    state = {**named("joint", {"depth": np.arange(3.0)}), "records": records}
+    checksum = write_arrays(tmp_path / "a.npz", state)
+    found = read_arrays(tmp_path / "a.npz", checksum)
+    assert part(found, "joint")["depth"].tolist() == [0.0, 1.0, 2.0]
+    assert found["records"].dtype == records.dtype
+    with pytest.raises(InputError, match="records holds no real numbers"):
+        read_numbers(tmp_path / "a.npz")
+    with pytest.raises(InputError, match="cut off or altered"):
+        read_arrays(tmp_path / "a.npz", digest(b""))
+
+
+@pytest.mark.parametrize("damage", [lambda data: data[:-30], lambda data: b"PK" + 99 * b"0"])
+def test_damaged_arrays_and_objects_are_refused(tmp_path: Path, damage: Any) -> None:
+    file = tmp_path / "a.npz"
+    write_arrays(file, {"x": np.arange(9.0)})
+    file.write_bytes(damage(file.read_bytes()))
+    with pytest.raises(InputError, match=r"a\.npz cannot be read"):
+        read_arrays(file)
+    np.savez(file, x=np.array([print]), allow_pickle=True)
+    with pytest.raises(InputError, match=r"a\.npz cannot be read"):
+        read_arrays(file)
+
+
+def test_documents_hold_finite_numbers_of_one_schema(tmp_path: Path) -> None:
+    file = tmp_path / "d.json"
+    write_json(file, {"schema": 3, "x": np.float64(0.1), "y": float("nan"), "z": (np.int64(1),)})
+    assert read_json(file, "none", 3) == {"schema": 3, "x": 0.1, "y": None, "z": [1]}
+    with pytest.raises(InputError, match="schema 3; this version reads 4"):
+        read_json(file, "none", 4)
+    with pytest.raises(InputError, match="nothing here"):
+        read_json(tmp_path / "e.json", "nothing here", 3)
+    for text in (
+        '{"schema": 3, "x": NaN}',
+        '{"schema": 3, "x": 1e999}',
+        "[3]",
+        "{",
+        '{"schema": true}',
+    ):
+        file.write_text(text)
+        with pytest.raises(InputError, match=r"d\.json"):
+            read_json(file, "none", 3)
+
+
+def test_a_new_and_an_empty_folder_are_free_and_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    for name in ("empty", "new", "a/b/c", "ü µ"):
+        assert is_free(tmp_path / name)
+    assert [path.name for path in tmp_path.iterdir()] == ["empty"]
+    (tmp_path / "empty" / LOCK).touch()
+    assert is_free(tmp_path / "empty")
+
+
+@pytest.mark.parametrize("name", ["full", "file"])
+def test_what_holds_something_is_not_free(tmp_path: Path, name: str) -> None:
+    (tmp_path / "full").mkdir()
+    for file in ("file", "full/file", f"full/{LOCK}"):
+        (tmp_path / file).write_text("somebody's")
+    before = sorted(tmp_path.rglob("*"))
+    assert not is_free(tmp_path / name)
+    with pytest.raises(InputError, match="not empty"), only_writer(tmp_path / name):
+        pass
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("file/below", "is no folder"),
+        ("dangling", "leads nowhere"),
+        ("a\0b", "printable"),
+        ("\udcff", "printable"),
+        ("n" * 256, "255 bytes"),
+        ("/proc/none/x", "nothing can be written there"),
+    ],
+)
+def test_what_cannot_be_a_folder_is_refused(tmp_path: Path, name: str, says: str) -> None:
+    (tmp_path / "file").write_text("somebody's")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(InputError, match=says):
+        is_free(tmp_path / name)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+_HOLD = """
+import sys, time
+from pathlib import Path
+from presswear.tools.files import FolderLock
+lock = FolderLock(Path(sys.argv[1]))
+print("taken", flush=True)
+time.sleep(60)
+"""
+
+
+def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", _HOLD, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "taken\n"
+    with pytest.raises(InputError, match=f"process {process.pid} on .* is at work in it"):
+        FolderLock(tmp_path)
+    assert f"process {process.pid} on " in (holder(tmp_path) or "")
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    assert holder(tmp_path) is None
+    lock = FolderLock(tmp_path)
+    assert lock.is_held()
+    assert str(os.getpid()) in (tmp_path / LOCK).read_text()
+    lock.release()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_lock_is_lost_with_its_folder(tmp_path: Path) -> None:
+    lock = FolderLock(tmp_path)
+    (tmp_path / LOCK).rename(tmp_path / "elsewhere")
+    assert not lock.is_held()
+    other = FolderLock(tmp_path)
+    lock.release()  # it is not ours to remove
+    assert other.is_held()
+    other.release()
+
+
+def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
+    with only_writer(tmp_path / "new" / "below"):
+        assert holder(tmp_path / "new" / "below") is not None
+    assert not (tmp_path / "new").exists()
+    with only_writer(tmp_path / "kept"):
+        (tmp_path / "kept" / "result").touch()
+    assert [item.name for item in (tmp_path / "kept").iterdir()] == ["result"]
+    (tmp_path / "own").mkdir()
+    with only_writer(tmp_path / "own"):
+        pass
+    assert (tmp_path / "own").is_dir()
+
+
+def test_a_file_system_without_locks_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none(descriptor: int, operation: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", none)
+    lock = FolderLock(tmp_path)
+    assert "without locks (No locks available): start no second run in it" in lock.warning
+    assert lock.is_held()
+    assert holder(tmp_path) is None
+    lock.release()
+    assert list(tmp_path.iterdir()) == []
