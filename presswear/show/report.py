@@ -21,7 +21,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show import report_tables as tables
 from presswear.show.figures import NAMES, drawn
-from presswear.show.figures.life import limit_told, services_done
+from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import stage_names
 from presswear.show.page import Illustration, illustrated, render_page
 from presswear.tools.errors import InputError
@@ -172,7 +172,7 @@ def _life(result: Result) -> dict[str, Any]:
     first = life.first if life.ended == "limit" else None
     return {
         "result": life,
-        "first": None if first is None else f"{words_of(first.key)} over {limit_told(first)}",
+        "first": None if first is None else f"{words_of(first.key)} over {limit_text(first)}",
         "reached": [f"{words_of(limit.key)} {_reached(limit)}" for limit in life.limits],
         "rate": 60.0 / scene.mechanism.period,
         "hours": life.hours(scene),
@@ -188,7 +188,7 @@ def _life(result: Result) -> dict[str, Any]:
 
 
 def _reached(limit: LimitResult) -> str:
-    return f"{quantity_text(limit.last, limit.unit)} of {limit_told(limit)}"
+    return f"{quantity_text(limit.last, limit.unit)} of {limit_text(limit)}"
 
 
 def _rival_limits(result: Result) -> list[str]:

@@ -32,7 +32,7 @@ from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import changes_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import Setting, settings_of
-from presswear.show.figures.life import limit_told
+from presswear.show.figures.life import limit_text
 from presswear.show.figures.style import maps_turn, stage_names
 from presswear.show.page import NOTHING, Row, Table, column_table, row_table
 from presswear.tools.arrays import Array
@@ -788,7 +788,7 @@ def limit_table(scene: Scene, life: LifeResult) -> Table:
         # A level curve has no drift and no meaningful half width.
         is_level = limit.last == 0.0 and not half
         record = {
-            "name": f"{words_of(limit.key)} over {limit_told(limit)}",
+            "name": f"{words_of(limit.key)} over {limit_text(limit)}",
             "strokes": "not exceeded",
             "last": "no trend" if is_level else f"{with_interval(scale * limit.last, half)} {unit}",
         }

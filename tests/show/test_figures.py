@@ -1,44 +1,84 @@
-"""Figures of small made-up results: which there are, and how a script asks for them."""
+"""Figures of small made-up results."""
 
+import math
 import re
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import matplotlib.pyplot as pyplot
+import numpy as np
 import pytest
-from made_up_result import BODY, BOTH, IDEAL, ONE, grown, legend_of, made_up
+from made_up_result import (
+    BINS,
+    BODY,
+    BOTH,
+    IDEAL,
+    LIFE,
+    ONE,
+    STROKES,
+    altered,
+    grown,
+    lived,
+    made_up,
+    not_passed,
+)
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
+from presswear.campaign.campaign import run
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Bar, Pin
+from presswear.linkage.loads import AnyLoad, Blanking, Force, Harmonics, Load, Moment, Spring
+from presswear.linkage.mechanisms import FOUR_BAR
+from presswear.linkage.surface import bin_centres
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.drives import ideal_curves
+from presswear.results.result import Result
+from presswear.scene.bearing import Bearing
+from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
+from presswear.show.figures.mechanism import labelled
+from presswear.show.figures.motion import central_range
+from presswear.show.figures.style import LINES
+from presswear.show.figures.wear import seam
 from presswear.tools.errors import InputError
+from presswear.tools.numbers import readable
 
 UNIT = re.compile(
     r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
 )
-BODY_A = replace(BODY, joints="A")
-BOTTOM = "bottom-dead-centre.png"
-NOT_MADE_UP = ("life", "tonnage")
-"""Figures that need what made-up results have not."""
+NOT_MADE_UP = ("life", "tonnage")  # figures that need what made-up results lack
 MOTION = [
-    *("response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"),
+    *("response.png", "bottom-dead-centre.png", "contact-force.png", "centre-trajectory.png"),
     *("phase.png", "poincare.png", "impacts.png", "modes.png", "spectrum.png"),
 ]
+
+
+def sheet_of(name: str, result: Result) -> Sheet:
+    return next(drawings(result, [name])).sheet
+
+
+def legend_of(sheet: Sheet) -> list[str]:
+    return [text.get_text() for legend in sheet.legends for text in legend.get_texts()]
 
 
 @pytest.mark.parametrize(
     ("scene", "stages", "files"),
     [
         (BOTH, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
-        (BODY_A, 2, ["wear-depth.png", "worn-surface-A.png", *MOTION]),
+        (BODY, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
         (ONE, 1, ["wear-depth.png", *MOTION]),
         (IDEAL, 1, ["response.png"]),
     ],
-    ids=["both joints", "maps on bodies", "one joint, one stage", "ideal"],
 )
-def test_draws_what_makes_sense(
+def test_figures_with_content_are_drawn(
     scene: Scene, stages: int, files: list[str], tmp_path: Path
 ) -> None:
     found = list(drawings(made_up(scene, stages)))
@@ -48,55 +88,33 @@ def test_draws_what_makes_sense(
         assert save(drawing, tmp_path / "figures").read_bytes().startswith(b"\x89PNG")
         assert drawing.title
         assert drawing.caption.endswith(".")
+        labels = [
+            text for axes in drawing.sheet.axes for text in (axes.get_xlabel(), axes.get_ylabel())
+        ]
+        assert all(UNIT.search(label) for label in labels if label), labels
     assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == sorted(files)
 
 
-def labels(axes: Axes) -> list[str]:
-    return [label for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
-
-
-@pytest.mark.parametrize("scene", [BOTH, BODY], ids=["fixed maps", "maps on bodies"])
-def test_every_axis_label_has_a_unit(scene: Scene) -> None:
-    for drawing in drawings(made_up(scene, 2)):
-        found = [label for axes in drawing.sheet.axes for label in labels(axes)]
-        assert found
-        assert all(UNIT.search(label) for label in found), found
-
-
-def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
+def test_plot_returns_the_axes_of_every_figure() -> None:
     result = grown()
-    assert result.path is None
     counts = {name: len(result.plot(name)) for name in NAMES if name not in NOT_MADE_UP}
-    assert counts.pop("mechanism") == 1
-    torque = {"drives": 4}
-    motion = {"stroke": 1, "response": 7, "bottom": 3, "force": 6, "path": 6}
-    moved = {"phase": 9, "poincare": 6, "impacts": 6, "modes": 6, "spectrum": 3}
-    assert counts == {"wear": 2, "growth": 2, "surfaces": 6, **motion, **torque, **moved}
-    assert len(result.plot()) == 1 + sum(counts.values())
-    assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
-
-
-@pytest.mark.parametrize(
-    "name", [name for name in NAMES if name not in ("mechanism", "growth", *NOT_MADE_UP)]
-)
-def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
-    (sheet,) = {axes.figure for axes in grown().plot(name, stage=1)[:3]}
-    assert isinstance(sheet, Sheet)
-    words = [text.get_text() for axes in sheet.axes for text in (axes.title, *axes.texts)]
-    told = " ".join([*legend_of(sheet), *words])
-    assert "first wear" in told
-    assert "second wear" not in told
-    assert "third wear" not in told
+    motion = {"stroke": 1, "response": 7, "bottom": 3, "force": 6, "path": 6, "drives": 4}
+    dynamics = {"phase": 9, "poincare": 6, "impacts": 6, "modes": 6, "spectrum": 3}
+    assert counts == {"mechanism": 1, "wear": 2, "growth": 2, "surfaces": 6, **motion, **dynamics}
+    assert len(result.plot()) == sum(counts.values())
+    for name in counts.keys() - {"mechanism", "growth"}:
+        sheet = result.plot(name, stage=1)[0].figure
+        assert isinstance(sheet, Sheet)
+        texts = [text.get_text() for axes in sheet.axes for text in (axes.title, *axes.texts)]
+        words = " ".join([*legend_of(sheet), *texts])
+        assert "first wear" in words
+        assert "second wear" not in words
 
 
 @pytest.mark.parametrize(
     ("names", "stage", "message"),
     [
-        (
-            ["forces"],
-            None,
-            "unknown figure 'forces'; did you mean force?; known are life, mechanism, stroke",
-        ),
+        (["forces"], None, "unknown figure 'forces'; did you mean force?"),
         (["growth"], None, "wear-times has nothing to draw as 'growth'"),
         (["wear"], 0, "stage 0 of wear-times has nothing to draw as 'wear'"),
         (["force"], 7, "wear-times has no stage 7; it has 0, 1, 2; did you mean 2?"),
@@ -107,17 +125,227 @@ def test_plot_refuses_in_a_line(names: list[str], stage: int | None, message: st
         made_up(BOTH, 3).plot(*names, stage=stage)
 
 
-def test_a_script_keeps_its_matplotlib_as_it_is() -> None:
-    """No setting changes, and figures that nobody asked to see are not kept by pyplot."""
+def test_matplotlib_of_a_script_is_left_as_it_is() -> None:
     before = dict(matplotlib.rcParams)
     made_up(IDEAL, 1).plot()
     assert dict(matplotlib.rcParams) == before
     assert pyplot.get_fignums() == []
-
-
-def test_pyplot_shows_figures_where_it_is_interactive() -> None:
     pyplot.switch_backend("agg")
     with pyplot.ion():
         axes = made_up(IDEAL, 1).plot("response")
     assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [axes[0].figure]
     pyplot.close("all")
+
+
+def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
+    *_, curve = sheet_of("stroke", made_up(IDEAL, 1)).axes[0].lines
+    height = np.asarray(curve.get_ydata(), dtype=float)
+    assert height.min() == pytest.approx(0.0, abs=1e-3)
+    assert height.max() == pytest.approx(1e3 * IDEAL.stroke, rel=1e-4)
+    axes = sheet_of("bottom", made_up(BOTH, 2)).axes
+    line = np.asarray(axes[1].get_lines()[0].get_xydata())
+    assert line[:, 0].tolist() == [1.0, 2.0]
+    # From the closed form of the press.
+    assert line[:, 1] == pytest.approx([-712.3459, -812.3459], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("figure", "column", "unit"),
+    [("force", "force_max", "N"), ("response", "acceleration_max", "")],
+)
+def test_peaks_come_from_the_cycles_not_from_the_thinned_series(
+    figure: str, column: str, unit: str
+) -> None:
+    result = made_up(IDEAL if figure == "response" else BOTH, 1)
+    cycles = result.stages[0].arrays["cycles"]
+    cycles[:, (*CYCLE_FIXED, *CYCLE_JOINT).index(column)] = 2000.0, 3000.0
+    words = [text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts]
+    assert f"largest 3\u202f000 {unit}" in words[0]
+
+
+def test_stages_without_motion_are_left_out_and_many_are_thinned() -> None:
+    failed = made_up(BOTH, 2, "failed")
+    assert legend_of(sheet_of("response", failed)) == ["ideal", "no wear"]
+    assert legend_of(sheet_of("wear", failed)) == ["first wear"]
+    many = made_up(BOTH, 9)
+    assert len(sheet_of("path", many).axes) == 2 * 5
+    assert legend_of(sheet_of("response", many))[-1] == "eighth wear"
+
+
+def test_short_peaks_exceed_the_panels_of_the_drives() -> None:
+    """A torque of a thousand times the ideal one in one of two thousand rows of a cycle."""
+    result = run(replace(ideal(), process=Blanking(), engine="dae", cycles=3))
+    exact = ideal_curves(result.scene)["crank 2"].torque
+    largest = float(np.abs(exact).max())
+    torque = result.stages[0].arrays["drive_torque"].copy()
+    torque[-100, 0] = -1e3 * largest
+    arrays = {**result.stages[0].arrays, "drive_torque": torque}
+    axes = sheet_of("drives", altered(result, 0, arrays=arrays)).axes[0]
+    low, high = axes.get_ylim()
+    assert low < exact.min() < exact.max() < high
+    assert high - low < 1.3 * float(np.ptp(exact))
+    assert axes.get_title(loc="right") == f"farthest: {readable(-1e3 * largest)} N m"
+    time = np.cumsum(np.random.default_rng(1).uniform(0.0, 2e-4, 10_000))
+    time /= time[-1]
+    assert central_range(time, time, 0.1) == pytest.approx((0.1, 0.9), abs=1e-3)
+
+
+def test_depth_is_the_cumulative_total_in_microns() -> None:
+    result = made_up(BOTH, 3)
+    sheet = sheet_of("wear", result)
+    assert legend_of(sheet) == ["first wear", "second wear", "third wear, not run"]
+    expected = 2e6 * result.stages[1].arrays["A_depth_bearing"]
+    for k, line in enumerate(sheet.axes[0].get_lines(), start=1):
+        np.testing.assert_allclose(np.asarray(line.get_ydata()), k * expected)
+    arrays = result.stages[2].arrays
+    deeper = {**arrays, "A_depth_pin": 1e3 * arrays["A_depth_pin"]}
+    at_a, at_c = sheet_of("wear", altered(result, 2, arrays=deeper)).axes
+    assert (at_a.get_yscale(), at_c.get_yscale()) == ("log", "linear")
+
+
+def lobe(centre: float) -> Any:
+    """Groove around an angle, degrees; its depth at the bin centres, m."""
+    away = np.angle(np.exp(1j * (bin_centres(BINS) - np.radians(centre))))
+    return 1e-6 * np.exp(-((away / np.radians(25.0)) ** 2))
+
+
+@pytest.mark.parametrize("centre", [0.0, 20.0, 200.0, 345.0])
+def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
+    angle = bin_centres(BINS)
+    around = (centre - seam(angle, [lobe(centre), 3.0 * lobe(centre)])) % 360.0
+    assert min(around, 360.0 - around) > 60.0
+    result = made_up(BOTH, 2)
+    worn = {**result.stages[1].arrays, "A_depth_pin": lobe(centre), "A_depth_bearing": lobe(centre)}
+    axes = sheet_of("wear", altered(result, 1, arrays={**worn, "A_wear_pin": 0.0 * angle})).axes[0]
+    low, high = axes.get_xlim()
+    assert high - low == 360.0
+    x, y = np.asarray(axes.get_lines()[0].get_xydata()).T
+    assert np.all(np.diff(x) > 0.0)
+    depth = 2e6 * lobe(centre)
+    np.testing.assert_allclose(y, np.interp(x, np.degrees(angle), depth, period=360.0), atol=1e-12)
+    assert max(y[0], y[-1]) < 0.05 * depth.max()
+    assert axes.xaxis.get_major_formatter()(540.0) == "180"
+    for depths in ([], [np.zeros(BINS)], [np.ones(BINS)], [lobe(180.0)]):
+        assert seam(angle, depths) == 0.0
+
+
+@pytest.mark.parametrize("scene", [BOTH, BODY], ids=["fixed maps", "maps on bodies"])
+def test_profiles_are_drawn_to_the_stated_scale(scene: Scene) -> None:
+    sheet = sheet_of("surfaces", made_up(scene, 3))
+    bearings = scene.bearings
+    radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
+    for axes, radius in zip(sheet.axes[1:], radii, strict=True):
+        (low, high), (left, right) = axes.get_ylim(), axes.get_xlim()
+        box = axes.get_position()
+        width, height = sheet.get_size_inches()
+        radial = box.height * height / (1e-6 * (high - low))
+        along = box.width * width / (np.radians(right - left) * radius)
+        stated = re.search(r"radial scale ([\d\u202f]+) times", axes.get_title())
+        assert stated is not None
+        assert radial / along == pytest.approx(float(stated[1].replace("\u202f", "")))
+        depths = np.concatenate([np.asarray(line.get_ydata()) for line in axes.get_lines()])
+        assert low <= depths.min()
+        assert depths.max() <= high
+
+
+def test_growth_runs_over_all_steps_or_those_after_a_stage() -> None:
+    whole, after = (grown().plot("growth", stage=stage)[0].get_lines()[0] for stage in (None, 1))
+    assert np.asarray(whole.get_xydata()).tolist() == [[k, k] for k in map(float, range(7))]
+    assert np.asarray(after.get_xydata()).tolist() == [[k, k] for k in (3.0, 4.0, 5.0, 6.0)]
+
+
+def test_a_life_shows_every_quantity_with_its_limits() -> None:
+    result = lived(made_up(BODY, 3))
+    sheet = sheet_of("life", result)
+    panels: dict[str, Axes] = {
+        axes.get_title(loc="left").replace("\n", " "): axes for axes in sheet.axes if axes.axison
+    }
+    assert {title: axes.get_ylabel() for title, axes in panels.items()} == {
+        "depth of A": "(µm)",
+        "worn volume of A": "(mm³)",
+        "peak force of A": "(kN)",
+        "depth of C: first": "(µm)",
+        "worn volume of C": "(mm³)",
+        "peak force of C": "(N)",
+        "drift of bottom dead centre": "(µm)",
+    }
+    axes = panels["depth of C: first"]
+    curve, limit, life, service = axes.get_lines()
+    np.testing.assert_allclose(
+        np.asarray(curve.get_xydata()), 10.0 * np.outer(STROKES, [1e-7, 1e-6])
+    )
+    assert set(np.asarray(limit.get_ydata())) == {50.0}
+    assert set(np.asarray(life.get_xdata())) == {1e-6 * LIFE}
+    assert set(np.asarray(service.get_xdata())) == {2.0}
+    (span,) = [own for own in axes.patches if own.get_facecolor()[:3] == to_rgba(LINES[2][0])[:3]]
+    ends = span.get_extents().transformed(axes.transData.inverted())
+    expected = 1e-6 * LIFE * np.exp([-math.hypot(0.03, 0.04), math.hypot(0.03, 0.04)])
+    assert (ends.x0, ends.x1) == pytest.approx(tuple(expected))
+    words = {title: [text.get_text() for text in axes.texts] for title, axes in panels.items()}
+    assert words["worn volume of A"] == ["replaced", "running-in", "steady"]
+    assert words["drift of bottom dead centre"] == ["limit 2 mm"]
+    (open_end,) = drawings(lived(made_up(BODY, 3), not_passed()), ["life"])
+    assert "life with its interval" not in legend_of(open_end.sheet)
+    assert "No limit is exceeded within 5 million strokes." in open_end.caption
+    assert legend_of(sheet_of("wear", result)) == [
+        *("after 2.5 million strokes", "after 5 million strokes"),
+    ]
+
+
+def test_labels_of_a_mechanism_do_not_overlap() -> None:
+    for scene in (wear_times(), press_blanking(), slider_crank(), Scene(FOUR_BAR)):
+        (axes,) = (sheet := labelled(scene).sheet).axes
+        canvas: Any = FigureCanvasAgg(sheet)
+        canvas.draw()
+        names = {text.get_text().split("\n")[0] for text in axes.texts}
+        assert {body.name for body in scene.mechanism.linkage().bodies} <= names
+        boxes = [text.get_window_extent(canvas.get_renderer()) for text in axes.texts]
+        assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
+
+
+def test_a_mechanism_is_labelled_at_its_position() -> None:
+    scene = changed(wear_times(), {"A.clearance": "0.25mm"})
+    (axes,) = labelled(scene, 0.1).sheet.axes
+    words = [text.get_text() for text in axes.texts]
+    linkage = scene.linkage()
+    assert {body.name for body in linkage.bodies} <= set(words)
+    assert {"B", "D", "E", "O2", "O7", "A\nc = 0.25 mm", "C\nc = 0.8 mm"} <= set(words)
+    assert words.count("11 rad/s") == 2
+    position = scene.ideal.at(np.array([0.1])).position[0].reshape(-1, 3)[:, :2]
+    marks = [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"]
+    np.testing.assert_allclose(marks, position, atol=1e-12)
+
+
+def test_joints_at_one_place_share_a_label_and_springs_are_drawn() -> None:
+    spring = Spring("coil", "third.tail", (0.3, 0.2), 100.0, 0.1)
+    linkage = FOUR_BAR.changed(
+        bodies=[*FOUR_BAR.bodies, Bar("third", 0.1, 0.2)],
+        joints=[*FOUR_BAR.joints, Pin("B2", "rocker.head", "third.head")],
+        drives=[*FOUR_BAR.drives, Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0)],
+        springs=[spring],
+    )
+    (axes,) = labelled(Scene(linkage, bearings={"B": Bearing(clearance=1e-4)})).sheet.axes
+    words = [text.get_text() for text in axes.texts]
+    assert "B, B2\nc of B = 0.1 mm" in words
+    assert "coil" in words
+    coil = max(axes.lines, key=lambda line: np.asarray(line.get_xydata())[:, 0].max())
+    assert np.asarray(coil.get_xydata())[-1] == pytest.approx((0.3, 0.2))
+
+
+def test_loads_are_drawn_at_their_points() -> None:
+    scene = Scene(mechanism=FOUR_BAR, joints="B")
+    loads: list[AnyLoad] = [
+        Force("rocker.head", 0.5, 3.0),
+        Moment("crank", Harmonics(1.0)),
+        Load("coupler", 2.0),
+    ]
+    loaded = replace(scene, mechanism=FOUR_BAR.changed(loads=loads))
+    (axes,) = labelled(loaded).sheet.axes
+    red = [patch for patch in axes.patches if patch.get_edgecolor() == to_rgba("tab:red")]
+    assert len(red) == 3
+    position = scene.ideal.at(np.zeros(1)).position[0]
+    head = position[6:8] + 0.06 * np.array([math.cos(position[8]), math.sin(position[8])])
+    for place in (head, position[3:5]):
+        gaps = [np.abs(np.asarray(own.get_path().vertices) - place).max(axis=1) for own in red]
+        # The head of an arrow is rounded; its tail is 40 mm away.
+        assert min(float(gap.min()) for gap in gaps) < 2e-3

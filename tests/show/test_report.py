@@ -6,8 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up_life import LIFE, lived, made_up_life, not_passed
-from made_up_result import BODY, BOTH, IDEAL, ONE, altered, grown, made_up
+from made_up_result import (
+    BODY,
+    BOTH,
+    IDEAL,
+    LIFE,
+    ONE,
+    altered,
+    grown,
+    lived,
+    made_up,
+    made_up_life,
+    not_passed,
+)
 from test_page import Page
 
 from presswear.linkage.loads import Blanking

@@ -1,4 +1,7 @@
-"""Figures of what the motion is: phase portraits, Poincare sections, modes and spectra."""
+"""Figures of the dynamics: phase portraits, Poincare sections, contact modes and spectra."""
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +18,13 @@ from presswear.results.modes import (
     timeline_of,
 )
 from presswear.results.result import Result
-from presswear.show.figures.motion import path_pens, set_path_limits
+from presswear.show.figures.motion import (
+    clearance_text,
+    draw_clearance,
+    label_paths,
+    path_pens,
+    set_path_limits,
+)
 from presswear.show.figures.style import (
     REFERENCE,
     WIDTH,
@@ -23,221 +32,202 @@ from presswear.show.figures.style import (
     Axes,
     Drawing,
     Pen,
-    Sheet,
     ShownStage,
     Stages,
     between,
-    legend,
+    finished,
+    panels,
     shown_stages,
-    wrapped,
+    square_side,
+    title_stages,
 )
 from presswear.tools.numbers import readable, unit_scale
 
-BINS = 180
-"""Bins of the cycle in a timeline of modes."""
+BINS = 180  # bins of the cycle in a timeline of modes
 _MODE_COLOURS = ("0.92", "#E69F00", "#0072B2", "#009E73")
-_WORDS = ("free", "impact", "sustained", "sticking")
-_HARMONICS = 10
+_MODE_WORDS = ("free", "impact", "sustained", "sticking")
+_HARMONICS = 10  # harmonics of the crank that are marked
 
 
 def _rattling(result: Result, stages: Stages) -> list[ShownStage]:
-    """Stages with a motion of a cycle at least, of a scene with clearance."""
+    """Return the shown stages with at least a cycle of motion in joints with clearance."""
     shown = shown_stages(result, stages)
     return [stage for stage in shown if has_motion(result.scene, stage.data)]
 
 
+def _label_phase(row: Sequence[Axes], result: Result) -> None:
+    for axes in row:
+        axes.set_xlabel(f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)")
+        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
+        axes.set_xlim(0.0, 360.0)
+
+
 def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
-    """Velocity over place: of what is watched, and of each pin away from its bearing's centre."""
+    """Draw velocity over position: of the output, and of each pin along the line of centres."""
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
-    joints = scene.clearance_joints
-    side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
-    height = 0.7 + (0.75 * side + 0.35) * (1 + len(joints))
-    sheet = Sheet(figsize=(WIDTH, height), layout="constrained")
-    grid = sheet.subplots(1 + len(joints), len(shown), squeeze=False, sharex="row", sharey="row")
+    joints, side = scene.clearance_joints, square_side(len(shown))
+    count = 1 + len(joints)
+    height = 0.7 + (0.75 * side + 0.35) * count
+    sheet, grid = panels(count, len(shown), height, sharex="row", sharey="row")
     factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
     for column, stage in zip(grid.T, shown, strict=True):
-        own = between(stage.data, *settled_span(scene, stage.data))
-        look = {"color": stage.pen.colour, "linewidth": 0.3}
-        column[0].plot(1e3 * own.displacement, own.velocity, **look)
-        column[0].set_title(wrapped(stage.pen.label, side))
+        data = between(stage.data, *settled_span(scene, stage.data))
+        look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
+        column[0].plot(1e3 * data.displacement, data.velocity, **look)
         column[0].set_xlabel(f"displacement of the {scene.output} (mm)")
         for axes, joint in zip(column[1:], joints, strict=True):
-            away = np.hypot(*own.joints[joint].eccentricity.T)
-            # Rows may follow each other by a rounding.
-            time, kept = np.unique(own.time, return_index=True)
-            axes.plot(factor * away[kept], np.gradient(away[kept], time), **look)
+            distance = np.hypot(*data.joints[joint].eccentricity.T)
+            # Times of successive rows may differ by round-off only.
+            time, rows = np.unique(data.time, return_index=True)
+            axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
             clearance = factor * scene.bearing(joint).clearance
             axes.axvline(clearance, color=REFERENCE, linewidth=0.7, linestyle="dashed")
             axes.set_xlabel(f"|e| in joint {joint} ({unit})")
-    grid[0, 0].set_ylabel("velocity (m/s)")
-    for axes in grid[1:, 0]:
-        axes.set_ylabel("d|e|/dt (m/s)")
+    title_stages(grid, shown, side)
+    for axes, label in zip(grid[:, 0], ("velocity", *["d|e|/dt"] * len(joints)), strict=True):
+        axes.set_ylabel(f"{label} (m/s)")
     caption = (
-        f"Velocity of the {scene.output} over its displacement, and rate of the pin's distance "
-        "|e| from the centre of its bearing over that distance, in the recorded cycles behind the "
-        "start-up. The dashed line is the clearance: beyond it the pin is in contact."
+        f"Velocity of the {scene.output} over its displacement, and rate of the distance |e| "
+        "between pin centre and bearing centre over that distance, in the recorded cycles after "
+        "the start-up. The dashed line is the clearance; to the right of it the pin is in contact."
     )
-    return [Drawing("phase.png", "Phase portrait", caption, sheet)]
+    return finished("phase.png", "Phase portrait", caption, sheet)
 
 
 def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
-    """Place of each pin once a cycle, a panel for each stage."""
+    """Draw the position of each pin once per cycle, a panel for each stage."""
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
-    joints = scene.clearance_joints
+    joints, side = scene.clearance_joints, square_side(len(shown))
     gaps = {joint: scene.bearing(joint).clearance for joint in joints}
     factor, unit = unit_scale("m", max(gaps.values()))
-    side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
-    sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
-    grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
+    height = 0.95 + (side + 0.1) * len(joints)
+    sheet, grid = panels(len(joints), len(shown), height, sharex=True, sharey=True)
     widest, phase, counts = max(gaps.values()), 1.0, []
-    around = np.linspace(0.0, 2.0 * np.pi, 361)
-    told = ", ".join(f"{readable(factor * gap)} {unit}" for gap in dict.fromkeys(gaps.values()))
-    circle = path_pens(told, False)[0]
     for row, joint in zip(grid, joints, strict=True):
         for axes, stage in zip(row, shown, strict=True):
-            places, phase = section_of(scene, stage.data, joint)
-            size = 9.0 if len(places) < 50 else 3.0
-            axes.scatter(
-                *(factor * places.T), s=size, color=stage.pen.colour, linewidths=0.0, zorder=3
-            )
-            circle.draw(axes, *(factor * gaps[joint] * np.array([np.cos(around), np.sin(around)])))
-            widest = max(widest, float(np.hypot(*places.T).max(initial=0.0)))
-            counts.append(len(places))
-        row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
-    for axes, stage in zip(grid[0], shown, strict=True):
-        axes.set_title(wrapped(stage.pen.label, side))
-    for axes in grid[-1]:
-        axes.set_xlabel(f"$e_x$ ({unit})")
+            points, phase = section_of(scene, stage.data, joint)
+            look: dict[str, Any] = {"color": stage.pen.colour, "linewidths": 0.0, "zorder": 3}
+            axes.scatter(*(factor * points.T), s=9.0 if len(points) < 50 else 3.0, **look)
+            draw_clearance(axes, factor * gaps[joint])
+            widest = max(widest, float(np.hypot(*points.T).max(initial=0.0)))
+            counts.append(len(points))
+    title_stages(grid, shown, side)
+    label_paths(grid, joints, unit)
     set_path_limits(grid.flat, 1.06 * factor * widest)
-    found = "; ".join(f"{stage.pen.label}: {period_of(scene, stage.data)}" for stage in shown)
-    linkage_phase = scene.mechanism.linkage().phase
+    periods = "; ".join(f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown)
     caption = (
-        f"Place of each pin in its bearing once a cycle, at {360.0 * (phase % 1.0):.4g} degrees of "
-        f"the {linkage_phase}, behind the start-up ({min(counts)} points or more a panel). A "
-        f"motion that repeats itself shows as many points as its period has cycles. {found}."
+        f"Position of each pin in its bearing once per cycle, at {360.0 * (phase % 1.0):.4g} "
+        f"degrees of the {scene.mechanism.linkage().phase}, after the start-up ({min(counts)} "
+        "points or more per panel). A periodic motion shows as many points as its period has "
+        f"cycles. {periods}."
     )
-    legend(sheet, [circle], "outside upper center")
-    return [Drawing("poincare.png", "Poincaré section", caption, sheet)]
+    pens = path_pens(clearance_text(gaps), False)
+    return finished("poincare.png", "Poincaré section", caption, sheet, pens)
 
 
 def impact_section(result: Result, stages: Stages) -> list[Drawing]:
-    """Closing speed over the cycle at every touchdown, a panel for joint and stage."""
+    """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
     joints, phase = scene.clearance_joints, scene.mechanism.linkage().phase
-    found = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
-    fastest = max(float(speed.max(initial=0.0)) for row in found for _, speed in row)
-    if fastest == 0.0:
+    impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
+    if not any(speed.any() for row in impacts for _, speed in row):
         return []
-    sheet = Sheet(figsize=(WIDTH, 0.7 + 1.5 * len(joints)), layout="constrained")
-    grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
-    for row, panels, joint in zip(found, grid, joints, strict=True):
-        for (where, speed), axes, stage in zip(row, panels, shown, strict=True):
-            axes.scatter(360.0 * where, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
-            # Most touchdowns of a pin that rests are far slower than those that end a flight.
+    sheet, grid = panels(len(joints), len(shown), 0.7 + 1.5 * len(joints), sharex=True, sharey=True)
+    for data, row, joint in zip(impacts, grid, joints, strict=True):
+        for (when, speed), axes, stage in zip(data, row, shown, strict=True):
+            axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
+            # Most touchdowns of a resting pin are far slower than those that end a flight.
             axes.set_yscale("log")
-        panels[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
-    for axes, stage in zip(grid[0], shown, strict=True):
-        axes.set_title(wrapped(stage.pen.label, (WIDTH - 0.9) / len(shown)))
-    for axes in grid[-1]:
-        axes.set_xlabel(f"{phase} in the cycle (degrees)")
-        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
-        axes.set_xlim(0.0, 360.0)
-    fewest = min(len(speed) for row in found for _, speed in row)
+        row[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
+    title_stages(grid, shown, (WIDTH - 0.9) / len(shown))
+    _label_phase(grid[-1], result)
+    fewest = min(len(speed) for row in impacts for _, speed in row)
     caption = (
-        f"Every touchdown in the recorded cycles behind the start-up ({fewest} or more a panel): "
-        f"the {phase} at which the pin meets its bearing, and the speed at which they close. A "
-        "motion that repeats itself after k cycles shows each of its touchdowns as k points."
+        f"Every touchdown in the recorded cycles after the start-up ({fewest} or more per panel): "
+        f"the {phase} at which the pin meets its bearing, and the closing speed. A motion of "
+        "period k shows each of its touchdowns as k points."
     )
-    return [Drawing("impacts.png", "Section at touchdown", caption, sheet)]
+    return finished("impacts.png", "Section at touchdown", caption, sheet)
 
 
 def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
-    """Part of the time in each mode of contact over the cycle, a panel for joint and stage."""
+    """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
-    joints, period = scene.clearance_joints, scene.mechanism.period
-    sheet = Sheet(figsize=(WIDTH, 0.9 + 1.6 * len(shown)), layout="constrained")
-    grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey=True)
+    joints, height = scene.clearance_joints, 0.9 + 1.6 * len(shown)
+    sheet, grid = panels(len(shown), len(joints), height, sharex=True, sharey=True)
     for row, stage in zip(grid, shown, strict=True):
         for axes, joint in zip(row, joints, strict=True):
-            own = timeline_of(scene, stage.data, joint)
-            _stack(axes, 100.0 * own.over_phase(period, BINS))
-            parts = zip(_WORDS, own.shares.values(), strict=True)
-            told = ", ".join(f"{word} {100.0 * part:.2f}" for word, part in parts)
-            axes.set_title(f"{stage.pen.label}, {joint}\n{told} %", fontsize=7.0)
+            line = timeline_of(scene, stage.data, joint)
+            _stack(axes, 100.0 * line.over_phase(scene.mechanism.period, BINS))
+            shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
+            text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
+            axes.set_title(f"{stage.pen.label}, {joint}\n{text} %", fontsize=7.0)
         row[0].set_ylabel("part of the time (%)")
-    for axes in grid[-1]:
-        axes.set_xlabel(f"{scene.mechanism.linkage().phase} in the cycle (degrees)")
-        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
+    _label_phase(grid[-1], result)
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
-    legend(sheet, pens, "outside upper center")
     caption = (
-        "Part of the time that each joint spends in each mode, over the cycle and, above, in all, "
-        "in the recorded cycles behind the start-up. An impact is a contact that lasts at most "
-        "twice as long as the fastest quarter of the contacts do, by Hertz's law at its own "
-        "closing speed; every other contact is sustained, and sticking while it slides more slowly "
-        "than the lower speed of the friction law."
+        "Share of the time of each contact mode over the cycle, and above in total, in the "
+        "recorded cycles after the start-up. An impact is a contact of at most twice the duration "
+        "of the fastest quarter of the contacts, converted to its closing speed by Hertz's law. "
+        "Other contacts are sustained, and sticking while they slide more slowly than the lower "
+        "speed of the friction law."
     )
-    return [Drawing("modes.png", "Modes of contact", caption, sheet)]
+    return finished("modes.png", "Contact modes", caption, sheet, pens)
 
 
 def _stack(axes: Axes, parts: Array) -> None:
-    """Parts in the bins of a cycle on top of each other, up to 100 %."""
     edges = np.linspace(0.0, 360.0, BINS + 1)
     parts = np.column_stack([parts, parts[:, -1]])
     axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
-    axes.set_xlim(0.0, 360.0)
     axes.set_ylim(0.0, 100.0)
     axes.grid(False)
 
 
 def spectrum(result: Result, stages: Stages) -> list[Drawing]:
-    """Spectra of acceleration and contact forces, with harmonics and the contact resonance."""
+    """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
     joints, period = scene.clearance_joints, scene.mechanism.period
-    count = 1 + len(joints)
-    sheet = Sheet(figsize=(WIDTH, 0.6 + 1.9 * count), layout="constrained")
-    panels = sheet.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-    told = []
+    sheet, grid = panels(1 + len(joints), 1, 0.6 + 1.9 * (1 + len(joints)), sharex=True)
+    column, resonances = grid[:, 0], []
     for stage in shown:
-        for axes, found in zip(panels, spectra_of(scene, stage.data).values(), strict=True):
-            stage.pen.draw(axes, found.order[1:], found.density[1:], linewidth=0.6)
-    for axes, joint in zip(panels[1:], joints, strict=True):
-        known = {stage.pen.colour: resonance(stage.data, joint) for stage in shown}
-        for colour, frequency in known.items():
+        for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
+            stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
+    for axes, joint in zip(column[1:], joints, strict=True):
+        found = [(stage.pen.colour, resonance(stage.data, joint)) for stage in shown]
+        for colour, frequency in found:
             if frequency is not None:
                 axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
-        hertz = sorted(frequency for frequency in known.values() if frequency is not None)
-        if hertz:
+        if hertz := sorted(frequency for _, frequency in found if frequency is not None):
             ends = dict.fromkeys(map(readable, (hertz[0], hertz[-1])))
-            told.append(f"{joint} {' to '.join(ends)} Hz")
+            resonances.append(f"{joint} {' to '.join(ends)} Hz")
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
-    panels[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
-    for axes in panels:
+    column[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
+    for axes in column:
         axes.set_xscale("log")
         axes.set_yscale("log")
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
-    axes.set_xlim(0.2, HIGHEST_ORDER)
-    panels[-1].set_xlabel("frequency in turns of the cycle (orders)")
-    legend(sheet, [stage.pen for stage in shown], "outside upper center")
+    column[-1].set_xlim(0.2, HIGHEST_ORDER)
+    column[-1].set_xlabel("frequency in turns of the cycle (orders)")
     caption = (
         f"Power spectral density of the acceleration of the {scene.output} and of the normal "
         f"forces (Welch), over the frequency in cycles of {readable(1e3 * period)} ms; grey lines "
-        f"are the crank's first {_HARMONICS} harmonics."
+        f"are the first {_HARMONICS} harmonics of the crank."
     )
-    if told:
+    if resonances:
         caption += (
-            " Dash-dotted: the contact resonance, one over twice the median impact "
-            f"({'; '.join(told)})."
+            " Dash-dotted: contact resonance, one over twice the median duration of an impact "
+            f"({'; '.join(resonances)})."
         )
-    return [Drawing("spectrum.png", "Spectra", caption, sheet)]
+    pens = [stage.pen for stage in shown]
+    return finished("spectrum.png", "Spectra", caption, sheet, pens)

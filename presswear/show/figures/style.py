@@ -1,7 +1,7 @@
-"""Size, colours, lines and units, which all figures share."""
+"""Size, colours, line styles and panels of all figures."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from textwrap import fill
 from typing import Any, Literal
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
+from presswear.tools.numbers import unit_factor
 
 __all__ = ["Axes", "Sheet"]
 
@@ -22,13 +23,11 @@ LineStyle = Literal["solid", "dotted"] | tuple[float, tuple[float, ...]]
 Place = Literal["upper right", "outside upper center", "outside upper right"]
 Stages = tuple[StageResult, ...]
 
-WIDTH = 7.0
-"""Width of every figure, inches: the text width of an A4 page, so that 8 pt print as 8 pt."""
+WIDTH = 7.0  # inches, the text width of an A4 page, so that 8 pt print as 8 pt
+TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 DOTS_PER_INCH = 200
-SHOWN_STAGES = 5
-"""Most stages in one figure; of more, evenly spaced ones are shown."""
-SHOWN_CYCLES = 2
-"""Cycles whose motion is shown."""
+SHOWN_STAGES = 5  # stages in a figure; of more, evenly spaced ones are shown
+SHOWN_CYCLES = 2  # cycles whose motion is shown
 
 SETTINGS: dict[Any, Any] = {
     "font.size": 8.5,
@@ -49,9 +48,8 @@ SETTINGS: dict[Any, Any] = {
     "lines.linewidth": 1.1,
 }
 
-_ROW, _HANDLE = 112, 8
-"""Letters in the width of a figure, and those that a line takes in a legend."""
-# The palette of Okabe and Ito, told apart with every common colour blindness.
+_ROW, _HANDLE = 112, 8  # letters in the width of a figure, and in the handle of a legend
+# The palette of Okabe and Ito is distinct with every common colour blindness.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 _DASHES: tuple[LineStyle, ...] = (
     "solid",
@@ -61,18 +59,14 @@ _DASHES: tuple[LineStyle, ...] = (
     (0.0, (1.2, 1.0)),
 )
 LINES: tuple[tuple[str, LineStyle], ...] = tuple(zip(_COLOURS, _DASHES, strict=True))
-"""Colour and dashes of the first, second, ... of several lines."""
-REFERENCE = "black"
-"""Colour of what is compared with: the ideal motion, the new surface, the round gap."""
-MUTED = "0.45"
-"""Colour of what was not run."""
-
-MICRONS = 1e6
+REFERENCE = "black"  # colour of the ideal motion, the new surface, the round gap
+MUTED = "0.45"  # colour of what was not run
+MICRONS = unit_factor("µm")
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure before it is written: file name, title, caption and the drawing itself."""
+    """Figure before it is written: file name, title, caption and sheet."""
 
     file: str
     title: str
@@ -82,7 +76,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Pen:
-    """A line as a figure draws it: its name in the legend, colour, dashes and width, points."""
+    """Line style of a figure: label in the legend, colour, dashes and width in points."""
 
     label: str
     colour: str
@@ -94,25 +88,25 @@ class Pen:
         axes.plot(x, y, **self.look | look)
 
     def handle(self) -> Line2D:
-        """The line in a legend."""
+        """Return the line of the legend."""
         return Line2D([], [], label=self.label, **self.look)
 
     @property
     def look(self) -> dict[str, Any]:
-        """How matplotlib draws it."""
+        """Keyword arguments of a matplotlib line."""
         return {"color": self.colour, "linestyle": self.dashes, "linewidth": self.width}
 
 
 @dataclass(frozen=True)
 class ShownStage:
-    """A stage with the line that it has in a figure."""
+    """Stage with its line style in a figure."""
 
     data: StageResult
     pen: Pen
 
 
 def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
-    """Pick the first, the last and evenly spaced ones between of some stages, with their lines."""
+    """Return the first, the last and evenly spaced stages between, with their line styles."""
     count = len(stages)
     picked = np.unique(np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int))
     shown = [stages[int(k)] for k in picked]
@@ -124,9 +118,9 @@ def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
 
 
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
-    """Names of stages; one word for all where nothing can wear."""
-    worn = bool(result.scene.clearance_joints)
-    return [result.stage_name(stage.index) if worn else "computed" for stage in stages]
+    """Return the names of stages; ``computed`` if nothing can wear."""
+    has_wear = bool(result.scene.clearance_joints)
+    return [result.stage_name(stage.index) if has_wear else "computed" for stage in stages]
 
 
 def between(stage: StageResult, begin: float, end: float) -> StageResult:
@@ -140,14 +134,59 @@ def between(stage: StageResult, begin: float, end: float) -> StageResult:
 
 
 def maps_turn(result: Result) -> bool:
-    """Say whether the wear maps turn with their bodies, so that angles on them do not compare."""
+    """Return whether the wear maps turn with their bodies, so that their angles do not compare."""
     return result.scene.conventions.map_frame == "body"
 
 
 def angle_label(result: Result, side: str) -> str:
-    """Label of an axis of the angles of a wear map."""
+    """Return the label of an axis of the angles of a wear map."""
     where = f"angle on the {side}" if maps_turn(result) else "direction of contact"
     return f"{where} (degrees)"
+
+
+def panels(rows: int, columns: int, height: float, **sharing: Any) -> tuple[Sheet, Any]:
+    """Return a sheet of the common width and its grid of axes, an array of shape (rows, columns).
+
+    Parameters
+    ----------
+    height : float
+        Inches; limited to that of a page.
+    sharing
+        Arguments of ``Figure.subplots``: ``sharex``, ``sharey``, ``height_ratios``.
+    """
+    sheet = Sheet(figsize=(WIDTH, min(height, TALLEST)), layout="constrained")
+    return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
+
+
+def square_side(columns: int) -> float:
+    """Return the side of square panels beside each other, inches."""
+    return (WIDTH - 0.9) / max(columns, 2) - 0.1
+
+
+def title_stages(grid: Any, stages: Sequence[ShownStage], width: float) -> None:
+    """Write the names of stages above the columns of a grid, in lines of a width in inches."""
+    for axes, stage in zip(grid[0], stages, strict=True):
+        axes.set_title(wrapped(stage.pen.label, width))
+
+
+def title_joint(axes: Axes, name: str) -> None:
+    """Write a name in bold above the left end of a panel."""
+    axes.set_title(name, loc="left", fontweight="bold")
+
+
+def finished(
+    file: str,
+    title: str,
+    caption: str,
+    sheet: Sheet,
+    pens: Iterable[Pen] = (),
+    place: Place = "outside upper center",
+) -> list[Drawing]:
+    """Align the labels of a sheet, name its lines and return it as the only drawing."""
+    sheet.align_ylabels()
+    if pens := list(pens):
+        legend(sheet, pens, place)
+    return [Drawing(file, title, caption, sheet)]
 
 
 def legend(sheet: Sheet, pens: Iterable[Pen], place: Place, **look: Any) -> None:
@@ -159,19 +198,19 @@ def legend(sheet: Sheet, pens: Iterable[Pen], place: Place, **look: Any) -> None
 
 
 def wrapped(label: str, width: float) -> str:
-    """A text in lines of a width, inches."""
+    """Return a text in lines of a width, inches."""
     return fill(label, max(round(width * _ROW / WIDTH), 1))
 
 
 def round_down(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     # A value such as 0.5 may come as 4.9999999 powers of ten.
     return max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9)) * power
 
 
 def note(axes: Axes, text: str) -> None:
-    """A short remark in the upper right corner of a panel."""
+    """Write a short remark into the upper right corner of a panel."""
     axes.text(
         0.995,
         0.96,

@@ -1,91 +1,103 @@
-"""Figures of wear depth, over angle and over the cycles that a campaign stands for."""
+"""Figures of wear: depth over angle and over cycles, outlines and profiles of worn surfaces."""
 
+import math
+from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
-from matplotlib.ticker import MultipleLocator
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import FuncFormatter, MultipleLocator
 
+from presswear.linkage.surface import Surface
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, StageResult
+from presswear.results.stage import SIDES, JointResult, StageResult
 from presswear.show.figures.style import (
     LINES,
     MICRONS,
     MUTED,
+    REFERENCE,
     WIDTH,
     Array,
     Axes,
     Drawing,
     Pen,
+    Place,
     Sheet,
+    ShownStage,
     Stages,
     angle_label,
+    finished,
     legend,
     maps_turn,
+    panels,
+    round_down,
     shown_stages,
+    title_joint,
 )
+from presswear.tools.numbers import quantity_text, readable, unit_factor
 
-_LINEAR_RATIO = 20.0
-"""Ratio of the largest to the smallest peak up to which one linear scale shows both."""
-_MILLIONS = 1e-6
+_LINEAR_RATIO = 20.0  # largest over smallest peak up to which one linear scale shows both
+_BARELY_WORN = 0.05  # depth relative to the deepest up to which a place is hardly worn
+_TICKS = 60.0  # degrees between ticks of an axis of angles
+_MARKED_STEPS = 60  # most steps whose ends are marked; more would be a thick line
+_NAMED_UPDATES = 2  # most wear updates named beside each other; of more, the last is named
 _SURFACES = {side: Pen(side, *line) for side, line in zip(SIDES, LINES, strict=False)}
-_MARKED_STEPS = 60
-"""Most steps whose ends are marked; more would be a thick line."""
-_NAMED_WEARS = 2
-"""Most wears whose names stand beside each other above a panel; of more, the last is named."""
+_DRAWN_DEPTH = 0.25  # largest wear depth in an outline, relative to the bearing radius
+_MATERIAL = "0.91"  # colour
+_NEW = Pen("no wear", REFERENCE, "dotted", 0.8)
+# Left, bottom, width and height in inches, because the scales of the profiles follow from them.
+_HEIGHT = 4.3
+_OUTLINE = (0.42, 0.62, 2.75, 2.75)
+_PROFILES = {"bearing": (4.0, 2.45, 2.85, 1.3), "pin": (4.0, 0.5, 2.85, 1.3)}
+_OUTWARDS = {"bearing": 1.0, "pin": -1.0}  # direction in which wear moves a surface
 
-_HARDLY = 0.05
-"""Part of the greatest depth up to which a place is hardly worn."""
-_TICKS = 60.0
-"""Between two ticks of an axis of angles, degrees."""
-
-Curve = tuple[Pen, Array]
-"""Depth at the bin centres, m, and its line."""
+Worn = tuple[Pen, JointResult]
+_RIGHT: Place = "outside upper right"
 
 
 def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
-    """Cumulative wear depth over angle at each clearance joint."""
+    """Draw the cumulative wear depth over angle at each clearance joint."""
     parts = [(side,) for side in SIDES] if maps_turn(result) else [SIDES]
-    panels = [
-        (joint, sides, _curves(result, stages, joint, sides))
+    curves = [
+        (joint, sides, _depth_curves(result, stages, joint, sides))
         for joint in result.scene.clearance_joints
         for sides in parts
     ]
-    # By name: every panel may lack a line that another has.
-    pens = {pen.label: pen for _, _, curves in panels for pen, _ in curves}
+    # By label: every panel may lack a line that another has.
+    pens = {pen.label: pen for _, _, lines in curves for pen, _ in lines}
     if not pens:
         return []
-    rows = len(panels) // len(parts)
-    sheet = Sheet(figsize=(WIDTH, 0.5 + 2.3 * rows), layout="constrained")
-    grid = sheet.subplots(rows, len(parts), squeeze=False)
-    for axes, (joint, sides, curves) in zip(grid.flat, panels, strict=True):
-        _draw_depth(axes, stages[0].joints[joint].angle, curves)
+    rows = len(curves) // len(parts)
+    sheet, grid = panels(rows, len(parts), 0.5 + 2.3 * rows)
+    for axes, (joint, sides, lines) in zip(grid.flat, curves, strict=True):
+        _draw_depth(axes, stages[0].joints[joint].angle, lines)
         axes.set_xlabel(angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
-        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
-    legend(sheet, pens.values(), "outside upper right")
-    caption = (
-        "Wear depth of bearing and pin, each over the angle on its own body, in total after each "
-        "wear."
+        title_joint(axes, f"joint {joint}")
+    which = (
+        "bearing and pin, each over the angle on its own body"
         if maps_turn(result)
-        else "Wear depth of bearing and pin together over the direction of contact, in total "
-        "after each wear."
+        else "bearing and pin together over the direction of contact"
     )
+    caption = f"Total wear depth of {which}, after each wear update."
     if any(axes.get_xlim()[0] for axes in grid.flat):
-        caption += " An axis begins where least is worn, so that no groove is cut in two."
+        caption += " An axis begins where the wear is least, so that no groove is cut in two."
     if any(pen.colour == MUTED for pen in pens.values()):
         jump = " in a single jump" if result.grew_in_steps else ""
-        caption += f" The grey line adds what the last stage would wear off{jump}; none ran on it."
+        caption += f" The grey line adds the wear after the last stage{jump}; no stage ran on it."
     if any(axes.get_yscale() == "log" for axes in grid.flat):
         caption += " The scale is logarithmic where the peaks differ much; lower depths are cut."
-    return [Drawing("wear-depth.png", "Wear depth", caption, sheet)]
+    return finished("wear-depth.png", "Wear depth", caption, sheet, pens.values(), _RIGHT)
 
 
-def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) -> list[Curve]:
-    """Cumulative depth after each wear that left anything, the one after the last stage too."""
+def _depth_curves(
+    result: Result, stages: Stages, joint: str, sides: tuple[str, ...]
+) -> list[tuple[Pen, Array]]:
+    """Return the cumulative depth, m, after each wear update, and after that of the last stage."""
 
     def total(stage: StageResult, *kinds: str) -> Array:
-        own = stage.joints[joint].arrays
-        return np.asarray(sum(own[f"{kind}_{side}"] for side in sides for kind in kinds))
+        maps = stage.joints[joint].arrays
+        return np.asarray(sum(maps[f"{kind}_{side}"] for side in sides for kind in kinds))
 
     curves = [
         (stage.pen, total(stage.data, "depth"))
@@ -93,7 +105,6 @@ def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) 
         if stage.data.is_worn
     ]
     last = stages[-1]
-    # Behind a life nobody asks for more.
     if last is result.stages[-1] and not last.failed and result.life is None:
         not_run = Pen(f"{result.stage_name(last.index + 1)}, not run", MUTED, (0.0, (2.0, 2.0)))
         curves.append((not_run, total(last, "depth", "wear")))
@@ -101,17 +112,17 @@ def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) 
 
 
 def seam(angle: Array, depths: list[Array]) -> float:
-    """Angle at which to cut a full turn open, degrees: 0 where nothing is worn there.
+    """Return the angle at which to cut a full turn open, degrees, so that no lobe is cut in two.
 
-    Else amid the widest stretch that is hardly worn, so that no lobe is cut in two.
+    It is 0 if nothing is worn there, else the middle of the widest part with little wear.
 
     Parameters
     ----------
     angle, depths : ndarray, shape (n,) each
-        rad, from 0 to a turn; m.
+        rad, from 0 to a full turn; m.
     """
     deepest = np.max([depth / depth.max(initial=1e-300) for depth in depths], axis=0, initial=0.0)
-    is_worn = deepest > max(_HARDLY, float(deepest.min(initial=1.0)))
+    is_worn = deepest > max(_BARELY_WORN, float(deepest.min(initial=1.0)))
     if not is_worn.any() or not (is_worn[0] or is_worn[-1]):
         return 0.0
     worn = np.degrees(angle[is_worn])
@@ -120,7 +131,7 @@ def seam(angle: Array, depths: list[Array]) -> float:
     return 10.0 * round(float(worn[k] + 0.5 * gaps[k]) / 10.0) % 360.0
 
 
-def _draw_depth(axes: Axes, angle: Array, curves: list[Curve]) -> None:
+def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> None:
     peaks = [MICRONS * float(depth.max()) for _, depth in curves]
     begin = seam(angle, [depth for _, depth in curves])
     since = (np.degrees(angle) - begin) % 360.0
@@ -139,52 +150,52 @@ def _draw_depth(axes: Axes, angle: Array, curves: list[Curve]) -> None:
 
 
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
-    """Deepest depth of each surface over represented cycles, where wear went in steps.
+    """Draw the deepest wear of each surface over the represented cycles, if wear went in steps.
 
-    Nothing of a life, which has a figure of its own.
+    Nothing for a life, which has its own figure.
     """
     grew = result.grew_in_steps and any(stage.wear_steps for stage in stages)
     if result.life is not None or not grew:
         return []
     joints = result.scene.clearance_joints
     steps = [step for stage in result.stages for step in stage.wear_steps]
-    cycles = list(accumulate((_MILLIONS * step.cycles_per_update for step in steps), initial=0.0))
+    sizes = (unit_factor("million") * step.cycles_per_update for step in steps)
+    cycles = list(accumulate(sizes, initial=0.0))
     first = sum(len(stage.wear_steps) for stage in result.stages if stage.index < stages[0].index)
-    last, ends = first, []
+    last, updates = first, []
     for stage in stages:
         last += len(stage.wear_steps)
         if stage.wear_steps:
-            ends.append((cycles[last], result.stage_name(stage.index + 1)))
+            updates.append((cycles[last], result.stage_name(stage.index + 1)))
     shown = slice(first, last + 1)
     marker = "." if last - first < _MARKED_STEPS else ""
-    sheet = Sheet(figsize=(WIDTH, 2.9), layout="constrained")
-    grid = sheet.subplots(1, len(joints), squeeze=False)
-    for axes, joint in zip(grid.flat, joints, strict=True):
+    sheet, (row,) = panels(1, len(joints), 2.9)
+    for axes, joint in zip(row, joints, strict=True):
         for side, pen in _SURFACES.items():
-            begun = float(result.stages[0].joints[joint].depth(side).max())
-            depth = MICRONS * np.array([begun, *(step.max_depth[joint][side] for step in steps)])
+            start = float(result.stages[0].joints[joint].depth(side).max())
+            depth = MICRONS * np.array([start, *(step.max_depth[joint][side] for step in steps)])
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
-        _mark_wears(axes, ends)
+        _mark_updates(axes, updates)
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
         axes.set_xlabel("represented cycles (million)")
         axes.set_ylabel("deepest wear (µm)")
-        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
-    legend(sheet, _SURFACES.values(), "outside upper right")
+        title_joint(axes, f"joint {joint}")
     caption = (
-        "Deepest wear of each surface over the cycles that the runs stand for, as the mean of "
-        "the starts. Every point is a simulated cycle, after which the surfaces were rebuilt. "
-        "Grey lines end a wear. The deepest place may move along a surface."
+        "Deepest wear of each surface over the cycles that the runs represent, as the mean of the "
+        "replicates. Every point is a simulated cycle, after which the surfaces were rebuilt. Grey "
+        "lines end a wear update. The deepest place may move along a surface."
     )
     if not maps_turn(result):
-        caption += " Both surfaces are shown apart, each with its share of the depth."
-    return [Drawing("wear-growth.png", "Growth of the wear", caption, sheet)]
+        caption += " Each surface is shown with its share of the depth."
+    title = "Growth of the wear"
+    return finished("wear-growth.png", title, caption, sheet, _SURFACES.values(), _RIGHT)
 
 
-def _mark_wears(axes: Axes, ends: list[tuple[float, str]]) -> None:
-    for end, _ in ends:
+def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
+    for end, _ in updates:
         axes.axvline(end, color=MUTED, linewidth=0.6)
-    for end, name in ends if len(ends) <= _NAMED_WEARS else ends[-1:]:
+    for end, name in updates if len(updates) <= _NAMED_UPDATES else updates[-1:]:
         axes.annotate(
             name,
             (end, 1.0),
@@ -195,3 +206,171 @@ def _mark_wears(axes: Axes, ends: list[tuple[float, str]]) -> None:
             va="bottom",
             color=MUTED,
         )
+
+
+@dataclass(frozen=True)
+class _View:
+    """Enlarged part of a surface.
+
+    Attributes
+    ----------
+    centre, half : float
+        Middle and half width, rad.
+    radius : float
+        Radius of the new surface, m.
+    scale : float
+        Radial scale relative to the scale along the surface.
+    """
+
+    side: str
+    centre: float
+    half: float
+    radius: float
+    scale: float
+
+    @property
+    def span(self) -> float:
+        """Radial range of the drawing, m."""
+        return _radial_range(self.side, self.half, self.radius) / self.scale
+
+
+def _radial_range(side: str, half: float, radius: float) -> float:
+    """Return the radial range, m, of a profile with equal scales in both directions."""
+    _, _, width, height = _PROFILES[side]
+    return 2.0 * half * radius * height / width
+
+
+def worn_surfaces(result: Result, stages: Stages) -> list[Drawing]:
+    """Draw the outline of pin and worn bearing, and an enlargement, of each worn joint."""
+    drawings = []
+    for joint in result.scene.clearance_joints:
+        worn = [
+            stage
+            for stage in shown_stages(result, stages)
+            if any(np.any(stage.data.joints[joint].depth(side) > 0.0) for side in SIDES)
+        ]
+        if worn:
+            drawings.append(worn_surface(result, joint, worn))
+    return drawings
+
+
+def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawing:
+    """Draw the outline and enlargement of one joint.
+
+    Parameters
+    ----------
+    result : Result
+        Run with the bearings of the joint.
+    stages : list of ShownStage
+        Stages with the depths; the material of the last is grey.
+    """
+    bearing = result.scene.bearing(joint)
+    worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
+    angle = worn[-1][1].angle
+    views = _views(result, joint, angle, worn[-1][1])
+    deepest = max(float(maps.depth(side).max()) for _, maps in worn for side in SIDES)
+    factor = max(1.0, round_down(_DRAWN_DEPTH * bearing.bearing_radius / deepest))
+    scale = "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
+    sheet = Sheet(figsize=(WIDTH, _HEIGHT))
+    outline = PolarAxes(sheet, _fractions(_OUTLINE))
+    sheet.add_axes(outline)
+    _draw_outline(outline, angle, worn, factor, views)
+    for side, view in views.items():
+        axes = sheet.add_axes(_fractions(_PROFILES[side]))
+        _draw_profile(axes, worn, view)
+        axes.set_xlabel(angle_label(result, side))
+    sheet.text(0.12 / WIDTH, 1.0 - 0.2 / _HEIGHT, f"joint {joint}", va="center", weight="bold")
+    middle, below = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / WIDTH, 0.15 / _HEIGHT
+    sheet.text(middle, below, f"wear {scale}, clearance to scale", ha="center", va="center")
+    pens = [_NEW, *(pen for pen, _ in worn)]
+    legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
+    caption = (
+        f"Pin and bearing of joint {joint}. Left: outlines with the wear depth {scale}; the thick "
+        "line marks the part shown on the right. Right: the true surfaces around the deepest wear, "
+        "bearing above and pin below, without the clearance of "
+        f"{quantity_text(bearing.clearance, 'm')} between them. Deepest wear of one surface: "
+        f"{quantity_text(deepest, 'm')}."
+    )
+    if maps_turn(result):
+        caption += " Angles are on each body; the two parts need not face each other."
+    return Drawing(f"worn-surface-{joint}.png", f"Worn surfaces at {joint}", caption, sheet)
+
+
+def _fractions(inches: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    left, bottom, width, height = inches
+    return left / WIDTH, bottom / _HEIGHT, width / WIDTH, height / _HEIGHT
+
+
+def _views(result: Result, joint: str, angle: Array, maps: JointResult) -> dict[str, _View]:
+    """Return the part of each surface to enlarge; the same part of both in fixed directions."""
+    depth = {side: maps.depth(side) for side in SIDES}
+    turn, bearing = maps_turn(result), result.scene.bearing(joint)
+    radii = (bearing.bearing_radius, bearing.bearing_radius - bearing.clearance)
+    views = {}
+    for side, radius in zip(SIDES, radii, strict=True):
+        worn = depth[side] if turn else depth["bearing"] + depth["pin"]
+        deepest = max(float(depth[s].max()) for s in ((side,) if turn else SIDES))
+        half = _half_width(angle, worn)
+        # The smaller surface sets the scale, because rounding could separate two equal views.
+        most = _radial_range(side, half, min(radii))
+        scale = max(1.0, round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
+        views[side] = _View(side, float(angle[int(worn.argmax())]), half, radius, scale)
+    return views
+
+
+def _half_width(angle: Array, depth: Array) -> float:
+    """Return the half width, rad, that holds all depths above a tenth of the deepest."""
+    centre = angle[int(depth.argmax())]
+    away = np.abs((angle - centre + math.pi) % (2.0 * math.pi) - math.pi)
+    reach = math.degrees(float(away[depth >= 0.1 * depth.max()].max()))
+    return math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
+
+
+def _draw_outline(
+    axes: PolarAxes, angle: Array, worn: list[Worn], factor: float, views: dict[str, _View]
+) -> None:
+    rim = (1.0 + 1.2 * _DRAWN_DEPTH) * views["bearing"].radius
+    far_edge = {"bearing": rim, "pin": 0.0}
+    around = np.linspace(0.0, 2.0 * math.pi, 361)
+    closed = np.append(angle, angle[0] + 2.0 * math.pi)
+    for side, view in views.items():
+        for pen, maps in worn:
+            depth = maps.depth(side)
+            surface = view.radius + _OUTWARDS[side] * factor * np.append(depth, depth[0])
+            if maps is worn[-1][1]:
+                axes.fill_between(closed, surface, far_edge[side], color=_MATERIAL, linewidth=0.0)
+            pen.draw(axes, closed, surface, linewidth=1.0)
+        _NEW.draw(axes, around, np.full_like(around, view.radius))
+        marked = rim if side == "bearing" else 0.62 * view.radius
+        sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
+        axes.plot(sector, np.full_like(sector, marked), color=REFERENCE, linewidth=2.0)
+    axes.set_rlim(0.0, 1.02 * rim)
+    axes.set_rticks([])
+    axes.set_thetagrids(range(0, 360, 45))
+    axes.grid(visible=False)
+    axes.spines["polar"].set_visible(False)
+    axes.text(0.0, 0.0, "pin", ha="center", va="center")
+    # Above or below the pin, whichever is farther from the wear.
+    away = -math.copysign(0.5 * math.pi, math.sin(views["bearing"].centre))
+    axes.text(away, 0.5 * (views["bearing"].radius + rim), "bearing", ha="center", va="center")
+
+
+def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
+    angle = np.linspace(view.centre - view.half, view.centre + view.half, 1200)
+    degrees = np.degrees(angle)
+    outwards = MICRONS * _OUTWARDS[view.side]
+    far_edge = outwards * view.span
+    for pen, maps in worn:
+        position = outwards * Surface(maps.depth(view.side))(angle)
+        if maps is worn[-1][1]:
+            axes.fill_between(degrees, position, far_edge, color=_MATERIAL, linewidth=0.0)
+        pen.draw(axes, degrees, position, linewidth=1.0)
+    _NEW.draw(axes, degrees, np.zeros_like(degrees))
+    axes.grid(visible=False)
+    axes.set_ylim(*sorted((-0.1 * far_edge, 0.9 * far_edge)))
+    axes.set_xlim(degrees[0], degrees[-1])
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360.0:g}"))
+    symbol = "R_i" if view.side == "bearing" else "R_j"
+    axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)")
+    scale = "the same as" if view.scale == 1.0 else f"{readable(view.scale, 1)} times"
+    axes.set_title(f"radial scale {scale} that along the surface", fontsize=8.0)
