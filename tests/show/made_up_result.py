@@ -181,7 +181,7 @@ def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> Li
             Phase("A", "steady", 2e6, 6e6, 1e-15, 1e-16),
             Phase("C", "steady", 4.0, 6e6, 2e-15, 1e-16),
         ),
-        services=("bush of A replaced after 2e+06 strokes",),
+        services=("bushing of A replaced after 2e+06 strokes",),
         curves={
             "strokes": STROKES,
             "A.depth": _curve(2e-5 * part, 0.1),

@@ -268,7 +268,7 @@ def test_tables_of_a_life() -> None:
     assert page.row("depth of A over 50 µm")[1:] == ["not exceeded", "–", "–", "20.0\u00a0± 1.0 µm"]
     assert page.row("A: running-in")[1:] == ["0 to 2 million", "3.00\u00a0± 0.20"]
     assert page.row("2")[1:] == ["0.100", "320", "5 million", "3.0"]
-    assert "After 2 million strokes: bush of A replaced." in page.text
+    assert "After 2 million strokes: bushing of A replaced." in page.text
     assert "equal parts of 2.5 million strokes" in page.text
     assert page.row("bottom dead centre")[2:] == [
         *("after 2.5 million strokes", "after 5 million strokes"),
