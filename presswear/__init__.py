@@ -58,9 +58,9 @@ if TYPE_CHECKING:
     from presswear.recording.statistics import Estimate as Estimate
     from presswear.results.result import Result as Result
     from presswear.results.result import load as load
+    from presswear.results.result import read_surfaces as read_surfaces
     from presswear.results.stage import JointResult as JointResult
     from presswear.results.stage import StageResult as StageResult
-    from presswear.results.surfaces import read_surfaces as read_surfaces
     from presswear.scene.bearing import Bearing as Bearing
     from presswear.scene.bearing import Conventions as Conventions
     from presswear.scene.options import Life as Life
@@ -109,9 +109,8 @@ _ROOMS = {
     "physics.statics": ("deflection", "total_clearance"),
     "recording.observer": ("Progress", "Observer"),
     "recording.statistics": ("Estimate",),
-    "results.result": ("Result", "load"),
+    "results.result": ("Result", "load", "read_surfaces"),
     "results.stage": ("JointResult", "StageResult"),
-    "results.surfaces": ("read_surfaces",),
     "scene.bearing": ("Bearing", "Conventions"),
     "scene.options": ("Life", "Recording"),
     "scene.scene": ("Scene",),

@@ -7,7 +7,7 @@ import sys
 
 import presswear as pw
 from presswear.cli.terminal import scene_given
-from presswear.results.bottom import rise
+from presswear.results.press_analysis import rise
 from presswear.show.page import text_of
 
 

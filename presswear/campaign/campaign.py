@@ -36,9 +36,8 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.folder import INTERVAL, ResultFolder
+from presswear.results.folder import INTERVAL, ResultFolder, provenance
 from presswear.results.life import LifeResult
-from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name

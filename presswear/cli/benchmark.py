@@ -60,7 +60,7 @@ def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
     measure = _features if arguments.features else _work_precision
     with only_writer(folder):
         measure(scene, arguments.quick, repeats, folder, console)
-        from presswear.results.provenance import provenance
+        from presswear.results.folder import provenance
         from presswear.tools.serialize import write_json
         from presswear.validation.timing import processor_name
 

@@ -118,7 +118,7 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
 def _against(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.target is None:
         raise InputError("--against needs the result folder to compare with: crosscheck DIR")
-    from presswear.results.tables import TOLERANCE, compare_tables, read_table, table_of
+    from presswear.results.export import TOLERANCE, compare_tables, read_table, table_of
 
     folder = Path(arguments.target)
     check_folder(folder)

@@ -57,7 +57,7 @@ def add(commands: Any) -> None:
 
 
 def _export(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.results.tables import life_table, strokes_table, table_of, write_table
+    from presswear.results.export import life_table, strokes_table, table_of, write_table
 
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep

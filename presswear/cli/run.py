@@ -122,7 +122,7 @@ def with_options(
             settings[key] = given
     scene = changed(scene, settings)
     if arguments.surfaces is not None:
-        from presswear.results.surfaces import read_surfaces
+        from presswear.results.result import read_surfaces
 
         scene = on_surfaces(scene, read_surfaces(arguments.surfaces), arguments.surfaces)
     scene.check()
@@ -158,8 +158,8 @@ def run_or_go_on(
         scene = scene_given(arguments.scene)
         scene = scene if change is None else change(scene)
     folder = arguments.out or free_folder(f"{scene.name}-life" if scene.life else scene.name)
-    from presswear.results.conformity import deep_contacts
     from presswear.results.folder import ResultFolder
+    from presswear.results.press_analysis import deep_contacts
     from presswear.results.result import load
 
     with _window(arguments, scene) as window:

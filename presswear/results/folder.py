@@ -1,46 +1,246 @@
-"""A result folder being written, one process at a time, and going on in one.
+"""Result folder: its document ``result.json`` with provenance and checks, and writing into it.
 
-What is finished is stored at once; where the run stands is kept in a checkpoint after
-every stage and at an interval within one, so that a run that is stopped in any way goes on
-with the same numbers.  ``result.json`` lists every file with its digest, the checkpoint's
-included, and ends with its own.
+One process at a time writes into a folder.  A finished stage is stored at once.  The state of an
+unfinished run is stored in a checkpoint after every stage and at an interval within one, so that a
+run that is stopped in any way resumes with the same numbers.  ``result.json`` lists every file with
+its digest.
+
+Files may be damaged, of another version or made by somebody else: everything is checked before it
+is used, and nothing in them is executed.
 """
 
+import hashlib
 import logging
+import os
+import platform
+import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Any, Literal, NotRequired, Protocol, Self, TypedDict
 
 import numpy as np
 
+from presswear.linkage.surface import SIDES
 from presswear.recording.observer import Observer, Progress
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
-from presswear.results.provenance import Provenance, provenance, provenance_differs
-from presswear.results.result import FILE, FINISHED, SCHEMA, read_document
 from presswear.results.stage import StageResult
-from presswear.results.stored import checkpoint_file, files_of, stored_result
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
 from presswear.tools.arrays import State, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.exudyn import wanted
 from presswear.tools.files import PART, FolderLock, is_free
 from presswear.tools.processes import is_stopped
-from presswear.tools.serialize import plain, write_json
+from presswear.tools.serialize import plain, read_json, typed, write_json
 
 _LOG = logging.getLogger(__name__)
 
-INTERVAL = 60.0
-"""Between two checkpoints within a stage, s."""
-LEAST_WAIT = 100.0
-"""A checkpoint waits at least so many times as long as the last one took to write, so that all
-of them cost less than 1 % of a run."""
+FILE = "result.json"
+SCHEMA = 9
+FINISHED = ("completed", "unconverged", "failed")  # statuses of a run that has ended
+INTERVAL = 60.0  # s between two checkpoints within a stage
+MIN_WAIT = 100.0  # times that a checkpoint took to write, before the next: they cost below 1 %
+CHECKPOINT = "checkpoint"  # key of the document
+MAX_NAMED = 3  # results that a message names
 
-CHECKPOINT = "checkpoint"
-"""Key of ``result.json``."""
+PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
+_SOURCE = Path(__file__).resolve().parents[1]
+
+
+class Provenance(TypedDict):
+    """Versions, revision, machine and date (UTC); ``resumed``: machine and date of each resume."""
+
+    python: str
+    packages: dict[str, str]
+    revision: str
+    source: str
+    machine: str
+    started: str
+    resumed: NotRequired[list[dict[str, str]]]
+
+
+def provenance() -> Provenance:
+    """Return the provenance of numbers that are computed here and now."""
+    return {
+        "python": platform.python_version(),
+        "packages": {name: _version(name) for name in PACKAGES},
+        "revision": source_revision(),
+        "source": source_digest(),
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+    }
+
+
+def _version(package: str) -> str:
+    """Return a version; of Exudyn also its module, since last digits differ between modules."""
+    return f"{version(package)}, {wanted()}" if package == "exudyn" else version(package)
+
+
+def source_revision() -> str:
+    """Return the git revision of the source, or ``unknown``."""
+    try:
+        process = subprocess.run(
+            ["git", "-C", str(_SOURCE), "describe", "--always", "--dirty", "--abbrev=12"],
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return process.stdout.strip()
+
+
+def source_digest() -> str:
+    """Return the digest of the package's modules: it distinguishes changes of one revision."""
+    sha = hashlib.sha256()
+    for path in sorted(_SOURCE.rglob("*.py")):
+        sha.update(path.relative_to(_SOURCE).as_posix().encode())
+        sha.update(path.read_bytes())
+    return sha.hexdigest()[:16]
+
+
+@cache
+def program_digest() -> str:
+    """Return the digest of source and versions that must agree for two processes to agree.
+
+    The package that draws the figures is left out.
+    """
+    parts = [platform.python_version(), source_digest(), *map(_version, PACKAGES[:-1])]
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+
+
+def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> str:
+    """Return a text on differences that change numbers, or nothing.
+
+    The same source may be installed in one place and checked out in another, where git knows its
+    revision: if the source is the same, so is the revision.
+    """
+    names = ["python", "source"]
+    if stored["source"] != here["source"]:
+        names.insert(1, "revision")
+    pairs = {name: (stored[name], here[name]) for name in names}
+    for name in PACKAGES[:-1]:
+        pairs[name] = (stored["packages"].get(name), here["packages"][name])
+    return ", ".join(
+        f"{name} {there} there and {own} here"
+        for name, (there, own) in pairs.items()
+        if there != own
+    )
+
+
+@dataclass(frozen=True)
+class StoredCheckpoint:
+    """Checkpoint of an unfinished run: turn of its file, last stored cycle, index of the stage."""
+
+    turn: Literal[1, 2]
+    words: str
+    index: int
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """Content of ``result.json``; the scene is checked by ``Scene`` itself.
+
+    Attributes
+    ----------
+    stages : tuple of StageResult
+        Without their arrays.
+    files : dict
+        Digests by the names of files.
+    """
+
+    scene: dict[str, Any]
+    conventions: dict[str, str]
+    engine: str
+    provenance: Provenance
+    status: Literal["running", "interrupted", "completed", "unconverged", "failed"]
+    message: str
+    wall_s: float
+    life: LifeResult | None
+    stages: tuple[StageResult, ...]
+    files: dict[str, str]
+    checkpoint: StoredCheckpoint | None
+
+
+def files_of(index: int) -> tuple[str, str]:
+    """Return the files of a stage: its arrays and its film."""
+    return f"stage-{index}.npz", f"film-{index}.npz"
+
+
+def checkpoint_file(turn: int) -> str:
+    """Return the name of a checkpoint's file; two take turns, so that one is always complete."""
+    return f"checkpoint-{turn}.npz"
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """Return the content of ``result.json``; InputError if it is missing, damaged or too new."""
+    missing = ""
+    if not (path / FILE).exists():
+        missing = f"{path} is no result folder: it has no {FILE}"
+        inner = sorted(own.parent for depth in ("*", "*/*") for own in path.glob(f"{depth}/{FILE}"))
+        if inner:
+            more = f" and {len(inner) - MAX_NAMED} more" if len(inner) > MAX_NAMED else ""
+            missing += f"; name one that it holds: {', '.join(map(str, inner[:MAX_NAMED]))}{more}"
+        elif (path / "sweep.json").exists():
+            missing += "; a sweep holds whole results where it ran with --keep all"
+    return read_json(path / FILE, missing, SCHEMA)
+
+
+def stored_result(document: Any, file: Path) -> StoredResult:
+    """Return the document of a result; InputError names the first part that is wrong.
+
+    Joints are left for ``check_joints``, which needs the scene's.
+    """
+    stored = typed(document, StoredResult, f"{file}")
+    files = set() if stored.checkpoint is None else {checkpoint_file(stored.checkpoint.turn)}
+    files |= set() if stored.life is None else {LIFE}
+    for place, stage in enumerate(stored.stages):
+        # Readers take the place for the number of wear updates.
+        if stage.index != place:
+            where = f"{file}: stages[{place}]"
+            raise InputError(f"{where}.index is {stage.index}; {place} is expected")
+        files |= {*files_of(place)}
+    for name in sorted(files ^ stored.files.keys()):
+        how = "lacks" if name in files else "has"
+        raise InputError(f"{file}: 'files' {how} {name!r}, unlike its stages and checkpoint")
+    return stored
+
+
+def check_joints(
+    stored: StoredResult, joints: tuple[str, ...], wear_updates: int, file: Path
+) -> None:
+    """Raise InputError if a result and the joints with clearance of its scene do not agree."""
+    count = len(stored.stages)
+    if count > wear_updates + 1:
+        raise InputError(
+            f"{file}: {count} stages, where the scene has wear_updates = {wear_updates}"
+        )
+    for stage in stored.stages:
+        groups: list[Mapping[str, Any]] = []
+        if stage.statistics.output is not None:
+            groups.append(stage.statistics.joints)
+        for step in stage.wear_steps:
+            groups += [step.max_depth, step.peak_force]
+        for group in groups:
+            if set(group) != set(joints):
+                raise InputError(
+                    f"{file}: stages[{stage.index}] tells of joints {', '.join(group) or 'none'}, "
+                    f"where the scene has clearance at {', '.join(joints) or 'none'}"
+                )
+        for sides in (own for step in stage.wear_steps for own in step.max_depth.values()):
+            if set(sides) != set(SIDES):
+                raise InputError(
+                    f"{file}: stages[{stage.index}].wear_steps tells of {', '.join(sides)}; "
+                    f"{', '.join(SIDES)} are expected"
+                )
 
 
 class Storable(Protocol):
@@ -59,10 +259,10 @@ class Storable(Protocol):
 
 
 class ResultFolder(Observer):
-    """A result folder being written; nobody else's files are ever touched.
+    """Result folder that a run writes into; files of others are never changed.
 
-    As a context it is given free at the end: interrupted it can be gone on with, and a run that
-    turned out to be impossible before anything came of it leaves nothing.
+    As a context it is released at the end: an interrupted run can resume, and a run that is
+    impossible before anything was computed leaves nothing.
 
     Attributes
     ----------
@@ -70,9 +270,9 @@ class ResultFolder(Observer):
     resumed : State or None
         Arrays of the checkpoint to resume from; None: from the start.
     remarks : list of str
-        Lines for the person who started it.
+        Lines for the user.
     kept : str
-        Up to where everything is kept, once it is given free.
+        Last stored cycle, once it is released.
     interval : float
         Time between two checkpoints within a stage, s.
     """
@@ -80,14 +280,14 @@ class ResultFolder(Observer):
     def __init__(
         self, path: Path, scene: Scene, interval: float = INTERVAL, resume: bool = False
     ) -> None:
-        """Begin in a new folder, or go on in one.
+        """Start in a new folder, or resume in one.
 
         Parameters
         ----------
         interval : float
             Time between two checkpoints within a stage, s; 0: one after every cycle.
         resume : bool
-            True: go on with a run of the same scene that is in it.
+            Whether to resume a run of the same scene that is in it.
         """
         scene.check_trusted()
         free = is_free(path)
@@ -98,20 +298,18 @@ class ResultFolder(Observer):
             )
         if not free and not (path / FILE).is_file():
             raise InputError(f"--out {path}: it holds no run to go on with: it has no {FILE}")
-        self.path = path
+        self.path, self.interval, self._scene = path, interval, scene
         self.resumed: State | None = None
         self.remarks: list[str] = []
         self.kept = "kept up to its end"
-        self._scene = scene
-        self.interval = interval
         self._latest: Storable | None = None
-        self._took = 0.0
+        self._write_time = 0.0
         self._lock = FolderLock(path)
         if self._lock.warning:
             self.remarks.append(self._lock.warning)
         try:
-            self._document = self._new() if free else self._stored()
-            self._began = self._saved = time.perf_counter()
+            self._document = self._new_document() if free else self._resume()
+            self._started = self._saved = time.perf_counter()
             self._earlier = float(self._document["wall_s"])
             if free and resume:
                 self.remarks.append(f"nothing to go on with in {path}: the run begins")
@@ -123,10 +321,10 @@ class ResultFolder(Observer):
 
     @property
     def is_finished(self) -> bool:
-        """True where the run in it has come to its end."""
+        """Whether the run in it has ended."""
         return self._document["status"] in FINISHED
 
-    def _new(self) -> dict[str, Any]:
+    def _new_document(self) -> dict[str, Any]:
         scene = self._scene.as_dict()
         return {
             "schema": SCHEMA,
@@ -143,30 +341,29 @@ class ResultFolder(Observer):
             CHECKPOINT: None,
         }
 
-    def _stored(self) -> dict[str, Any]:
-        """The document of the run that is gone on with, and its checkpoint."""
+    def _resume(self) -> dict[str, Any]:
+        """Return the document of the run to resume, and read its checkpoint."""
         document = read_document(self.path)
         stored_result(document, self.path / FILE)
         here = provenance()
-        _check_same(self.path, document, self._scene, here)
+        self._check_same(document, here)
         if document["status"] in FINISHED:
             return document
-        told = document[CHECKPOINT]
-        name = "" if told is None else checkpoint_file(told["turn"])
+        checkpoint = document[CHECKPOINT]
+        name = "" if checkpoint is None else checkpoint_file(checkpoint["turn"])
         for item in self.path.iterdir():
             ours = item.name.startswith((FILE, CHECKPOINT, "stage-", "film-", "report.html"))
             is_left = item.name.startswith(CHECKPOINT) and item.name != name
             if ours and (item.name.endswith(PART) or is_left):
                 item.unlink()
         first = 0
-        if told is None:
+        if checkpoint is None:
             self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
         else:
-            arrays = read_arrays(self.path / name, document["files"][name])
-            self.resumed = arrays
-            first = told["index"]
-            self.remarks.append(f"going on after {told['words']}")
-        # The stage that is gone on with is stored again, with all of the wear after it.
+            self.resumed = read_arrays(self.path / name, document["files"][name])
+            first = checkpoint["index"]
+            self.remarks.append(f"going on after {checkpoint['words']}")
+        # The stage that resumes is stored again, with all of the wear update after it.
         for stage in document["stages"][first:]:
             for name in files_of(stage["index"]):
                 del document["files"][name]
@@ -182,20 +379,35 @@ class ResultFolder(Observer):
         document["status"], document["message"] = "running", ""
         return document
 
+    def _check_same(self, document: dict[str, Any], here: Provenance) -> None:
+        """Raise InputError unless the run in the folder is of the same scene and program."""
+        changes = differences(document["scene"], plain(self._scene.as_dict()))
+        if changes:
+            text = ", ".join(
+                f"{key} is {there} there and {own} here" for key, there, own in changes
+            )
+            raise InputError(f"--out {self.path}: it holds a run of another scene: {text}")
+        versions = provenance_differs(document["provenance"], here)
+        if versions:
+            raise InputError(
+                f"--out {self.path}: it was begun by another program, with which its numbers would "
+                f"not agree: {versions}"
+            )
+
     def on_stage(self, stage: StageResult) -> None:
         """Store a finished stage."""
         numbers, frames = files_of(stage.index)
         with self._writing():
             files = self._document["files"]
             files[numbers] = write_arrays(self.path / numbers, stage.arrays)
-            # Compressing would take longer than all else about a film and win a tenth.
+            # Compressing a film would take longer than the rest and save a tenth.
             film = stage.film.arrays(stage.joint_names)
             files[frames] = write_arrays(self.path / frames, film, np.savez)
         self._document["stages"].append(stage.as_dict())
         self._write()
 
     def on_life(self, life: LifeResult) -> None:
-        """Store a life that is known."""
+        """Store a service life."""
         with self._writing():
             digest = write_arrays(self.path / LIFE, life.curves)
         self._document["files"][LIFE] = digest
@@ -203,30 +415,29 @@ class ResultFolder(Observer):
         self._write()
 
     def on_progress(self, progress: Progress) -> None:
-        """See whether the folder is still there."""
+        """Check that the folder is still there."""
         self._check()
 
     def on_checkpoint(self, checkpoint: Storable, is_stage: bool) -> None:
-        """Note where the run stands, and write it down at the end of a stage or when it is due."""
+        """Store a checkpoint at the end of a stage, or when it is due."""
         self._latest = checkpoint
         self._check()
         waited = time.perf_counter() - self._saved
-        due = self.interval == 0.0 or waited >= max(self.interval, LEAST_WAIT * self._took)
-        if is_stage or due:
+        wait = max(self.interval, MIN_WAIT * self._write_time)
+        if is_stage or self.interval == 0.0 or waited >= wait:
             self._save()
 
     def _save(self) -> None:
-        """Write down where the run stands; the last checkpoint stays until that is done."""
+        """Write the latest checkpoint; the one before stays until that is done."""
         if self._latest is None:
             return
-        began = time.perf_counter()
-        arrays = self._latest.save()
+        start = time.perf_counter()
         before = self._document[CHECKPOINT]
         turn = 1 if before is None else 3 - before["turn"]
         name = checkpoint_file(turn)
         with self._writing():
-            digest = write_arrays(self.path / name, arrays, np.savez)
-        self._forget_checkpoint()
+            digest = write_arrays(self.path / name, self._latest.save(), np.savez)
+        self._remove_checkpoint()
         self._document["files"][name] = digest
         words = self._latest.words
         self._document[CHECKPOINT] = {"turn": turn, "words": words, "index": self._latest.index}
@@ -234,20 +445,11 @@ class ResultFolder(Observer):
         if before is not None:
             (self.path / checkpoint_file(before["turn"])).unlink(missing_ok=True)
         self._saved = time.perf_counter()
-        self._took = self._saved - began
+        self._write_time = self._saved - start
         _LOG.info("checkpoint in %s: %s", self.path, words)
 
-    def close(self, status: str, message: str) -> None:
-        """State how the run ended, and give the folder free."""
-        self._document["status"], self._document["message"] = status, message
-        last = self._forget_checkpoint()
-        self._write()
-        if last:
-            (self.path / last).unlink(missing_ok=True)
-        self._lock.release()
-
-    def _forget_checkpoint(self) -> str:
-        """Take the checkpoint out of the document; returns the name of its file, or nothing."""
+    def _remove_checkpoint(self) -> str:
+        """Remove the checkpoint from the document; return the name of its file, or nothing."""
         checkpoint = self._document[CHECKPOINT]
         if checkpoint is None:
             return ""
@@ -256,8 +458,17 @@ class ResultFolder(Observer):
         self._document[CHECKPOINT] = None
         return name
 
+    def close(self, status: str, message: str) -> None:
+        """Store how the run ended, and release the folder."""
+        self._document["status"], self._document["message"] = status, message
+        last = self._remove_checkpoint()
+        self._write()
+        if last:
+            (self.path / last).unlink(missing_ok=True)
+        self._lock.release()
+
     def interrupt(self) -> None:
-        """Write down where the run stands when somebody stops it, and give the folder free."""
+        """Store the latest checkpoint of an interrupted run, and release the folder."""
         if self._lock.is_released:
             return
         self._save()
@@ -269,7 +480,7 @@ class ResultFolder(Observer):
         self.kept = words or "nothing was computed yet"
 
     def discard(self) -> None:
-        """Remove what a run left that turned out to be impossible before anything came of it."""
+        """Remove the files of a run that computed nothing."""
         if not self._document["stages"] and self._lock.is_held():
             for name in (FILE, *self._document["files"]):
                 (self.path / name).unlink(missing_ok=True)
@@ -285,7 +496,7 @@ class ResultFolder(Observer):
         trace: TracebackType | None,
     ) -> None:
         try:
-            # Behind a signal any error is an interrupt.
+            # After a signal any error is treated as an interrupt.
             if isinstance(error, KeyboardInterrupt) or (error is not None and is_stopped()):
                 self.interrupt()
             elif isinstance(error, InputError):
@@ -294,12 +505,12 @@ class ResultFolder(Observer):
             self._lock.release()
 
     def _write(self) -> None:
-        self._document["wall_s"] = self._earlier + time.perf_counter() - self._began
+        self._document["wall_s"] = self._earlier + time.perf_counter() - self._started
         with self._writing():
             write_json(self.path / FILE, self._document)
 
     def _check(self) -> None:
-        """RunFailed where the folder is gone, or is another than the one that was begun in."""
+        """Raise RunFailed if the folder is gone, or has been replaced by another."""
         if not self._lock.is_held():
             raise RunFailed(
                 f"the folder {self.path} was removed or replaced while the run was at work in it: "
@@ -308,7 +519,7 @@ class ResultFolder(Observer):
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """RunFailed where the folder is gone or cannot be written."""
+        """Raise RunFailed if the folder is gone or cannot be written."""
         self._check()
         try:
             yield
@@ -317,17 +528,3 @@ class ResultFolder(Observer):
                 f"{error.filename} cannot be written: {error.strerror}; the run has stopped, what "
                 "was stored before is whole"
             ) from error
-
-
-def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: Provenance) -> None:
-    """InputError naming what differs unless a folder's run is one of this scene and program."""
-    apart = differences(document["scene"], plain(scene.as_dict()))
-    if apart:
-        told = ", ".join(f"{key} is {there} there and {own} here" for key, there, own in apart)
-        raise InputError(f"--out {path}: it holds a run of another scene: {told}")
-    versions = provenance_differs(document["provenance"], here)
-    if versions:
-        raise InputError(
-            f"--out {path}: it was begun by another program, with which its numbers would not "
-            f"agree: {versions}"
-        )

@@ -15,27 +15,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.recording.film import Film
-from presswear.results.conformity import deep_contacts
-from presswear.results.drives import DriveResult, Energy, drives_of, energy_of
-from presswear.results.life import FILE as LIFE
-from presswear.results.life import LifeResult, check_curves
-from presswear.results.stage import StageResult, angle_names
-from presswear.results.stored import (
+from presswear.results.folder import (
+    FILE,
+    FINISHED,
     StoredResult,
-    check_arrays,
     check_joints,
     files_of,
+    read_document,
     stored_result,
 )
-from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
-from presswear.results.tonnage import Tonnage, tonnage_of
+from presswear.results.life import FILE as LIFE
+from presswear.results.life import LifeResult, check_curves
+from presswear.results.press_analysis import (
+    DriveResult,
+    Energy,
+    Strokes,
+    Tonnage,
+    deep_contacts,
+    drives_of,
+    energy_of,
+    height_of,
+    process_force,
+    strokes_of,
+    tonnage_of,
+)
+from presswear.results.stage import StageResult, angle_names, check_arrays
+from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
+from presswear.scene.files import TABLE, read_profiles
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import read_numbers
 from presswear.tools.errors import InputError
-from presswear.tools.files import holder, read_checked
+from presswear.tools.files import check_folder, holder, read_checked
 from presswear.tools.numbers import large
-from presswear.tools.serialize import read_json
 
 if TYPE_CHECKING:
     import pandas
@@ -43,13 +55,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
-
-FILE = "result.json"
-SCHEMA = 9
-_NAMED = 3
-"""Results in a folder that are named, at most."""
-FINISHED = ("completed", "unconverged", "failed")
-"""Statuses of a run that has come to its end."""
 
 _FIGURES, _REPORT = "presswear.show.figures", "presswear.show.report"
 """Rooms that show a result; looked up when they are asked, since results stand below them."""
@@ -218,25 +223,6 @@ def _short(value: float | None) -> str:
     return "–" if value is None else f"{value:.3g}"
 
 
-def read_document(path: Path) -> dict[str, Any]:
-    """Content of ``result.json`` in a folder; InputError where it is not what was written."""
-    missing = "" if (path / FILE).exists() else _missing(path)
-    return read_json(path / FILE, missing, SCHEMA)
-
-
-def _missing(path: Path) -> str:
-    """Words on a folder that is no result's: which stand in it, as in a study's or a sweep's."""
-    told = f"{path} is no result folder: it has no {FILE}"
-    below = sorted(own.parent for depth in ("*", "*/*") for own in path.glob(f"{depth}/{FILE}"))
-    if below:
-        rest = len(below) - _NAMED
-        more = f" and {rest} more" if rest > 0 else ""
-        told += f"; name one that it holds: {', '.join(map(str, below[:_NAMED]))}{more}"
-    elif (path / "sweep.json").exists():
-        told += "; a sweep holds whole results where it ran with --keep all"
-    return told
-
-
 def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
     """The scene of a result folder, and the rest of its document, checked against each other."""
     file = path / FILE
@@ -324,3 +310,33 @@ def unfinished(result: Result) -> str:
         f"{result.path} is unfinished ({how}): {len(result.stages)} of "
         f"{result.scene.wear_updates + 1} stages are stored"
     )
+
+
+def read_surfaces(source: str | Path) -> Surfaces:
+    """Return the surfaces of a stage of a result, or measured ones.
+
+    Parameters
+    ----------
+    source : str or Path
+        ``DIR:STAGE``: those that the stage ran on, such as 1 for those after the first wear update,
+        the mean of its replicates; ``DIR``: those of its last stage; ``FILE.csv``: a table of
+        profiles, see ``presswear.scene.surfaces``.
+
+    Raises
+    ------
+    InputError
+        If the source is missing or cannot be read.
+    """
+    text = f"{source}"
+    if text.lower().endswith(TABLE):
+        return read_profiles(Path(text))
+    folder, colon, stage = text.rpartition(":")
+    if not colon or Path(text).is_dir():
+        folder, stage = text, ""
+    elif not (stage.isascii() and stage.isdigit() and len(stage) < 10):
+        raise InputError(f"{text}: behind the colon a stage, 0, 1, 2 ..., is expected")
+    check_folder(Path(folder))
+    result = load(folder)
+    if not result.stages:
+        raise InputError(f"{folder} has no finished stage")
+    return result.stage(int(stage or result.stages[-1].index)).surfaces

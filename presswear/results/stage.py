@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
@@ -18,6 +19,7 @@ from presswear.recording.observe import (
     CYCLE_JOINT,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
+    cycle_columns,
 )
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
@@ -512,3 +514,70 @@ class StageResult:
         told["statistics"] = asdict(self.statistics)
         told["wear_steps"] = [asdict(step) for step in self.wear_steps]
         return told
+
+
+MAX_ENTRY = 1e100  # of an array: a state that diverges is ended at 1e30
+_SHAPES = {
+    "time": "rows",
+    "slider": "rows 3",
+    "wear_batch_cycles": "batches",
+    "cycle_start": "cycles",
+    "deviation": "recorded 4",
+    "deviation_start": "recorded",
+}  # lengths of one name are the same throughout
+_SERIES_SHAPES = dict(zip(JOINT_SERIES, ("rows 2", "rows", "rows 2", "rows"), strict=True))
+_DEPTHS = ("depth_bearing", "depth_pin", "wear_bearing", "wear_pin")  # not negative
+_MAP_SHAPES = dict.fromkeys(_DEPTHS, "bins") | {"wear_batches": "batches 2 bins"}
+
+
+def check_arrays(
+    arrays: Mapping[str, Array], joints: Mapping[str, int], drives: int, file: Path
+) -> None:
+    """Raise InputError naming the first array of a stage that is missing, misshapen or not finite.
+
+    Parameters
+    ----------
+    joints : mapping of str to int
+        Bins of the wear maps of the joints with clearance, by name.
+    drives : int
+        Number of drives.
+    """
+    for name, values in arrays.items():
+        if not np.all(np.abs(values) <= MAX_ENTRY):
+            raise InputError(
+                f"{file}: {name} holds a value that is not finite, or beyond {MAX_ENTRY:g}"
+            )
+    shapes = {**_SHAPES, "cycles": f"cycles {cycle_columns(len(joints), drives)}"}
+    if "drive_torque" in arrays:
+        shapes["drive_torque"] = f"rows {drives}"
+    if "sections" in arrays:
+        width = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints)
+        shapes["sections"] = f"cycles_of_first sections {width}"
+    for k, (joint, angle) in enumerate(angle_names(joints).items()):
+        series = {f"{joint}_{name}": shape for name, shape in _SERIES_SHAPES.items()}
+        shapes |= series if arrays.keys() & series.keys() else {}
+        shapes[f"{joint}_flight"] = "recorded"
+        bins = f"{joints[joint]}"
+        shapes |= {f"{joint}_{name}": s.replace("bins", bins) for name, s in _MAP_SHAPES.items()}
+        shapes[angle] = bins
+        shapes[f"{joint}_contacts"] = f"contacts_{k} {len(CONTACT_COLUMNS)}"
+    lengths: dict[str, int] = {}
+    for name, shape in shapes.items():
+        if name not in arrays:
+            raise InputError(f"{file}: the array {name} is missing")
+        values, words = arrays[name], shape.split()
+        if values.ndim == len(words):
+            for length, word in zip(values.shape, words, strict=True):
+                lengths.setdefault(word, int(word) if word.isdigit() else length)
+        wanted = tuple(lengths.get(word, word) for word in words)
+        if values.shape != wanted:
+            text = ", ".join(map(str, wanted))
+            raise InputError(f"{file}: {name} has the shape {values.shape}; ({text}) is expected")
+        if name == "time" and values.size and (values[0] < 0.0 or np.any(np.diff(values) < 0.0)):
+            raise InputError(f"{file}: time goes backwards")
+        if name.endswith("angle") and not np.allclose(values, bin_centres(values.size), 0.0, 1e-9):
+            raise InputError(
+                f"{file}: {name} does not hold the middles of {values.size} bins of a turn"
+            )
+        if name.endswith(_DEPTHS) and np.any(values < 0.0):
+            raise InputError(f"{file}: {name} holds a depth below zero")

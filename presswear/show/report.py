@@ -12,9 +12,10 @@ from typing import Any
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
 from presswear.physics.bottom import bottom_of
-from presswear.results.conformity import deep_contacts
+from presswear.results.folder import FINISHED
 from presswear.results.life import LimitResult, span_of, words_of
-from presswear.results.result import FINISHED, Result
+from presswear.results.press_analysis import deep_contacts
+from presswear.results.result import Result
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import named_scene, title_of
 from presswear.scene.scene import Scene

@@ -13,21 +13,32 @@ from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.bottom import rise
-from presswear.results.drives import ENERGY_BOUND, DriveDuty, drives_of, energy_of, ideal_drives
+from presswear.results.folder import SCHEMA
 from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
-from presswear.results.modes import (
+from presswear.results.press_analysis import (
+    ENERGY_BOUND,
+    PHASES,
+    SNAP_THROUGH,
+    SNAP_THROUGH_S,
+    WORK,
+    DriveDuty,
+    drives_of,
+    energy_of,
     has_motion,
+    height_of,
+    ideal_drives,
     period_of,
+    process_force,
     resonance,
+    rise,
     settled_span,
     spectra_of,
+    strokes_of,
     timeline_of,
+    tonnage_of,
 )
-from presswear.results.result import SCHEMA, Result
+from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
-from presswear.results.strokes import height_of, process_force, strokes_of
-from presswear.results.tonnage import PHASES, SNAP_THROUGH, SNAP_THROUGH_S, WORK, tonnage_of
 from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import changes_of
 from presswear.scene.scene import Scene
@@ -117,18 +128,18 @@ BOTTOM_ROWS = (
     Row("settled strokes", "statistics.bdc.strokes"),
 )
 TONNAGE_ROWS = (
-    Row("greatest force along the working direction", "tonnage.joints.{joint}.working_N", "N"),
+    Row("greatest force along the working direction", "tonnage.joints.{joint}.working_force", "N"),
     Row(
         f"greatest force against it within {_SNAP_THROUGH} of the fracture",
-        "tonnage.joints.{joint}.reversed_N",
+        "tonnage.joints.{joint}.reversed_force",
         "N",
     ),
-    Row("reversed force over working force", "tonnage.joints.{joint}.reversed_part", "%"),
-    Row("fracture to the first reversed force", "tonnage.joints.{joint}.reversal_s", "ms"),
+    Row("reversed force over working force", "tonnage.joints.{joint}.reversed_fraction", "%"),
+    Row("fracture to the first reversed force", "tonnage.joints.{joint}.reversal_time", "ms"),
 )
 VIBRATION_ROWS = (
-    Row(f"{_SNAP_THROUGH} before the contact", "tonnage.vibration.before_m_s2", "m/s²"),
-    Row(f"{_SNAP_THROUGH} after the fracture", "tonnage.vibration.after_m_s2", "m/s²"),
+    Row(f"{_SNAP_THROUGH} before the contact", "tonnage.vibration.before", "m/s²"),
+    Row(f"{_SNAP_THROUGH} after the fracture", "tonnage.vibration.after", "m/s²"),
 )
 STROKE_ROWS = (
     Row("settled strokes", "tonnage.strokes"),
@@ -199,8 +210,8 @@ BOTTOM_OVERVIEW = (
     Row("strokes per range", "range_strokes"),
 )
 WORK_OVERVIEW = (
-    Row("force of the work", "tonnage.force_peak_N", "N", "greatest in a stroke, the tonnage"),
-    Row("energy of the work", "tonnage.work_J", "J", "in a stroke, without clearance {ideal} J"),
+    Row("force of the work", "tonnage.peak_force", "N", "greatest in a stroke, the tonnage"),
+    Row("energy of the work", "tonnage.work", "J", "in a stroke, without clearance {ideal} J"),
 )
 JOINT_OVERVIEW = (
     Row(
@@ -234,10 +245,10 @@ DRIVE_OVERVIEW = (
     Row("{body}: largest torque, ideal joints", "drives.{body}.ideal.torque.peak", "N m"),
     Row("{body}: rms torque", "drives.{body}.duty.torque.rms", "N m"),
     Row("{body}: rms torque, ideal joints", "drives.{body}.ideal.torque.rms", "N m"),
-    Row("{body}: energy supplied per cycle", "drives.{body}.duty.given_J", "J"),
-    Row("{body}: energy supplied, ideal joints", "drives.{body}.ideal.given_J", "J"),
-    Row("{body}: energy returned per cycle", "drives.{body}.duty.returned_J", "J"),
-    Row("{body}: energy returned, ideal joints", "drives.{body}.ideal.returned_J", "J"),
+    Row("{body}: energy supplied per cycle", "drives.{body}.duty.supplied", "J"),
+    Row("{body}: energy supplied, ideal joints", "drives.{body}.ideal.supplied", "J"),
+    Row("{body}: energy returned per cycle", "drives.{body}.duty.returned", "J"),
+    Row("{body}: energy returned, ideal joints", "drives.{body}.ideal.returned", "J"),
 )
 PROVENANCE_ROWS = (
     Row("engine", "engine"),
@@ -499,7 +510,11 @@ def tonnage_table(result: Result, records: Sequence[Record]) -> Table | None:
     if not any(record["tonnage"] and record["tonnage"].joints for record in records):
         return None
     phases = [
-        Row(f"greatest force of a stroke, {phase}", f"tonnage.joints.{{joint}}.peak_N.{phase}", "N")
+        Row(
+            f"greatest force of a stroke, {phase}",
+            f"tonnage.joints.{{joint}}.peak_by_phase.{phase}",
+            "N",
+        )
         for phase in PHASES
     ]
     groups = {
@@ -561,13 +576,13 @@ def drive_table(result: Result) -> Table | None:
         drives, energy = drives_of(scene, stage), energy_of(scene, stage)
         if drives:
             duty: dict[str, DriveDuty] = {body: drive.duty for body, drive in drives.items()}
-            work = None if energy is None else energy.drives_J
-            residual = None if energy is None else energy.residual_part
+            work = None if energy is None else energy.drive_work
+            residual = None if energy is None else energy.residual_fraction
             records.append({"name": name, "duty": duty, "work": work, "residual": residual})
     if not records:
         return None
     ideal = ideal_drives(scene)
-    work_of_all = sum(drive.work_J for drive in ideal.values())
+    work_of_all = sum(drive.work for drive in ideal.values())
     records.append({"name": "ideal joints", "duty": ideal, "work": work_of_all})
     groups = {f"Drive of {body}": [row.of(body=body) for row in DRIVE_ROWS] for body in ideal}
     return _stage_table("drives", records, {**groups, "Energy per cycle": ENERGY_ROWS})

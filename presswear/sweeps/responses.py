@@ -15,7 +15,7 @@ import numpy as np
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import Estimate
-from presswear.results.bottom import rise
+from presswear.results.press_analysis import rise
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, JointResult, JointStatistics, StageResult
 from presswear.scene.options import FOLLOWED

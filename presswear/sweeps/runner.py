@@ -31,7 +31,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from presswear.results.provenance import program_digest
+from presswear.results.folder import program_digest
 from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed

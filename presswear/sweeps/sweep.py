@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from presswear.results.provenance import Provenance, program_digest, provenance
+from presswear.results.folder import Provenance, program_digest, provenance
 from presswear.results.result import Result, load
 from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene

@@ -23,7 +23,7 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.recording.observer import AdvanceObserver
 from presswear.recording.statistics import Estimate, estimate
-from presswear.results.provenance import provenance
+from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import MUTED, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
 from presswear.validation.cases import Check, Progress, finished, order_of

@@ -15,7 +15,7 @@ from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.bottom import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
-from presswear.results.bottom import rise, strokes_of
+from presswear.results.press_analysis import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
 from presswear.show.report_tables import bottom_table, stage_records
@@ -109,7 +109,7 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
     assert stage.bdc.range_of_all < 1e-12
     assert stage.bdc.delay is not None
     assert abs(stage.bdc.delay.mean) < 1e-10
-    (strokes,) = strokes_of(scene, stage)
+    (strokes,) = bottom_errors(scene, stage)
     assert strokes[0].tolist() == ([1, 2, 3, 4] if geometry == "standard" else [2, 3, 4])
     assert np.abs(strokes[1]).max() < 1e-12
     alone = run(replace(scene, cycles=1)).stages[0]
@@ -131,7 +131,7 @@ def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
     half = np.linalg.norm([own.half_width or np.nan for own in means])
     assert found.high - found.mean == pytest.approx(half)
     assert rise(worn, worn) is not None
-    numbers = [rows for _, rows in strokes_of(scene, unworn)]
+    numbers = [rows for _, rows in bottom_errors(scene, unworn)]
     settled = np.concatenate([rows[STARTUP_CYCLES:] for rows in numbers])
     assert settled.mean() == pytest.approx(means[1].mean, rel=1e-9)
 
@@ -145,7 +145,7 @@ def test_what_stands_has_no_bottom() -> None:
     stage = run(Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")).stages[0]
     assert stage.statistics.bdc is None
     assert rise(stage, stage) is None
-    assert strokes_of(Scene(mechanism=linkage, wear_updates=0), stage) == []
+    assert bottom_errors(Scene(mechanism=linkage, wear_updates=0), stage) == []
 
 
 @pytest.mark.parametrize("part", [0.04, 1.0 / 9.0])

@@ -19,7 +19,8 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.physics.packed import mass_of
 from presswear.recording.observer import AdvanceObserver
-from presswear.results.result import load, read_document
+from presswear.results.folder import read_document
+from presswear.results.result import load
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import holder, read_checked

@@ -22,7 +22,7 @@ of more than 15 s does, and these take 45 MB at any number of cycles.
 _PROGRAM = """
 import re, sys
 from presswear.results import folder
-folder.INTERVAL, folder.LEAST_WAIT = 1.0, 1.0  # both runs write checkpoints
+folder.INTERVAL, folder.MIN_WAIT = 1.0, 1.0  # both runs write checkpoints
 from presswear.__main__ import main
 code = main(sys.argv[1:])
 print("peak", re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read())[1])

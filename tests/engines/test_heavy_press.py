@@ -10,7 +10,7 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynTree, InHouse
-from presswear.results.conformity import conformities
+from presswear.results.press_analysis import conformities
 from presswear.scene.files import scene_from
 from presswear.scene.settings import changed
 
@@ -47,9 +47,9 @@ def test_what_the_file_computes_from_other_values_follows_from_them() -> None:
 def test_energies_add_up_under_a_load_of_a_hundred_weights(engine: str) -> None:
     energy = stroke(engine).energy(0)
     assert energy is not None
-    assert energy.residual_part < 1e-6
-    assert energy.process_J is not None
-    assert energy.process_J.mean == pytest.approx(energy.process_ideal_J, rel=1e-7)
+    assert energy.residual_fraction < 1e-6
+    assert energy.process_work is not None
+    assert energy.process_work.mean == pytest.approx(energy.ideal_process_work, rel=1e-7)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -12,7 +12,7 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.loads import Process
-from presswear.results.strokes import Strokes, strokes_of
+from presswear.results.press_analysis import Strokes, strokes_of
 from presswear.tools.arrays import Array
 
 PRESS = pw.Press()

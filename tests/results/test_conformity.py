@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 import presswear as pw
-from presswear.results.conformity import Conformity, deep_contacts
+from presswear.results.press_analysis import Conformity, deep_contacts
 
 
 def test_a_pin_as_deep_as_its_clearance_touches_a_third_of_the_turn() -> None:

@@ -12,8 +12,8 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import FOUR_BAR
-from presswear.results.drives import Share, drives_of
-from presswear.results.tables import table_of, unit_of
+from presswear.results.export import table_of, unit_of
+from presswear.results.press_analysis import Share, drives_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import drawings
@@ -54,7 +54,7 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
         assert abs(duty.torque.peak) == pytest.approx(weight, rel=1e-4)
         assert abs(duty.power.peak) == pytest.approx(5.0 * weight, rel=1e-4)
         # Half a turn up, half a turn down.
-        assert (duty.given_J, duty.returned_J) == pytest.approx((2.0 * weight,) * 2, rel=10 * exact)
+        assert (duty.supplied, duty.returned) == pytest.approx((2.0 * weight,) * 2, rel=10 * exact)
         assert duty.share == Share(1.0, 1.0, 1.0)
     columns = table_of(replace(run(scene)), 0)
     np.testing.assert_array_equal(columns["crank_power"], found.recorded.power)
@@ -71,8 +71,8 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(engine:
         scene = changed(scene, {"drive_torque": "on", "rows_per_cycle": str(rows)})
         stage = run(scene).stages[0]
         own = {name: found.duty for name, found in drives_of(scene, stage).items()}
-        gross = sum(duty.given_J + duty.returned_J for duty in own.values())
-        total = sum(duty.work_J for duty in own.values())
+        gross = sum(duty.supplied + duty.returned for duty in own.values())
+        total = sum(duty.work for duty in own.values())
         assert total == pytest.approx(stage.diagnostics["drive_work_J"], abs=1e-6 * gross)
         duties.append(own)
     assert duties[0] == duties[1]
@@ -96,7 +96,7 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
     assert duty.torque.rms == pytest.approx(inertia * part * speed / math.sqrt(2.0), rel=exact)
     # From the least speed to the greatest, and back.
     work = 0.5 * inertia * ((speed + part) ** 2 - (speed - part) ** 2)
-    assert (duty.given_J, duty.returned_J) == pytest.approx((work, work), rel=exact)
+    assert (duty.supplied, duty.returned) == pytest.approx((work, work), rel=exact)
     assert abs(duty.torque.peak) == pytest.approx(inertia * part * speed, rel=1e-4)
 
 

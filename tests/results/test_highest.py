@@ -70,7 +70,7 @@ def test_the_highest_place_is_bottom_dead_centre_everywhere(both: list[pw.Result
         first, second = (getattr(result.strokes(0), name) for result in both)
         np.testing.assert_allclose(first, second, atol=1e-9)
     tonnages = [result.tonnage(0) for result in both]
-    forces = [own.joints["B"].peak_N["work"].mean for own in tonnages if own is not None]
+    forces = [own.joints["B"].peak_by_phase["work"].mean for own in tonnages if own is not None]
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)
     heights = [result.height(0) for result in both]
     assert heights[0].max() == pytest.approx(2.0 * CRANK.crank_length, abs=1e-3)

@@ -19,8 +19,8 @@ from presswear.campaign.campaign import run_into
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observer import Observer
-from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
-from presswear.results.result import load, read_document, unfinished
+from presswear.results.folder import INTERVAL, MIN_WAIT, ResultFolder, read_document
+from presswear.results.result import load, unfinished
 from presswear.results.stage import SIDES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
@@ -314,7 +314,7 @@ def test_checkpoints_are_written_when_due(
     assert not is_written()
     now += 0.2 * INTERVAL
     assert is_written()
-    vars(folder)["_took"] = 2.0 * INTERVAL / LEAST_WAIT
+    vars(folder)["_write_time"] = 2.0 * INTERVAL / MIN_WAIT
     now += 1.5 * INTERVAL
     assert not is_written()
     now += 0.6 * INTERVAL

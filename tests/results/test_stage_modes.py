@@ -5,7 +5,7 @@ import pytest
 
 import presswear as pw
 from presswear.analysis.contact_modes import FREE, IMPACT, MODES
-from presswear.results.modes import (
+from presswear.results.press_analysis import (
     impacts_of,
     period_of,
     resonance,

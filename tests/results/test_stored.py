@@ -12,10 +12,16 @@ import pytest
 
 from presswear.campaign.campaign import run
 from presswear.linkage.surface import bin_centres
-from presswear.results.provenance import provenance
-from presswear.results.result import FILE, SCHEMA, Result, load, read_document
-from presswear.results.stage import StageStatistics
-from presswear.results.stored import check_arrays, check_joints, stored_result
+from presswear.results.folder import (
+    FILE,
+    SCHEMA,
+    check_joints,
+    provenance,
+    read_document,
+    stored_result,
+)
+from presswear.results.result import Result, load
+from presswear.results.stage import StageStatistics, check_arrays
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import plain, write_json

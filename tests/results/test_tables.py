@@ -12,9 +12,7 @@ from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
 from presswear.campaign.campaign import run
-from presswear.results.life import LifeResult
-from presswear.results.result import Result, load
-from presswear.results.tables import (
+from presswear.results.export import (
     MOMENT_UNITS,
     compare_tables,
     life_table,
@@ -23,6 +21,8 @@ from presswear.results.tables import (
     unit_of,
     write_table,
 )
+from presswear.results.life import LifeResult
+from presswear.results.result import Result, load
 from presswear.scene.catalog import press_blanking, wear_times
 from presswear.tools.errors import InputError
 

@@ -17,21 +17,25 @@ from scipy.stats import t as student
 import presswear as pw
 from presswear.campaign.campaign import run
 from presswear.recording.statistics import Estimate
-from presswear.results.drives import ENERGY_BOUND, drives_of, energy_of
-from presswear.results.stage import JointResult, JointStatistics
-from presswear.results.strokes import height_of, process_force, strokes_of
-from presswear.results.tables import table_of, unit_of
-from presswear.results.tonnage import (
+from presswear.results.export import table_of, unit_of
+from presswear.results.press_analysis import (
+    ENERGY_BOUND,
     PHASES,
     SNAP_THROUGH_S,
-    Stroke,
+    SettledStroke,
+    drives_of,
+    energy_of,
+    height_of,
     joint_tonnage,
     phases_of,
+    process_force,
     reversal,
     rms,
     settled_strokes,
+    strokes_of,
     tonnage_of,
 )
+from presswear.results.stage import JointResult, JointStatistics
 from presswear.show.figures import drawings
 from presswear.show.report_tables import stage_records, tonnage_table
 from presswear.tools.arrays import Array
@@ -87,17 +91,17 @@ def test_the_ideal_press_gives_a_part_its_work_and_no_more(ideal: pw.Result) -> 
     stage = ideal.stages[0]
     energy = energy_of(IDEAL, stage)
     assert energy is not None
-    assert energy.process_J is not None
-    assert energy.drives_J is not None
+    assert energy.process_work is not None
+    assert energy.drive_work is not None
     exact = 1e-6 * SHEET.work
     # Of two settled strokes and cycles.
-    assert (energy.process_J.samples, energy.drives_J.samples) == (2, 2)
-    for found in (energy.process_J.mean, energy.drives_J.mean, energy.drives_ideal_J):
+    assert (energy.process_work.samples, energy.drive_work.samples) == (2, 2)
+    for found in (energy.process_work.mean, energy.drive_work.mean, energy.ideal_drive_work):
         assert found == pytest.approx(SHEET.work, abs=exact)
-    assert energy.residual_part < ENERGY_BOUND
+    assert energy.residual_fraction < ENERGY_BOUND
     duties = [own.duty for own in drives_of(IDEAL, stage).values()]
-    total = sum(own.given_J for own in duties)
-    assert sum(own.work_J for own in duties) == pytest.approx(SHEET.work, abs=1e-9 * total)
+    total = sum(own.supplied for own in duties)
+    assert sum(own.work for own in duties) == pytest.approx(SHEET.work, abs=1e-9 * total)
 
 
 def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
@@ -140,7 +144,7 @@ def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
         assert duty.power.mean == pytest.approx(power, rel=1e-6)
         assert duty.power.rms == pytest.approx(math.sqrt(square_power), rel=1e-6)
         exchange = sums[k, 4:].sum()
-        gained_and_lost = duty.given_J, duty.returned_J
+        gained_and_lost = duty.supplied, duty.returned
         assert gained_and_lost == pytest.approx(tuple(sums[k, 4:]), abs=1e-6 * exchange)
         assert abs(duty.torque.peak) == pytest.approx(peaks[k, 0], rel=1e-2)
         share = (math.sqrt(square) / np.sqrt(sums[:, 1] / PERIOD).sum(), sums[k, 4])
@@ -167,11 +171,11 @@ def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Resu
     assert {own.fracture for own in found} <= set(moments.fracture[:, 0])
     told = tonnage_of(IDEAL, stage)
     assert told is not None
-    assert told.force_peak_N is not None
-    assert told.force_peak_N.mean == pytest.approx(SHEET.force + SHEET.cushion, rel=1e-9)
+    assert told.peak_force is not None
+    assert told.peak_force.mean == pytest.approx(SHEET.force + SHEET.cushion, rel=1e-9)
     assert told.vibration is not None
     # Nothing is loose: what shakes is the round-off of the run.
-    assert told.vibration.after_m_s2.mean < 1e-6 * told.vibration.ideal_m_s2.mean
+    assert told.vibration.after.mean < 1e-6 * told.vibration.ideal.mean
     assert told.most_loaded is None
 
 
@@ -200,18 +204,18 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str)
     assert stage.each_cycle("drive_work").sum() == total
     energy = result.energy(0)
     assert energy is not None
-    assert energy.residual_part < ENERGY_BOUND
+    assert energy.residual_fraction < ENERGY_BOUND
     told = result.tonnage(0)
     assert told is not None
     assert told.strokes == 1
     for own in told.joints.values():
-        assert set(own.peak_N) == set(PHASES)
-        assert own.working_N is not None
-        assert 0.0 < own.working_N.mean <= own.largest_N["work"]
-        assert own.reversed_N is not None
+        assert set(own.peak_by_phase) == set(PHASES)
+        assert own.working_force is not None
+        assert 0.0 < own.working_force.mean <= own.largest_by_phase["work"]
+        assert own.reversed_force is not None
         # A cushion may hold the load on its side.
-        assert 0.0 <= own.reversed_N.mean <= own.largest_N["snap-through"]
-        assert (own.reversal_s is None) == (own.reversed_N.mean == 0.0)
+        assert 0.0 <= own.reversed_force.mean <= own.largest_by_phase["snap-through"]
+        assert (own.reversal_time is None) == (own.reversed_force.mean == 0.0)
     assert told.most_loaded in told.joints
     table = tonnage_table(result, stage_records(result))
     assert table is not None
@@ -231,17 +235,17 @@ def test_without_work_there_are_approach_and_return_alone() -> None:
     assert result.drives(0) == {}
     told = result.tonnage(0)
     assert told is not None
-    assert told.force_peak_N is None
+    assert told.peak_force is None
     assert told.vibration is None
     for own in told.joints.values():
-        assert set(own.peak_N) == {"approach", "return"}
-        assert own.reversed_N is None
+        assert set(own.peak_by_phase) == {"approach", "return"}
+        assert own.reversed_force is None
     assert process_force(scene, result.stages[0]) is None
     assert "crank 2_torque" not in table_of(result, 0)
     assert "crank 2_angle" in table_of(result, 0)
 
 
-STROKE = Stroke(begin=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
+STROKE = SettledStroke(begin=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
 
 
 @given(
@@ -327,19 +331,19 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     told = replace(JOINT_STATISTICS, peak_force_per_cycle=peak)
     arrays = {"force": force, "eccentricity": np.tile([1e-4, 0.0], (time.size, 1))}
     found = joint_tonnage(time, JointResult("A", told, arrays), strokes, phases_of(time, strokes))
-    assert set(found.peak_N) == set(PHASES)
+    assert set(found.peak_by_phase) == set(PHASES)
     for name, own in sizes.items():
         half = float(student.ppf(0.975, 2)) * own.std(ddof=1) / math.sqrt(3.0)
-        assert found.peak_N[name].mean == pytest.approx(own.mean())
-        assert found.peak_N[name].half_width == pytest.approx(half)
-        assert found.peak_N[name].samples == 3
-        assert found.largest_N[name] == pytest.approx(own.max(), rel=1e-14)
-    assert found.stroke_peak_N is not None
-    assert found.stroke_peak_N.samples == 12
+        assert found.peak_by_phase[name].mean == pytest.approx(own.mean())
+        assert found.peak_by_phase[name].half_width == pytest.approx(half)
+        assert found.peak_by_phase[name].samples == 3
+        assert found.largest_by_phase[name] == pytest.approx(own.max(), rel=1e-14)
+    assert found.peak_per_cycle is not None
+    assert found.peak_per_cycle.samples == 12
     # Both push the same way: nothing is reversed.
-    assert found.reversed_part is not None
-    assert found.reversed_part.mean == 0.0
-    assert found.reversal_s is None
+    assert found.reversed_fraction is not None
+    assert found.reversed_fraction.mean == 0.0
+    assert found.reversal_time is None
 
 
 @given(amplitude=st.floats(1e-3, 1e6), turns=st.integers(1, 20))

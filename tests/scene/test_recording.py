@@ -11,7 +11,7 @@ from presswear.analysis.periods import section
 from presswear.engines.base import Plan
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
-from presswear.results.tables import table_of
+from presswear.results.export import table_of
 from presswear.scene.settings import changed
 from presswear.show.report import write_report
 from presswear.tools.arrays import State

@@ -37,7 +37,7 @@ from presswear.linkage.loads import AnyLoad, Blanking, Force, Harmonics, Load, M
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.drives import ideal_curves
+from presswear.results.press_analysis import ideal_curves
 from presswear.results.result import Result
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times

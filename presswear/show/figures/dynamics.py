@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from presswear.analysis.contact_modes import MODES
-from presswear.results.modes import (
-    HIGHEST_ORDER,
+from presswear.results.press_analysis import (
+    MAX_ORDER,
     has_motion,
     impacts_of,
     period_of,
@@ -217,7 +217,7 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_yscale("log")
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
-    column[-1].set_xlim(0.2, HIGHEST_ORDER)
+    column[-1].set_xlim(0.2, MAX_ORDER)
     column[-1].set_xlabel("frequency in turns of the cycle (orders)")
     caption = (
         f"Power spectral density of the acceleration of the {scene.output} and of the normal "

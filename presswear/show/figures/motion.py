@@ -10,12 +10,17 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from presswear.linkage.loads import Coining
 from presswear.physics.bottom import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.bottom import strokes_of as bottom_strokes
-from presswear.results.drives import curves_of, ideal_curves
+from presswear.results.press_analysis import bottom_errors as bottom_strokes
+from presswear.results.press_analysis import (
+    curves_of,
+    height_of,
+    ideal_curves,
+    process_force,
+    settled_strokes,
+    strokes_of,
+)
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult
-from presswear.results.strokes import height_of, process_force, strokes_of
-from presswear.results.tonnage import settled_strokes
 from presswear.show.figures.style import (
     MUTED,
     REFERENCE,

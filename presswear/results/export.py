@@ -35,9 +35,8 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.results.drives import curves_of
+from presswear.results.press_analysis import Strokes, curves_of, height_of, process_force
 from presswear.results.result import Result
-from presswear.results.strokes import Strokes, height_of, process_force
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError

@@ -1,0 +1,930 @@
+"""Press quantities of a stage: strokes on the work, tonnage, drives, energy, bottom dead centre,
+conformity of contacts, and the kind of motion.
+
+They are computed from the stored arrays of a stage and from the ideal motion of its scene.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.analysis.contact_modes import Timeline, resonance_frequency, timeline
+from presswear.analysis.periods import Periodicity, periodicity, section, times_at_phase
+from presswear.analysis.spectra import Spectrum, power_spectrum
+from presswear.linkage.laws import Elasticity
+from presswear.physics.bottom import bottom_of
+from presswear.physics.inverse import needed_torques
+from presswear.physics.laws import elastic_force, foundation_force, liu_force
+from presswear.physics.load_modes import sizes_over
+from presswear.physics.touchdown import crossing, hermite
+from presswear.recording.observe import CYCLE_DRIVE
+from presswear.recording.statistics import (
+    STARTUP_CYCLES,
+    Estimate,
+    after_startup,
+    batched,
+    half_width,
+)
+from presswear.results.stage import JointResult, StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.numbers import readable
+from presswear.tools.user_function import UserFunction
+
+Array = NDArray[np.float64]
+
+PHASES = ("approach", "work", "snap-through", "return")  # of a stroke
+APPROACH, WORK, SNAP_THROUGH, RETURN = range(len(PHASES))
+SNAP_THROUGH_S = 20e-3  # s after a fracture, in which press builders look for reversed loads
+ENERGY_BOUND = 1e-6  # residual over exchanged energy at the tolerances of a trajectory
+SMALL_CONTACT = 0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
+MAX_ORDER = 1000.0  # highest frequency of a spectrum in turns of the crank
+_NEWTON_STEPS = 3  # to a kink of the force of the work
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+_PIECES, _PIECES_BEFORE = 720, 90  # of the cycle of ideal torques, and of the one before it
+
+
+# Strokes on the work ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Strokes:
+    """Instants of the recorded strokes on the work.
+
+    Attributes
+    ----------
+    contact, fracture, separation : ndarray, shape (strokes, 2)
+        Time, s, and height over the ideal bottom dead centre, m, at which the output touches the
+        work, at which the work breaks, and at which the output leaves the height of the work again;
+        nan where it does not.
+    """
+
+    contact: Array
+    fracture: Array
+    separation: Array
+
+
+def height_of(scene: Scene, stage: StageResult) -> Array:
+    """Return the height of the output over the ideal bottom dead centre, shape (n,), m."""
+    return np.asarray(_output(scene, stage) - scene.bottom)
+
+
+def _output(scene: Scene, stage: StageResult) -> Array:
+    start = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
+    return np.asarray(stage.displacement + start)
+
+
+def process_force(scene: Scene, stage: StageResult) -> Array | None:
+    """Return the force of the work on the output at the times of the series, shape (n,), N.
+
+    Positive away from the work; by the laws and modes of the loads of the run. None if the scene
+    has no process.
+    """
+    if scene.process is None:
+        return None
+    series = (stage.time, _output(scene, stage), stage.velocity, stage.acceleration)
+    sizes = sizes_over(scene.process_laws.values(), scene.loaded, np.column_stack(series))
+    return np.asarray(sizes.sum(axis=1))
+
+
+def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
+    """Return the strokes of the first replicate on the work; None if the scene has no process.
+
+    A stroke starts with the first contact after the output was half way up between the work and
+    the other end of the ideal stroke. Engines end a step, and write a row, at contact and fracture.
+    """
+    process = scene.process
+    if process is None:
+        return None
+    height, rate, time = height_of(scene, stage), stage.velocity, stage.time
+
+    def crossings(level: float, up: bool) -> list[tuple[float, float]]:
+        """Return instants at which the height crosses a level, and its height then."""
+        sign = 1.0 if up else -1.0
+        off = sign * (height - level)
+        instants = []
+        for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
+            h = time[k + 1] - time[k]
+            ends = off[k], sign * rate[k], off[k + 1], sign * rate[k + 1], h
+            part = min(crossing(*ends), 1.0)
+            instants.append((time[k] + part * h, level + sign * hermite(*ends, part)[0]))
+        return instants
+
+    contacts, leaving = crossings(process.height, False), crossings(process.height, True)
+    breaks = process.fracture
+    broken = [] if breaks is None else crossings(process.height - breaks, False)
+    turned = [instant for instant, _ in crossings(process.height + scene.lift, True)]
+    rows, none = [], (np.nan, np.nan)
+    for begin, end in pairwise([-np.inf, *turned, np.inf]):
+        first = next((m for m in contacts if begin < m[0] < end), None)
+        if first is None:
+            continue
+        # If the run ends before the stroke does, the output may only have bounced.
+        last = reversed(leaving) if np.isfinite(end) else ()
+        rows.append(
+            (
+                first,
+                next((m for m in broken if first[0] < m[0] < end), none),
+                next((m for m in last if first[0] < m[0] < end), none),
+            )
+        )
+    return Strokes(*np.array(rows).reshape(-1, 3, 2).transpose(1, 0, 2))
+
+
+@dataclass(frozen=True)
+class SettledStroke:
+    """Instants of a stroke after the start-up, s; nan where there is none.
+
+    Attributes
+    ----------
+    begin, bottom, end : float
+        Upper, bottom and next upper dead centre of the ideal motion.
+    contact, fracture : float
+    done : float
+        Instant at which the force of the work has vanished.
+    """
+
+    begin: float
+    bottom: float
+    end: float
+    contact: float = math.nan
+    fracture: float = math.nan
+    done: float = math.nan
+
+
+def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
+    """Return the complete recorded strokes after the start-up, or the last complete one."""
+    ideal, time = bottom_of(scene.ideal), stage.time
+    if ideal is None or time.size < 2:
+        return []
+    period, last = ideal.period, float(time[-1])
+    number = np.arange(int((last - scene.run_up) / period) + 2)
+    begins = scene.run_up + ideal.top + period * number
+    noise = 1e-9 * period
+    is_whole = (begins >= scene.run_up - noise) & (begins + period <= last + noise)
+    settled = is_whole & (number >= STARTUP_CYCLES)
+    begins = begins[settled] if settled.any() else begins[is_whole][-1:]
+    strokes, force = strokes_of(scene, stage), process_force(scene, stage)
+    found = []
+    for begin in map(float, begins):
+        stroke = SettledStroke(begin, begin + ideal.time - ideal.top, begin + period)
+        if strokes is not None and force is not None:
+            inside = (strokes.contact[:, 0] >= begin) & (strokes.contact[:, 0] < stroke.end)
+            if inside.any():
+                k = int(inside.argmax())
+                contact, fracture = float(strokes.contact[k, 0]), float(strokes.fracture[k, 0])
+                pressed = time[(time > contact) & (time < stroke.end) & (force > 0.0)]
+                done = float(pressed[-1]) if pressed.size else contact
+                stroke = replace(stroke, contact=contact, fracture=fracture, done=done)
+        found.append(stroke)
+    return found
+
+
+def phases_of(time: Array, strokes: list[SettledStroke]) -> NDArray[np.int64]:
+    """Return the phase of each instant, an index of ``PHASES``, shape (n,); -1 outside strokes.
+
+    Without work a stroke is approach down to bottom dead centre and return from there. Work lasts
+    from contact to fracture, or until its force has vanished, and after ``SNAP_THROUGH_S`` of
+    snap-through follows the return.
+    """
+    phases = np.full(time.size, -1)
+    for own in strokes:
+        intervals = [(own.begin, own.bottom, APPROACH), (own.bottom, own.end, RETURN)]
+        if not math.isnan(own.contact):
+            ended = own.done if math.isnan(own.fracture) else own.fracture
+            intervals = [
+                (own.begin, own.contact, APPROACH),
+                (own.contact, ended, WORK),
+                (ended, own.end, RETURN),
+            ]
+            if not math.isnan(own.fracture):
+                intervals.append((ended, min(ended + SNAP_THROUGH_S, own.end), SNAP_THROUGH))
+        for begin, end, phase in intervals:
+            phases[(time >= begin) & (time < end)] = phase
+    return phases
+
+
+# Tonnage ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class JointTonnage:
+    """Forces between pin and bearing of a joint over the settled strokes.
+
+    Attributes
+    ----------
+    peak_by_phase : mapping of str to Estimate
+        Mean over the recorded strokes of the greatest force in each phase, N.
+    largest_by_phase : mapping of str to float
+        Greatest force of all strokes in each phase, N.
+    peak_per_cycle : Estimate or None
+        Greatest normal force of a cycle over all replicates, N.
+    working_force : Estimate or None
+        Greatest force along the working direction, that of the impulse between contact and
+        fracture, N; None, as what follows, where nothing breaks.
+    reversed_force : Estimate or None
+        Greatest force against that direction within ``SNAP_THROUGH_S`` of the fracture, N.
+    reversed_fraction : Estimate or None
+        Reversed over working force, stroke by stroke.
+    reversal_time : Estimate or None
+        Time from the fracture to the first reversed force, over the strokes that have one, s.
+    """
+
+    peak_by_phase: Mapping[str, Estimate]
+    largest_by_phase: Mapping[str, float]
+    peak_per_cycle: Estimate | None
+    working_force: Estimate | None = None
+    reversed_force: Estimate | None = None
+    reversed_fraction: Estimate | None = None
+    reversal_time: Estimate | None = None
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Acceleration of the output less the ideal one, rms over a window in each stroke, m/s^2.
+
+    Attributes
+    ----------
+    after, before : Estimate
+        Over ``SNAP_THROUGH_S`` after the fracture, and before the contact.
+    ideal : Estimate
+        Ideal acceleration itself, over the window after the fracture.
+    """
+
+    after: Estimate
+    before: Estimate
+    ideal: Estimate
+
+
+@dataclass(frozen=True)
+class Tonnage:
+    """Tonnage and shock in the settled strokes of the first replicate of a stage.
+
+    The frame of this model is rigid and the work pushes one way: there is no tension at the punch,
+    and no strain energy of frame, tools or drives is released at fracture, which on a press causes
+    most of its reverse tonnage. Reversed forces are those that inertia, drives at their prescribed
+    motion and elastic contacts cause in each joint when the work gives way. They are no bound of a
+    press's reverse tonnage.
+
+    Attributes
+    ----------
+    strokes : int
+        Recorded settled strokes, from upper dead centre to the next.
+    peak_force : Estimate or None
+        Greatest force of the work in a stroke, N; None if the scene has no process.
+    work : Estimate or None
+        Work of the process in a stroke, J.
+    joints : mapping of str to JointTonnage
+    vibration : Vibration or None
+        None where nothing breaks.
+    most_loaded : str or None
+        Joint with the greatest mean peak force of a cycle over all replicates.
+    """
+
+    strokes: int
+    peak_force: Estimate | None
+    work: Estimate | None
+    joints: Mapping[str, JointTonnage]
+    vibration: Vibration | None
+    most_loaded: str | None
+
+
+def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
+    """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
+    strokes = [] if stage.failed else settled_strokes(scene, stage)
+    if not strokes:
+        return None
+    phase = phases_of(stage.time, strokes)
+    joints = {
+        name: joint_tonnage(stage.time, joint, strokes, phase)
+        for name, joint in (stage.joints if stage.has_joint_series else {}).items()
+    }
+    peaks = {
+        name: own.peak_per_cycle.mean
+        for name, own in joints.items()
+        if own.peak_per_cycle is not None
+    }
+    force = process_force(scene, stage)
+    peak = work = None
+    if force is not None:
+        height = height_of(scene, stage)
+        rows = [_rows(stage.time, own.begin, own.end) for own in strokes]
+        peak = _mean([float(force[part].max()) for part in rows])
+        # The force is linear in height between two rows.
+        work = _mean([-float(np.trapezoid(force[part], height[part])) for part in rows])
+    most_loaded = max(peaks, key=lambda name: peaks[name], default=None)
+    vibration = _vibration(scene, stage, strokes)
+    return Tonnage(len(strokes), peak, work, joints, vibration, most_loaded)
+
+
+def joint_tonnage(
+    time: Array, joint: JointResult, strokes: list[SettledStroke], phase: NDArray[np.int64]
+) -> JointTonnage:
+    """Return the forces of a joint in settled strokes; ``phase`` is that of ``phases_of``."""
+    size = np.hypot(*joint.force.T)
+    peaks: dict[str, list[float]] = {}
+    for stroke in strokes:
+        inside = (time >= stroke.begin) & (time < stroke.end)
+        for place, name in enumerate(PHASES):
+            here = size[inside & (phase == place)]
+            if here.size:
+                peaks.setdefault(name, []).append(float(here.max()))
+    reach = np.hypot(*joint.eccentricity.T)
+    normal = joint.eccentricity / np.where(reach > 0.0, reach, 1.0)[:, np.newaxis]
+    across = np.column_stack([-normal[:, 1], normal[:, 0]])
+    pressed = joint.force[:, :1] * normal + joint.force[:, 1:] * across
+    reversals = [
+        reversal(time, pressed, stroke) for stroke in strokes if not math.isnan(stroke.fracture)
+    ]
+    working, back, delay = np.array(reversals).reshape(-1, 3).T
+    loaded = working > 0.0
+    return JointTonnage(
+        {name: _estimate(values) for name, values in peaks.items()},
+        {name: max(values) for name, values in peaks.items()},
+        joint.stored and joint.stored.peak_force_per_cycle,
+        _mean(working),
+        _mean(back),
+        _mean(back[loaded] / working[loaded]),
+        _mean(delay),
+    )
+
+
+def reversal(time: Array, force: Array, stroke: SettledStroke) -> tuple[float, float, float]:
+    """Return the greatest working force and, after the fracture, the greatest reversed one, N.
+
+    The third number is the time from the fracture to the first reversed force, s; nan if there is
+    none within ``SNAP_THROUGH_S``.
+
+    Parameters
+    ----------
+    force : ndarray, shape (n, 2)
+        Force of the pin on its bearing, N.
+    """
+    into = _rows(time, stroke.contact, stroke.fracture)
+    after = _rows(time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end))
+    impulse = [float(np.trapezoid(values, time[into])) for values in force[into].T]
+    size = math.hypot(*impulse)
+    if size == 0.0:
+        return 0.0, 0.0, math.nan
+    along = force @ np.array(impulse) / size
+    against = -along[after]
+    delay = math.nan
+    if (against > 0.0).any():
+        delay = float(time[after][int((against > 0.0).argmax())]) - stroke.fracture
+    return float(along[into].max()), max(float(against.max(initial=0.0)), 0.0), delay
+
+
+def _vibration(scene: Scene, stage: StageResult, strokes: list[SettledStroke]) -> Vibration | None:
+    time, rows = stage.time, []
+    for stroke in strokes:
+        if math.isnan(stroke.fracture):
+            continue
+        after = _rows(time, stroke.fracture, stroke.fracture + SNAP_THROUGH_S)
+        before = _rows(time, stroke.contact - SNAP_THROUGH_S, stroke.contact)
+        if time[after].size < 2 or time[before].size < 2:
+            continue
+        ideal, calm = (scene.ideal_slider(time[part])[:, 2] for part in (after, before))
+        rows.append(
+            (
+                rms(time[after], stage.acceleration[after] - ideal),
+                rms(time[before], stage.acceleration[before] - calm),
+                rms(time[after], ideal),
+            )
+        )
+    return (
+        Vibration(*(_estimate(list(values)) for values in zip(*rows, strict=True)))
+        if rows
+        else None
+    )
+
+
+def rms(time: Array, values: Array) -> float:
+    """Return the root mean square over time of a sampled quantity, by the trapezoidal rule."""
+    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0]))
+
+
+def _rows(time: Array, begin: float, end: float) -> slice:
+    """Return the rows from one instant to another, both included."""
+    noise = 1e-12 * max(abs(end), 1.0)
+    ends = np.searchsorted(time, (begin - noise, end + noise))
+    return slice(int(ends[0]), int(ends[1]))
+
+
+def _estimate(values: list[float]) -> Estimate:
+    samples = np.array(values)
+    return Estimate.symmetric(float(samples.mean()), half_width(batched(samples)), samples.size)
+
+
+def _mean(values: Array | list[float]) -> Estimate | None:
+    """Return the mean over the values that are numbers; None if there is none."""
+    numbers = [float(value) for value in values if not math.isnan(value)]
+    return _estimate(numbers) if numbers else None
+
+
+# Drives and energy --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Duty:
+    """Mean, root mean square and peak of a quantity of a drive over time.
+
+    The peak is the value farthest from zero, with its sign.
+    """
+
+    mean: float
+    rms: float
+    peak: float
+
+
+@dataclass(frozen=True)
+class Share:
+    """Fractions of one drive in the sums over all drives; 0 where the sum is 0."""
+
+    rms_torque: float
+    peak_power: float
+    energy: float
+
+
+@dataclass(frozen=True)
+class DriveDuty:
+    """Duty of a drive.
+
+    Attributes
+    ----------
+    torque, power : Duty
+        N m and W.
+    supplied, returned : float
+        Energy that the drive supplies in a cycle, and that the linkage returns to it, J.
+    share : Share
+        Fraction of the drive in the sum over all drives.
+    """
+
+    torque: Duty
+    power: Duty
+    supplied: float
+    returned: float
+    share: Share = Share(0.0, 0.0, 0.0)
+
+    @property
+    def work(self) -> float:
+        """Net work in a cycle, J."""
+        return self.supplied - self.returned
+
+
+@dataclass(frozen=True)
+class DriveCurve:
+    """Drive over time.
+
+    Attributes
+    ----------
+    time, angle, torque, power : ndarray, shape (n,)
+        s; angle of its body, rad; torque on its body, N m, and power, W, both empty if not stored.
+    """
+
+    time: Array
+    angle: Array
+    torque: Array
+    power: Array
+
+
+@dataclass(frozen=True)
+class DriveResult:
+    """Drive in a stage.
+
+    Attributes
+    ----------
+    recorded : DriveCurve
+        At the times of the series.
+    duty, ideal : DriveDuty
+        Of the run, integrated over all steps, and of the linkage without clearance.
+    """
+
+    recorded: DriveCurve
+    duty: DriveDuty
+    ideal: DriveDuty
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy of a part, that is of one stroke or cycle.
+
+    Attributes
+    ----------
+    process_work : Estimate or None
+        Work that the process takes, over the recorded settled strokes, J.
+    ideal_process_work : float or None
+        Work without clearance and without a cushion, which returns its energy, J.
+    drive_work : Estimate
+        Net work of all drives over the settled cycles of all replicates, J.
+    ideal_drive_work : float
+        J.
+    residual_fraction : float
+        Energy of the stage that does not add up over the energy that the drives exchanged; below
+        ``ENERGY_BOUND`` at the tolerances of a trajectory, some 1e-5 at those for wear.
+    """
+
+    process_work: Estimate | None
+    ideal_process_work: float | None
+    drive_work: Estimate
+    ideal_drive_work: float
+    residual_fraction: float
+
+
+def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
+    """Return the drives of a stage by their bodies; empty if torques were not stored.
+
+    Raises
+    ------
+    UntrustedLaw
+        If the ideal torques need source code stored in a result; so for all below.
+    """
+    if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
+        return {}
+    start, period = stage.arrays["cycle_start"], scene.mechanism.period
+    # The cycles of the second set of replicates are not used.
+    replicates = [stage.drive_cycles[start == k] for k in range(scene.draws)]
+    cycles = np.concatenate([after_startup(rows) for rows in replicates])
+    recorded, ideal = curves_of(scene, stage), ideal_drives(scene)
+    duties = _with_shares(
+        {body: _duty_of_cycles(cycles[:, k], period) for k, body in enumerate(recorded)}
+    )
+    return {body: DriveResult(own, duties[body], ideal[body]) for body, own in recorded.items()}
+
+
+def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
+    """Return the duties of the drives of the linkage without clearance by their bodies."""
+    curves, weights = _ideal_curves(scene)
+    return _with_shares({body: _duty(curve, weights) for body, curve in curves.items()})
+
+
+def ideal_curves(scene: Scene) -> dict[str, DriveCurve]:
+    """Return the drives without clearance over a cycle after the run-up, by their bodies."""
+    return _ideal_curves(scene)[0]
+
+
+def energy_of(scene: Scene, stage: StageResult) -> Energy | None:
+    """Return the energy of a part; None if the stage failed before a cycle was complete."""
+    statistics = stage.statistics
+    if statistics.drive_work_per_cycle is None:
+        return None
+    residual, exchanged = abs(statistics.energy_residual), statistics.energy_exchanged
+    tonnage = tonnage_of(scene, stage)
+    return Energy(
+        None if tonnage is None else tonnage.work,
+        None if scene.process is None else scene.process.work,
+        statistics.drive_work_per_cycle,
+        sum(duty.work for duty in ideal_drives(scene).values()),
+        residual / exchanged if exchanged > 0.0 else 0.0,
+    )
+
+
+def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
+    """Return the drives over the series by their bodies."""
+    return _curves(scene, stage.time, stage.arrays.get("drive_torque"))
+
+
+def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:
+    """Return drives by their bodies from their torques, shape (n, drives), N m."""
+    linkage, motion = scene.mechanism.linkage(), scene.ideal.at(time)
+    curves = {}
+    for k, drive in enumerate(linkage.drives):
+        place = 3 * linkage.index(drive.body) + 2
+        own = np.zeros(0) if torque is None else torque[:, k]
+        power = own * motion.velocity[: own.size, place]
+        curves[drive.body] = DriveCurve(time, motion.position[:, place], own, power)
+    return curves
+
+
+@lru_cache(maxsize=16)
+def _ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
+    """Return the drives over a cycle of the ideal motion, and the weights of its instants, s."""
+    begin, period = scene.run_up, scene.mechanism.period
+    # The laws of loads are followed through a cycle before.
+    before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
+    edges = begin + np.concatenate([before, period + cycle[1:]])
+    edges = np.unique(np.concatenate([edges, _kinks(scene, edges)]))
+    curves, _ = _integrated(scene, edges)
+    # Supplied and returned energy have a kink where the power of a drive changes its sign.
+    cycle = edges[-1 - next(iter(curves.values())).time.size // _NODES.size :]
+    turns = [_zeros(cycle, curve.power) for curve in curves.values()]
+    return _integrated(scene, np.unique(np.concatenate([edges, *turns])))
+
+
+def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Array]:
+    """Return ideal drives and Gauss weights in the last cycle between some edges, s."""
+    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    time = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()
+    torque = needed_torques(scene.loaded, scene.ideal, time)
+    last = time > edges[-1] - scene.mechanism.period
+    return _curves(scene, time[last], torque[last]), np.outer(half, _WEIGHTS).ravel()[last]
+
+
+def _zeros(edges: Array, values: Array) -> Array:
+    """Return the instants, s, at which parabolas through the values in each piece are zero."""
+    a, b, c = np.linalg.solve(np.vander(_NODES), values.reshape(-1, _NODES.size).T)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
+        roots = [far / a, c / far]
+    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    return np.concatenate([(middle + half * root)[np.abs(root) < 1.0] for root in roots])
+
+
+def _kinks(scene: Scene, time: Array) -> Array:
+    """Return the instants, s, at which the ideal stroke passes a kink of the force of the work."""
+    process = scene.process
+    if process is None:
+        return np.zeros(0)
+    ideal = scene.ideal.at(time).output(scene.loaded)
+    depth = process.height - (ideal[:, 0] - scene.bottom)
+    instants = []
+    for level, _ in process.curve:
+        for k in np.flatnonzero((depth[:-1] < level) != (depth[1:] < level)):
+            low, high = time[k], time[k + 1]
+            now = low + (high - low) * (level - depth[k]) / (depth[k + 1] - depth[k])
+            for _ in range(_NEWTON_STEPS):
+                place, speed, _ = scene.ideal.at(np.array([now])).output(scene.loaded)[0]
+                if speed == 0.0:
+                    break
+                off = process.height - (place - scene.bottom) - level
+                now = min(max(now + off / speed, low), high)
+            instants.append(now)
+    return np.array(instants)
+
+
+def _duty_of_cycles(cycles: Array, period: float) -> DriveDuty:
+    """Return the duty of a drive from its cycles, shape (n, columns CYCLE_DRIVE)."""
+    mean = dict(zip(CYCLE_DRIVE, cycles.mean(axis=0).tolist(), strict=True))
+
+    def peak(name: str) -> float:
+        values = cycles[:, CYCLE_DRIVE.index(name)]
+        return float(values[np.abs(values).argmax()])
+
+    def rms(name: str) -> float:
+        return math.sqrt(mean[name] / period)
+
+    supplied, returned = mean["work_given"], mean["work_returned"]
+    return DriveDuty(
+        Duty(mean["torque_integral"] / period, rms("torque_square_integral"), peak("torque_peak")),
+        Duty((supplied - returned) / period, rms("power_square_integral"), peak("power_peak")),
+        supplied,
+        returned,
+    )
+
+
+def _duty(curve: DriveCurve, weights: Array) -> DriveDuty:
+    """Return the duty of a drive over a cycle from the weights, s, of its instants."""
+
+    def duty(values: Array) -> Duty:
+        duration = float(weights.sum())
+        return Duty(
+            float(weights @ values) / duration,
+            math.sqrt(float(weights @ values**2) / duration),
+            float(values[np.abs(values).argmax()]),
+        )
+
+    supplied, returned = (
+        float(weights @ np.maximum(sign * curve.power, 0.0)) for sign in (1.0, -1.0)
+    )
+    return DriveDuty(duty(curve.torque), duty(curve.power), supplied, returned)
+
+
+def _with_shares(duties: Mapping[str, DriveDuty]) -> dict[str, DriveDuty]:
+    def shares(number: Callable[[DriveDuty], float]) -> dict[str, float]:
+        total = sum(abs(number(duty)) for duty in duties.values())
+        return {body: abs(number(own)) / total if total else 0.0 for body, own in duties.items()}
+
+    rms = shares(lambda duty: duty.torque.rms)
+    peak = shares(lambda duty: duty.power.peak)
+    energy = shares(lambda duty: duty.supplied)
+    return {
+        body: replace(own, share=Share(rms[body], peak[body], energy[body]))
+        for body, own in duties.items()
+    }
+
+
+# Bottom dead centre -------------------------------------------------------------------------------
+
+
+def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]:
+    """Return the strokes of each replicate, by number, and bottom dead centre over the ideal, m.
+
+    Each array has the shape (strokes,); empty if nothing moves.
+    """
+    ideal = bottom_of(scene.ideal)
+    if ideal is None:
+        return []
+    error, start = stage.each_cycle("bottom_height") - ideal.height, stage.arrays["cycle_start"]
+    rows = [error[start == replicate][ideal.first :] for replicate in np.unique(start)]
+    return [(ideal.first + 1.0 + np.arange(own.size), own) for own in rows]
+
+
+def rise(stage: StageResult, since: StageResult) -> Estimate | None:
+    """Return how much higher bottom dead centre is in a stage than in another, m.
+
+    The other stage is the unworn one, which gives the drift by wear, or that of a run at another
+    speed. Both are taken as independent. None if either has no settled stroke.
+    """
+    later, earlier = stage.statistics.bdc, since.statistics.bdc
+    if later is None or earlier is None:
+        return None
+    halves = later.error.half_width, earlier.error.half_width
+    half = None if None in halves else math.hypot(*filter(None, halves))
+    return Estimate.symmetric(later.error.mean - earlier.error.mean, half)
+
+
+# Conformity of contacts ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Conformity:
+    """Pin at its deepest penetration in the recorded cycles.
+
+    The surfaces overlap by e cos(x) - c at an angle x from the line of centres: over an arc of
+    which c / (c + penetration) is the cosine of the half.
+
+    Attributes
+    ----------
+    joint : str
+    penetration, clearance : float
+        m.
+    elasticity : {"power", "liu", "foundation"} or None
+        Elastic force in use; None: a user law, or another exponent than 1.5.
+    """
+
+    joint: str
+    penetration: float
+    clearance: float
+    elasticity: Elasticity | None
+
+    @property
+    def part(self) -> float:
+        """Penetration over clearance."""
+        return self.penetration / self.clearance
+
+    @property
+    def arc(self) -> float:
+        """Angle over which the surfaces overlap, rad."""
+        return 2.0 * math.acos(1.0 / (1.0 + max(self.part, 0.0)))
+
+    @property
+    def is_small(self) -> bool:
+        """True where all elastic forces are nearly equal."""
+        return self.part <= SMALL_CONTACT
+
+    @property
+    def forces(self) -> tuple[float, float]:
+        """Forces of K delta^1.5 and of Liu's law over that of the foundation."""
+        own = (max(self.part, 0.0), 1.0, 1.5)
+        whole = foundation_force(*own, 0.0, 1.0)
+        return elastic_force(*own) / whole, liu_force(*own, 0.0, 1.0) / whole
+
+    @property
+    def words(self) -> str:
+        """Sentence on the consequence for the forces."""
+        text = (
+            f"joint {self.joint}: the pin sank {readable(1e6 * self.penetration)} µm into its "
+            f"bearing, {readable(self.part)} of the clearance, so that the surfaces overlap over "
+            f"{math.degrees(self.arc):.0f} degrees: no small contact"
+        )
+        if self.elasticity is None:
+            return text
+        power, liu = self.forces
+        text += (
+            f"; there K delta^1.5 pushes with {power:.2f} and Liu's law with {liu:.2f} of the "
+            "foundation's force"
+        )
+        is_power = self.elasticity == "power"
+        return f"{text}; elasticity = liu or foundation are made for it" if is_power else text
+
+
+def conformities(scene: Scene, stage: StageResult) -> list[Conformity]:
+    """Return the pins of a stage at their deepest in the recorded cycles."""
+    pins = []
+    for name, joint in stage.joints.items():
+        bearing = scene.bearing(name)
+        law: Elasticity | None = bearing.elasticity
+        if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
+            law = None
+        elif scene.conventions.contact == "foundation" and stage.is_worn:
+            law = "foundation"
+        deepest = float(np.max(joint.arrays.get("penetration", 0.0), initial=0.0))
+        pins.append(Conformity(name, deepest, bearing.clearance, law))
+    return pins
+
+
+def deep_contacts(scene: Scene, stages: tuple[StageResult, ...]) -> list[str]:
+    """Return sentences on joints whose pins sink in too deep for a law of a small contact.
+
+    Of each joint the stage in which it is deepest counts.
+    """
+    deepest: dict[str, Conformity] = {}
+    for pin in (pin for stage in stages for pin in conformities(scene, stage)):
+        before = deepest.get(pin.joint)
+        if not pin.is_small and (before is None or pin.part > before.part):
+            deepest[pin.joint] = pin
+    return [pin.words for pin in deepest.values()]
+
+
+# Kind of motion -----------------------------------------------------------------------------------
+
+
+def has_motion(scene: Scene, stage: StageResult) -> bool:
+    """Return whether a complete cycle of a motion with clearance was recorded."""
+    if stage.failed or not stage.has_joint_series or stage.time.size < 2:
+        return False
+    begin, end = settled_span(scene, stage)
+    return end - begin > 0.99 * scene.mechanism.period
+
+
+def settled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
+    """Return start and end of the recorded motion after the start-up, s; complete cycles."""
+    period, run_up = scene.mechanism.period, scene.run_up
+    whole = int((float(stage.time[-1]) - run_up) / period + 0.02)
+    first = max(min(STARTUP_CYCLES, whole - 1), 0)
+    end = run_up + max(whole, first + 1) * period
+    return run_up + first * period, min(end, float(stage.time[-1]))
+
+
+def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
+    """Return the contact modes of a joint in the recorded settled cycles, over time in s."""
+    begin, end = settled_span(scene, stage)
+    own = stage.joints[joint]
+    contacts = np.column_stack([own.contact("touchdown"), own.contact("separation")])
+    closing = own.contact("closing_speed")
+    last = float(contacts[-1, 1]) if len(contacts) else float(stage.time[0])
+    # A contact that continues at the end is not recorded as one.
+    lasting = (stage.time > last) & (own.penetration > 0.0)
+    if lasting.any():
+        more = [[stage.time[lasting][0], end + scene.mechanism.period]]
+        contacts, closing = np.append(contacts, more, axis=0), np.append(closing, 0.0)
+    sliding, lower_speed = (stage.time, own.sliding), scene.bearing(joint).lower_speed
+    found = timeline((begin, end), contacts, closing, sliding, lower_speed)
+    return Timeline(found.edges - scene.run_up, found.mode, found.names)
+
+
+def resonance(stage: StageResult, joint: str) -> float | None:
+    """Return the frequency of the contact, Hz, or None; see ``resonance_frequency``."""
+    own = stage.joints[joint]
+    lasting = own.contact("separation") - own.contact("touchdown")
+    return resonance_frequency(lasting, own.contact("closing_speed"))
+
+
+def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
+    """Return spectra of the recorded settled cycles, up to ``MAX_ORDER``.
+
+    By a joint's name that of its normal force, N^2/Hz, by ``""`` that of the acceleration of the
+    output, (m/s^2)^2/Hz.
+    """
+    begin, end = settled_span(scene, stage)
+    rows = (stage.time >= begin) & (stage.time <= end)
+    series = {"": stage.acceleration}
+    series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}
+    period = scene.mechanism.period
+    return {
+        name: power_spectrum(stage.time[rows], values[rows], period, MAX_ORDER / period)
+        for name, values in series.items()
+    }
+
+
+def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, float]:
+    """Return the positions of a pin once a cycle after the start-up, m, and the phase.
+
+    They are of the first Poincare section of every cycle, if sections were stored, else of the ends
+    of the recorded cycles. The phase is a fraction of the cycle.
+    """
+    if "sections" in stage.arrays:
+        both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
+        rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
+        return rows, scene.recording.phases[0]
+    begin, end = (instant - scene.run_up for instant in settled_span(scene, stage))
+    at = times_at_phase(begin, end, scene.mechanism.period, 0.0)
+    return section(stage.time - scene.run_up, stage.joints[joint].eccentricity, at), 1.0
+
+
+def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
+    """Return the touchdowns of a joint in the recorded settled cycles.
+
+    Returns
+    -------
+    phase : ndarray, shape (n,)
+        Fraction of the cycle, from 0 to 1.
+    closing_speed : ndarray, shape (n,)
+        Rate of penetration, m/s.
+    """
+    begin, end = settled_span(scene, stage)
+    own = stage.joints[joint]
+    instant = own.contact("touchdown")
+    inside = (instant >= begin) & (instant <= end)
+    phase = (instant[inside] - scene.run_up) / scene.mechanism.period % 1.0
+    return phase, own.contact("closing_speed")[inside]
+
+
+def period_of(scene: Scene, stage: StageResult) -> Periodicity:
+    """Return the period of the positions of all pins relative to their clearances."""
+    places = [section_of(scene, stage, joint)[0] for joint in stage.joint_names]
+    scales = [np.full(2, scene.bearing(joint).clearance) for joint in stage.joint_names]
+    return periodicity(np.concatenate(places, axis=1), np.concatenate(scales))
