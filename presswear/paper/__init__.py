@@ -43,4 +43,4 @@ def run_paper(
         print(f"{count}: {run_label(name)}: {words}; about {left:.1f} min left", flush=True)
 
     results = pw.run_scenes(scenes, folder, jobs=jobs, on_progress=show)
-    return write_report(list(scenes), results, Path(folder))
+    return write_report(results, Path(folder))

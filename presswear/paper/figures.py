@@ -21,7 +21,7 @@ from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR  
 from presswear.show.figures import Drawing, drawn
 from presswear.show.figures.style import LINES, REFERENCE, WIDTH, Axes, Pen, Sheet, ShownStage
 from presswear.show.figures.style import SETTINGS as STYLE
-from presswear.show.figures.surfaces import worn_surface
+from presswear.show.figures.wear import worn_surface
 from presswear.show.page import Drawer
 
 LINEAR_RATIO = 20.0  # ratio of largest to smallest depth up to which a linear scale shows both

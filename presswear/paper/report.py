@@ -4,7 +4,6 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -46,44 +45,25 @@ _LONG = (
 )
 
 
-def write_report(
-    names: Sequence[str], results: Mapping[str, pw.Result], folder: Path
-) -> tuple[str, Path]:
-    """Write ``report.html`` and its figures into a folder; return the answer and the path.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of all runs of the study, of which some results may be missing.
-    """
+def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, Path]:
+    """Write ``report.html`` and its figures into a folder; return the answer and the path."""
     evidence, path = Evidence(results), folder / "report.html"
-    figures = illustrated(drawers(evidence), inside(folder, "figures"))
     claims = judge(evidence)
-    answer = headline(evidence, claims)
-    missing = f"Unfinished: {len(names) - len(results)} of {len(names)} runs are missing."
-    sections = page_sections(evidence, claims, names)
+    answer, sections = headline(evidence, claims), page_sections(evidence, claims)
+    figures = illustrated(drawers(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures))
-    page = render_page(
-        TITLE,
-        sections,
-        answer=[answer],
-        status=missing if len(results) < len(names) else "Completed: all runs are there.",
-        style="unfinished" if len(results) < len(names) else "completed",
-    )
-    write_bytes(path, page.encode())
+    write_bytes(path, render_page(TITLE, sections, answer=[answer]).encode())
     return answer, path
 
 
-def page_sections(
-    evidence: Evidence, claims: Sequence[Judged], names: Sequence[str]
-) -> list[Section]:
+def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]:
     """Return the sections of the page without the figures of the paper."""
     failures = {
         name.partition("--")[0]: result.message
         for name, result in evidence.results.items()
         if result.status == "failed"
     }
-    runs: list[tuple[str, Table]] = [("", run_table(evidence, names))]
+    runs: list[tuple[str, Table]] = [("", run_table(evidence))]
     for first in list(evidence.results.values())[:1]:
         runs.append(("Conventions", convention_table(first)))
         runs.append(("Parameters of the first setting", parameter_table(first)))
@@ -397,20 +377,20 @@ def long_table(evidence: Evidence) -> Table:
     return Table(("", *heads), (("", tuple(lines)),), numeric=False)
 
 
-def run_table(evidence: Evidence, names: Sequence[str]) -> Table:
+def run_table(evidence: Evidence) -> Table:
     """Return cycles, status, energy residual and wall time of each run."""
     records = []
-    for name in names:
-        result = evidence.results.get(name)
-        record: dict[str, Any] = {"label": settings.run_label(name), "status": "not finished"}
-        if result is not None:
-            statistics = [stage.statistics for stage in result.stages]
-            ran = [one for one in statistics if one.energy_exchanged]
-            residuals = [abs(one.energy_residual) / one.energy_exchanged for one in ran]
-            record["residual"] = max(residuals, default=None)
-            record["cycles"] = ", ".join(whole(one.cycles) for one in statistics)
-            record["wall"] = result.wall_s
-            record["status"] = f"{result.status}: {result.message}".removesuffix(": ")
+    for name, result in evidence.results.items():
+        statistics = [stage.statistics for stage in result.stages]
+        ran = [one for one in statistics if one.energy_exchanged]
+        residuals = [abs(one.energy_residual) / one.energy_exchanged for one in ran]
+        record = {
+            "label": settings.run_label(name),
+            "cycles": ", ".join(whole(one.cycles) for one in statistics),
+            "status": f"{result.status}: {result.message}".removesuffix(": "),
+            "residual": max(residuals, default=None),
+            "wall": result.wall_s,
+        }
         records.append(record)
     columns = [Row("run", "label"), Row("cycles of each stage", "cycles"), Row("status", "status")]
     columns += [Row("energy residual", "residual", digits=1), Row("wall time", "wall", "s")]

@@ -89,7 +89,8 @@ def result(
         ended = "failed" if status == "failed" and k == len(stages) - 1 else "enough"
         numbers = StageStatistics(len(arrays["cycles"]), energy_residual=1e-9, energy_exchanged=1.0)
         first: Any = (k, ended, "", None, 1e5, (), 1.0, 2.0, {"model": "made up"}, numbers)
-        listed.append(pw.StageResult(*first, arrays, scene.clearance_joints))
+        last: Any = (arrays, scene.clearance_joints)
+        listed.append(pw.StageResult(*first, *last))
     origin = dict.fromkeys(("python", "revision", "machine", "started"), "made up")
     return pw.Result(scene, tuple(listed), status, "", {**origin, "packages": {}}, 3.0)
 
