@@ -1,4 +1,4 @@
-"""The command line: what commands there are, and how they end.
+"""Command line ``presswear``.
 
 Exit codes: 0 success; 1 a run that failed; 2 bad input, or standard output that cannot be written;
 130 and 143 stopped by SIGINT and SIGTERM.
@@ -7,8 +7,7 @@ Exit codes: 0 success; 1 a run that failed; 2 bad input, or standard output that
 import io
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from importlib.metadata import version
 
 from presswear.tools.errors import InputError, RunFailed, one_line
@@ -16,64 +15,54 @@ from presswear.tools.processes import exit_code, is_stopped, stoppable
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Entry point of ``presswear`` and ``python -m presswear``; returns the exit code."""
+    """Run the command line ``argv`` and return the exit code."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # A character that the encoding of a terminal lacks is written as an escape.
-            stream.reconfigure(errors="backslashreplace")
+            stream.reconfigure(errors="backslashreplace")  # for characters the terminal lacks
     try:
-        with stoppable(), _flushed():
-            words = sys.argv[1:] if argv is None else argv
-            if list(words) == ["--version"]:
-                print(f"presswear {version('presswear')}")
-                return 0
-            # Imported when a signal is answered already.
-            from presswear.cli.parser import parser_of
-
-            arguments = parser_of(words).parse_args(words)
-            from rich.console import Console
-
-            from presswear.cli.logs import logged
-
-            with logged("verbose" in arguments):
-                return int(arguments.run(arguments, Console()))
+        with stoppable():
+            try:
+                return _run(sys.argv[1:] if argv is None else argv)
+            finally:
+                if sys.stdout is not None:
+                    sys.stdout.flush()  # here its error can still be reported
     except InputError as error:
-        _tell(str(error))
-        return 2
+        return _fail(f"{error}", 2)
     except RunFailed as error:
-        _tell(str(error))
-        return 1
+        return _fail(f"{error}", 1)
     except OSError as error:
-        if error.filename is None and _drops_output():
-            _tell(f"standard output cannot be written: {error.strerror}")
-            return 2
-        _tell(f"{error.strerror}: {error.filename}")
-        return 1
+        if error.filename is None and _is_output_broken():
+            return _fail(f"standard output cannot be written: {error.strerror}", 2)
+        return _fail(f"{error.strerror}: {error.filename}", 1)
     except KeyboardInterrupt as error:
-        _tell(str(error) if error.args else "interrupted")
-        return exit_code()
-    # Behind a signal any error is one of being stopped: see ``tools.processes``.
+        return _fail(f"{error}" if error.args else "interrupted", exit_code())
     except Exception:
         if not is_stopped():
             raise
-        _tell("interrupted")
-        return exit_code()
+        # Python can turn the KeyboardInterrupt of a signal into another error.
+        return _fail("interrupted", exit_code())
 
 
-@contextmanager
-def _flushed() -> Iterator[None]:
-    """Flush standard output at the end, where an error can still be reported."""
+def _run(words: Sequence[str]) -> int:
+    if list(words) == ["--version"]:
+        print(f"presswear {version('presswear')}")
+        return 0
+    # Imported here so that signals are handled during these slow imports.
+    from rich.console import Console
+
+    from presswear.cli.parser import parser_for
+
+    arguments = parser_for(words).parse_args(words)
+    from presswear.cli.terminal import logging_to_stderr
+
+    with logging_to_stderr("verbose" in arguments):
+        return int(arguments.run(arguments, Console()))
+
+
+def _is_output_broken() -> bool:
+    """Return whether standard output cannot be written; its buffer then goes to the null device."""
     try:
-        yield
-    finally:
-        if sys.stdout is not None:
-            sys.stdout.flush()
-
-
-def _drops_output() -> bool:
-    """Whether standard output cannot be written; its buffer then goes to the null device."""
-    try:
-        sys.stdout.write("\n")  # without a buffer there is nothing left that a flush would write
+        sys.stdout.write("\n")  # without a buffer nothing else is left that a flush would write
         sys.stdout.flush()
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -81,8 +70,9 @@ def _drops_output() -> bool:
     return False
 
 
-def _tell(problem: str) -> None:
-    print(one_line(f"presswear: {problem}"), file=sys.stderr)
+def _fail(message: str, code: int) -> int:
+    print(one_line(f"presswear: {message}"), file=sys.stderr)
+    return code
 
 
 if __name__ == "__main__":

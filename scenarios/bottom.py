@@ -6,14 +6,14 @@ Run:  python scenarios/bottom.py [SCENE or FILE.toml]
 import sys
 
 import presswear as pw
-from presswear.cli.terminal import scene_given
+from presswear.cli.terminal import load_scene
 from presswear.results.press_analysis import rise
 from presswear.show.page import text_of
 
 
 def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) -> None:
     settings = {"wear_updates": 0, "cycles": cycles, "replicates": replicates}
-    scene, stages = pw.changed(scene_given(name), settings), []
+    scene, stages = pw.changed(load_scene(name), settings), []
     assert isinstance(scene.mechanism, pw.Press | pw.SliderCrank)
     print("µm, 95 % intervals: over the ideal | range of strokes | change since the first row")
     for process in ("none", scene.process.kind) if scene.process else ("none",):

@@ -1,22 +1,18 @@
-"""The commands of the command line; each is imported when it is called."""
+"""Commands; each module is imported when its command is called."""
 
-COMMANDS = {
-    "list": ("scenes", "the scenes, one line each; or everything that can be set in one"),
-    "new": ("scenes", "write a file that describes a mechanism, to begin with"),
-    "show": ("scenes", "draw the mechanism of a scene or a file, labelled"),
-    "run": ("run", "run a scene and write its folder and report"),
-    "life": ("life", "how many strokes until a limit is passed, and how sure that is"),
-    "sweep": ("sweep", "a scene at many points, on this machine or a cluster"),
-    "dynamics": ("dynamics", "modes of contact, periods, exponents and bifurcation diagrams"),
-    "report": (
-        "run",
-        "figures and report anew from the folder of a run or a sweep",
-    ),
-    "replay": ("replay", "play a stored run in the Exudyn renderer, or make a film or a still"),
-    "export": ("export", "write the motion of a run, or the rows of a sweep, for other programs"),
-    "crosscheck": ("crosscheck", "engine against engine, or a run against a solver of yours"),
-    "verify": ("verify", "both engines against published references; --hard: on hard cases"),
-    "benchmark": ("benchmark", "speed against error of every engine; cost of each feature"),
-    "completion": ("completion", "a script by which a shell completes commands and options"),
+COMMANDS = {  # module and line of help
+    "list": ("scenes", "list the scenes, or the settings of one scene"),
+    "new": ("scenes", "write an example file that describes a mechanism"),
+    "show": ("scenes", "draw the mechanism of a scene or a file with labels"),
+    "run": ("run", "run a scene and write its result folder and report"),
+    "life": ("life", "service life: strokes until a limit is exceeded, with an interval"),
+    "sweep": ("sweep", "run a scene at many points, on this machine or on a cluster"),
+    "dynamics": ("dynamics", "contact modes, periods, exponents and bifurcation diagrams"),
+    "report": ("report", "write the figures and the report of a run or a sweep again"),
+    "replay": ("replay", "play a stored run, or write it as a film or a picture"),
+    "export": ("export", "write the motion of a run, or the rows of a sweep, as a table"),
+    "crosscheck": ("crosscheck", "compare two engines, or a run with another program"),
+    "verify": ("verify", "compare the engines with published results and hard cases"),
+    "benchmark": ("benchmark", "measure speed against error, and the cost of each feature"),
+    "completion": ("completion", "print a script for completion in a shell"),
 }
-"""Module and one line of help of each command."""

@@ -10,17 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from presswear.cli.parser import SET, integer, out
 from presswear.cli.terminal import (
-    add_out,
-    add_settings,
     free_folder,
+    named_progress,
+    print_lines,
     print_table,
-    repeats_given,
-    scene_given,
-    settings_given,
+    requested_scene,
 )
-from presswear.cli.trials import telling
-from presswear.scene.settings import changed
 from presswear.tools.files import only_writer
 
 if TYPE_CHECKING:
@@ -33,29 +30,28 @@ def add(commands: Any) -> None:
     """Add the parser of ``benchmark``."""
     parser = commands.add_parser(
         "benchmark",
+        parents=[out("results/benchmark-SCENE"), SET],
         description="Runs every engine and integrator over its steps or tolerances on the ideal "
         "mechanism, Andrews' squeezer, one impact, and a scene with clearance, and compares each "
-        "with a reference. Wall times are the least of interleaved repeats, without compiling. "
+        "with a reference. Wall times are the least of interleaved repeats, without compilation. "
         "Methods that fail are listed, among them the setting of the paper, RK4 at 1e-4 s. With "
-        "--features: times the scene with each feature of the model on and off. Let the machine "
-        "do nothing else meanwhile. Below 10 minutes, with --quick one or two.",
+        "--features: times the scene with each feature of the model on and off. Do not use "
+        "the machine for other work meanwhile. It takes up to 10 minutes, with --quick two.",
         epilog="example: presswear benchmark wear-times --quick --out results/benchmark-first",
     )
     parser.add_argument(
         "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
     )
-    add_out(parser, "benchmark-SCENE")
     parser.add_argument("--features", action="store_true", help="cost of each feature of a model")
-    parser.add_argument("--repeats", help="number of times that each run is timed (default 5)")
+    parser.add_argument(
+        "--repeats", type=integer(1, 1000), metavar="N", help="timed runs of each setting (5)"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer settings, or shorter runs")
-    add_settings(parser)
     parser.set_defaults(run=_benchmark)
 
 
 def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
-    repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
-    scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
-    scene.check()
+    repeats, scene = arguments.repeats, requested_scene(arguments)
     folder = arguments.out or free_folder(f"benchmark-{scene.name}")
     measure = _features if arguments.features else _work_precision
     with only_writer(folder):
@@ -66,7 +62,7 @@ def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
 
         machine = {"processor": processor_name(), **provenance(), "scene": scene.as_dict()}
         write_json(folder / "benchmark.json", machine)
-    console.print(f"results in {folder}", highlight=False)
+    print_lines(console, f"results in {folder}")
     return 0
 
 
@@ -79,7 +75,7 @@ def _work_precision(
     extent = module.QUICK if quick else module.FULL
     if repeats is not None:
         extent = replace(extent, repeats=repeats)
-    with telling(console, "benchmark") as report:
+    with named_progress(console, "benchmark") as report:
         points = module.work_precision(scene, extent, report)
     folder.mkdir(parents=True, exist_ok=True)
     module.write_csv(points, folder / "benchmark.csv")
@@ -107,7 +103,7 @@ def _features(
     extent = module.QUICK if quick else module.FeatureExtent()
     if repeats is not None:
         extent = replace(extent, repeats=repeats)
-    with telling(console, "benchmark") as report:
+    with named_progress(console, "benchmark") as report:
         costs = module.feature_costs(scene, extent, report)
     folder.mkdir(parents=True, exist_ok=True)
     module.write_csv(costs, folder / "features.csv")

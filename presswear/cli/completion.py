@@ -1,4 +1,4 @@
-"""``presswear completion``: words for a shell to complete, by shtab."""
+"""``presswear completion``: completion in a shell, by shtab."""
 
 import argparse
 from typing import Any
@@ -12,21 +12,17 @@ from presswear.scene.catalog import SCENES
 from presswear.scene.scene import ENGINES
 from presswear.tools.errors import not_installed, unknown
 
-_WORDS = {
-    "scene": tuple(SCENES),
-    "engine": tuple(ENGINES),
-    "conventions": tuple(CONVENTIONS),
-}
-"""What some arguments and options are, by their names."""
+CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
+SHELLS = ("bash", "zsh")
 
 
 def add(commands: Any) -> None:
     """Add the parser of ``completion``."""
     parser = commands.add_parser(
         "completion",
-        description="Prints a script by which a shell completes commands, options, scenes, files "
-        "and folders. Bash reads it from a file that ~/.bashrc names: source "
-        "~/.presswear-completion; zsh from a file _presswear in a folder of $fpath.",
+        description="Prints a script with which a shell completes commands, options, scenes, files "
+        "and folders. For bash, save it and add to ~/.bashrc: source ~/.presswear-completion. For "
+        "zsh, save it as _presswear in a folder of $fpath.",
         epilog="example: presswear completion bash > ~/.presswear-completion",
     )
     parser.add_argument("shell", help="bash or zsh")
@@ -34,20 +30,19 @@ def add(commands: Any) -> None:
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    shells = ("bash", "zsh")
-    if arguments.shell not in shells:
-        raise unknown("shell", arguments.shell, shells)
+    if arguments.shell not in SHELLS:
+        raise unknown("shell", arguments.shell, SHELLS)
     try:
         import shtab
     except ImportError:
         raise not_installed("presswear completion", "shtab", "completion") from None
     parser, commands = parser_with(COMMANDS)
-    for own in commands.parsers.values():
-        own.description = None  # a menu has room for the line of help
-        for action in own._actions:
-            if action.dest in _WORDS:
-                action.choices = _WORDS[action.dest]
-            elif action.metavar == "DIR" or action.dest == "out":
+    for command in commands.parsers.values():
+        command.description = None  # menus show the line of help
+        for action in command._actions:
+            if action.dest in CHOICES:
+                action.choices = tuple(CHOICES[action.dest])
+            elif action.metavar == "DIR":
                 vars(action)["complete"] = shtab.DIRECTORY
             elif action.metavar == "FILE":
                 vars(action)["complete"] = shtab.FILE

@@ -1,4 +1,4 @@
-"""``presswear dynamics``: what the motion of a result is, or of a scene over a quantity."""
+"""``presswear dynamics``: contact modes and periods, Lyapunov exponents, bifurcation diagrams."""
 
 import argparse
 from pathlib import Path
@@ -6,141 +6,132 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.analysis.bifurcation import Cycles, Parameter
+from presswear.cli.parser import JOBS, RESUME, SET, integer, out
 from presswear.cli.terminal import (
-    add_out,
-    add_settings,
-    count_given,
+    check_resume,
     free_folder,
-    jobs_given,
+    load_result,
+    named_progress,
+    print_lines,
     print_table,
-    scene_given,
-    settings_given,
+    requested_scene,
+    resumable,
 )
-from presswear.cli.trials import telling
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
-MOST_CYCLES = 100_000
+MAX_CYCLES = 100_000
 
 
 def add(commands: Any) -> None:
     """Add the parser of ``dynamics``."""
-    own = commands.add_parser(
+    parser = commands.add_parser(
         "dynamics",
-        description="Of a result: modes of contact and the period of each stage.  Of a scene: its "
-        "largest Lyapunov exponent, in-house; with --over a bifurcation diagram of its unworn "
-        "linkage, up and down, each value beginning where the last one ended.  A diagram that "
-        "was stopped goes on with --out of its folder.",
+        parents=[SET, out("results/SCENE-dynamics"), RESUME, JOBS],
+        description="For a result folder: contact modes and the period of each stage. For a "
+        "scene: the largest Lyapunov exponent. With --over: a bifurcation diagram on unworn "
+        "surfaces with increasing and decreasing values; each run continues from the end of the "
+        "previous one. All runs use the in-house engine.",
         epilog="example: presswear dynamics slider-crank --over 'speed=50:600:200 rad/s'",
     )
-    own.add_argument("subject", help="a result folder, a file, FILE.toml, or a scene")
-    own.add_argument(
-        "--over",
-        metavar="KEY=FIRST:LAST:COUNT",
-        help="quantity and its values, with a unit behind",
+    parser.add_argument("scene", metavar="SCENE|DIR", help="a file, FILE.toml, a scene or a folder")
+    parser.add_argument(
+        "--over", metavar="KEY=FIRST:LAST:COUNT", help="bifurcation parameter and its values"
     )
-    own.add_argument("--cycles", default="100", help="cycles at each value (default 100)")
-    own.add_argument(
-        "--kept", default="40", help="of them the last ones that are shown (default 40)"
+    cycles = integer(1, MAX_CYCLES)
+    parser.add_argument(
+        "--cycles", type=cycles, default=100, metavar="N", help="cycles at each value (100)"
     )
-    own.add_argument(
-        "--exponent",
-        default="20",
-        metavar="CYCLES",
-        help="cycles for the exponent, of a scene or at each value; 0: none (default 20)",
+    parser.add_argument(
+        "--kept", type=cycles, default=40, metavar="N", help="last cycles that are shown (40)"
     )
-    own.add_argument(
+    cycles = integer(0, MAX_CYCLES)
+    parser.add_argument(
+        "--exponent", type=cycles, default=20, metavar="N", help="cycles for the exponent (20)"
+    )
+    parser.add_argument(
         "--orders",
-        default="0",
-        metavar="CYCLES",
-        help="with --over: cycles for the amplitudes at the crank's harmonics; 0: none (default 0)",
+        type=cycles,
+        default=0,
+        metavar="N",
+        help="with --over: cycles for the amplitudes at the harmonics of the crank (0)",
     )
-    own.add_argument("--jobs", help="processes (default: one a core)")
-    add_settings(own)
-    add_out(own, "SCENE-dynamics")
-    own.set_defaults(run=_run)
+    parser.set_defaults(run=_run)
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    folder = Path(arguments.subject)
+    folder = Path(arguments.scene)
     if folder.is_dir():
         if arguments.over or arguments.set:
-            raise InputError(f"{folder} is a result; --over and --set go with a scene")
-        return _of_result(folder, console)
-    cycles, orders = (
-        0 if own == "0" else count_given(name, own, MOST_CYCLES)
-        for name, own in (("--exponent", arguments.exponent), ("--orders", arguments.orders))
-    )
-    scene = changed(scene_given(arguments.subject), settings_given(arguments.set))
+            raise InputError(f"{folder} is a result folder: --over and --set need a scene")
+        return _describe(folder, console)
+    scene = requested_scene(arguments)
     if arguments.over is not None:
-        over = Parameter.parse(arguments.over, scene)
-        extent = Cycles(
-            count_given("--cycles", arguments.cycles, MOST_CYCLES),
-            count_given("--kept", arguments.kept, MOST_CYCLES),
-            cycles,
-            orders,
-        )
-        out = arguments.out or free_folder(f"{scene.name}-dynamics")
-        return _diagram(scene, over, extent, out, jobs_given(arguments.jobs), console)
-    if orders:
-        raise InputError("--orders goes with --over")
-    if not cycles:
-        raise InputError("--exponent 0: without --over there is nothing else to do")
-    return _exponent(scene, cycles, console)
+        return _diagram(scene, arguments, console)
+    if arguments.orders:
+        raise InputError("--orders needs --over")
+    if not arguments.exponent:
+        raise InputError("--exponent 0 needs --over")
+    return _exponent(scene, arguments.exponent, console)
 
 
 def _exponent(scene: Scene, cycles: int, console: Console) -> int:
     from presswear.analysis.lyapunov import largest_exponent
     from presswear.campaign.replicates import start_of
 
-    found = largest_exponent(scene.linkage(), start_of(scene), scene.mechanism.period, cycles)
-    half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
-    console.print(
-        f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
-        f"{found.value * scene.mechanism.period:.3g} a cycle, from {found.intervals} intervals",
-        highlight=False,
+    period = scene.mechanism.period
+    exponent = largest_exponent(scene.linkage(), start_of(scene), period, cycles)
+    half = exponent.half_width
+    interval = "(too few cycles for an interval)" if half is None else f"± {half:.3g}"
+    print_lines(
+        console,
+        f"{scene.name}: largest Lyapunov exponent {exponent.value:.4g} {interval} 1/s, "
+        f"{exponent.value * period:.3g} per cycle, from {exponent.intervals} intervals",
     )
     return 0
 
 
-def _diagram(
-    scene: Scene, over: Parameter, extent: Cycles, out: Path, jobs: int | None, console: Console
-) -> int:
-    from presswear.analysis.bifurcation import compute
+def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> int:
+    from presswear.analysis.bifurcation import DIRECTIONS, Cycles, Parameter, compute
     from presswear.campaign.replicates import start_of
     from presswear.show.figures import save
     from presswear.show.figures.bifurcation import draw_diagram, draw_orders
 
-    with telling(console, "bifurcation diagram") as told:
-        parts = dict.fromkeys(("up", "down"), 0.0)
+    parameter = Parameter.parse(arguments.over, scene)
+    cycles = Cycles(arguments.cycles, arguments.kept, arguments.exponent, arguments.orders)
+    check_resume(arguments.resume, arguments.out)
+    folder = arguments.out or free_folder(f"{scene.name}-dynamics")
+    if not arguments.resume and folder.exists() and any(folder.iterdir()):
+        raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
+    command = f"the same command with --resume --out {folder} continues"
+    with (
+        resumable(command, folder, lambda: "finished values are stored"),
+        named_progress(console, "bifurcation diagram") as report,
+    ):
+        shares = dict.fromkeys(DIRECTIONS, 0.0)
 
-        def tell(way: str, part: float) -> None:
-            parts[way] = part
-            told(f"bifurcation diagram, {way}", sum(parts.values()) / len(parts))
+        def show(direction: str, share: float) -> None:
+            shares[direction] = share
+            report(f"bifurcation diagram, {direction}", sum(shares.values()) / len(shares))
 
-        diagram = compute(scene, over, extent, out, start_of, jobs, tell)
-    for sentence in diagram.summary():
-        console.print(sentence, highlight=False)
-    for drawing in [draw_diagram(diagram), *([draw_orders(diagram)] if extent.orders else [])]:
-        picture = save(drawing, out)
-        console.print(f"picture in {picture}", highlight=False, soft_wrap=True)
+        diagram = compute(scene, parameter, cycles, folder, start_of, arguments.jobs, show)
+    print_lines(console, *diagram.summary())
+    for drawing in [draw_diagram(diagram), *([draw_orders(diagram)] if cycles.orders else [])]:
+        print_lines(console, f"picture in {save(drawing, folder)}")
     return 0
 
 
-def _of_result(folder: Path, console: Console) -> int:
-    from presswear.results.result import load
+def _describe(folder: Path, console: Console) -> int:
+    """Print the motion of a stored run."""
     from presswear.show.report_tables import motion_table
 
-    result = load(folder)
-    found = motion_table(result)
-    if found is None:
+    table = motion_table(load_result(folder, console))
+    if table is None:
         raise InputError(
-            f"{folder}: no joint has clearance, or no cycle was recorded, so that there is no "
-            "motion to tell"
+            f"{folder}: no motion to analyse, because no joint has clearance or no cycle after "
+            "the start-up was recorded"
         )
-    console.print(f"of each mode: {found.head[0]}", highlight=False)
-    for heading, rows in found.groups:
-        print_table(console, (heading, *found.head[1:]), (), rows)
+    print_lines(console, f"of each mode: {table.head[0]}")
+    for heading, rows in table.groups:
+        print_table(console, (heading, *table.head[1:]), (), rows)
     return 0

@@ -1,4 +1,4 @@
-"""``presswear life``: after how many strokes a limit is passed, and how sure that is."""
+"""``presswear life``: strokes until a limit is exceeded, and comparisons of service lives."""
 
 import argparse
 import re
@@ -7,15 +7,21 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.cli.run import add_options, is_plain, run_or_go_on, with_options
+from presswear.cli.run import (
+    add_scene_options,
+    has_no_options,
+    run_scene,
+    scene_parents,
+    with_options,
+)
 from presswear.cli.terminal import (
-    check_resumed,
+    check_resume,
     free_folder,
-    goes_on,
-    jobs_given,
+    load_scene,
+    parse_settings,
+    print_lines,
     progress_bar,
-    scene_given,
-    settings_given,
+    resumable,
 )
 from presswear.linkage.laws import MATERIALS
 from presswear.scene.options import FOLLOWED, NEW, TURNED, Life
@@ -24,141 +30,133 @@ from presswear.scene.settings import SET, changed
 from presswear.tools.errors import InputError
 from presswear.tools.processes import check_stopped
 
-STAGES = "2"
-"""Parts of the life between stages, of a scene that says nothing on it."""
-OPTIONS = ("until", "at_most")
-"""Fields of ``Life`` that have an option of their own."""
+WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
 
 
 def add(commands: Any) -> None:
     """Add the parser of ``life``."""
-    names = "; ".join(f"{name}: {own.text}" for name, own in FOLLOWED.items())
-    life = commands.add_parser(
+    quantities = "; ".join(f"{name}: {each.text}" for name, each in FOLLOWED.items())
+    parser = commands.add_parser(
         "life",
-        description="Wears the joints of a scene until the first of some limits is passed, and "
-        "tells after how many strokes that is, with an interval.  Conventions are refined where "
-        "nothing else is said.  Numbers that may be limited: " + names + ".",
+        parents=scene_parents("results/SCENE-life, or results/lives"),
+        description="Wears the joints of a scene until the first of some limits is exceeded, and "
+        "prints the number of strokes with a 95 % interval. Conventions are refined unless the "
+        f"options specify others. Quantities for limits: {quantities}.",
         epilog="example: presswear life press-blanking --until 'depth > 0.05 mm' --engine dae",
     )
-    life.add_argument("scene", help="a file, FILE.toml, or a scene (see presswear list)")
-    life.add_argument(
+    parser.add_argument("scene", help="a file, FILE.toml, or a scene (see presswear list)")
+    add_scene_options(parser)
+    parser.add_argument(
         "--until",
         action="append",
         metavar="LIMIT",
-        help=f"such as 'A.depth > 50 um'; repeatable, the first counts (default {Life().until})",
+        help="such as 'A.depth > 50 um'; repeatable, the first to be exceeded ends the life "
+        f"(default {Life().until})",
     )
-    life.add_argument(
-        "--at-most", help=f"strokes after which nothing is followed (default {Life().at_most:g})"
+    parser.add_argument(
+        "--at-most", metavar="STROKES", help=f"largest number of strokes ({Life().at_most:g})"
     )
-    life.add_argument(
+    parser.add_argument(
         "--replace",
         action="append",
         default=[],
         metavar="JOINT@STROKES",
-        help="compare with the life where the bush of a joint is made new after so many strokes",
+        help="compare with the life if the bushing of a joint is replaced after so many strokes",
     )
-    life.add_argument(
+    parser.add_argument(
         "--turn",
         action="append",
         default=[],
         metavar="JOINT@STROKES",
-        help="compare with the life where it is turned by half a turn then",
+        help="compare with the life if the bushing is turned by half a turn",
     )
-    life.add_argument(
+    parser.add_argument(
         "--compare",
         action="append",
         default=[],
         metavar="KEY=VALUE[,KEY=VALUE]",
-        help="compare with the life where something else is, such as clearance=0.4mm or "
+        help="compare with the life for other settings, such as clearance=0.4mm or "
         "A.materials=316L-304L; repeatable",
     )
-    life.add_argument(
+    parser.add_argument(
         "--materials",
         action="store_true",
-        help="compare with each joint made of each pair of materials in the table",
+        help="compare with the life for each material pair in each joint",
     )
-    add_options(life, "results/SCENE-life, or results/lives")
-    life.set_defaults(run=_run)
-
-
-def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
-    """A scene with the life that the options ask for."""
-    settings: dict[str, str] = {"life": Life.kind}
-    if arguments.until:
-        settings["life.until"] = ", ".join(arguments.until)
-    for name in OPTIONS[1:]:
-        given = getattr(arguments, name)
-        if given is not None:
-            settings[f"life.{name}"] = given
-    told = {key for key, status in scene.origins.items() if status.startswith(SET)}
-    told |= settings_given(arguments.set).keys()
-    if arguments.conventions is None and not told & {"conventions", "wear_distribution", "contact"}:
-        scene = changed(scene, {"conventions": "refined"})
-    if scene.wear_updates == 0 and arguments.wear_updates is None and not told & {"wear_updates"}:
-        scene = changed(scene, {"wear_updates": STAGES})
-    return with_options(scene, arguments, settings)
-
-
-def _others(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:
-    """What the life is compared with: settings by what is different, in words."""
-    found: dict[str, dict[str, str]] = {}
-    for given, field, words in (
-        (arguments.replace, NEW, "bush replaced"),
-        (arguments.turn, TURNED, "bush turned"),
-    ):
-        for one in given:
-            found[f"{words}: {one}"] = {f"life.{field}": one}
-    for one in arguments.compare:
-        found[one] = settings_given(one.split(","))
-    if arguments.materials:
-        for joint in scene.clearance_joints:
-            own = scene.bearing(joint).materials.name
-            for name in MATERIALS:
-                if name != own:
-                    found[f"{joint}.materials={name}"] = {f"{joint}.materials": name}
-    return found
+    parser.set_defaults(run=_run)
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    make = partial(_with_life, arguments=arguments)
+    change = partial(_with_life, arguments=arguments)
     if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
-        _compare(make(scene_given(arguments.scene)), arguments, console)
-        return 0
-    bare = is_plain(arguments) and all(getattr(arguments, name) is None for name in OPTIONS)
-    # One that is gone on with, without a word, is the one in its folder.
-    goes_on = arguments.resume and arguments.out is not None
-    return run_or_go_on(arguments, console, None if bare and goes_on else make)
+        return _compare(change(load_scene(arguments.scene)), arguments, console)
+    is_plain = has_no_options(arguments) and not arguments.until and arguments.at_most is None
+    is_resumed = arguments.resume and arguments.out is not None
+    return run_scene(arguments, console, None if is_plain and is_resumed else change)
 
 
-def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> None:
-    """Run the life of a scene and of its variants, and print them in one table."""
+def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
+    """Return the scene with the life and the defaults of this command."""
+    specified = {key for key, origin in scene.origins.items() if origin.startswith(SET)}
+    specified |= parse_settings(arguments.set).keys()
+    wear = {"conventions", "wear_distribution", "contact"}
+    if arguments.conventions is None and not specified & wear:
+        scene = changed(scene, {"conventions": "refined"})
+    is_open = arguments.wear_updates is None and "wear_updates" not in specified
+    if scene.wear_updates == 0 and is_open:
+        scene = changed(scene, {"wear_updates": WEAR_UPDATES})
+    life = {
+        "life": Life.kind,
+        "life.until": ", ".join(arguments.until) if arguments.until else None,
+        "life.at_most": arguments.at_most,
+    }
+    return with_options(scene, arguments, **life)
+
+
+def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:
+    """Return the settings of the lives to compare with, by label."""
+    variants = {f"bush replaced: {each}": {f"life.{NEW}": each} for each in arguments.replace}
+    variants |= {f"bush turned: {each}": {f"life.{TURNED}": each} for each in arguments.turn}
+    variants |= {each: parse_settings(each.split(",")) for each in arguments.compare}
+    if arguments.materials:
+        for joint in scene.clearance_joints:
+            for name in MATERIALS:
+                if name != scene.bearing(joint).materials.name:
+                    variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}
+    return variants
+
+
+def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> int:
+    """Run the life of a scene and of its variants, and print all of them."""
     from presswear.campaign.campaign import run_scenes
     from presswear.results.life import life_ratio
 
     scenes = {"plain": scene}
-    for label, settings in _others(scene, arguments).items():
+    for label, settings in _variants(scene, arguments).items():
         variant = changed(scene, settings)
         if variant.modelled() == scene.modelled():
             raise InputError(f"{label}: changes nothing, so there is nothing to compare")
         scenes[re.sub(r"[^A-Za-z0-9.+=,_-]+", "-", label).strip("-")] = variant
-    check_resumed(arguments.resume, arguments.out)
+    check_resume(arguments.resume, arguments.out)
     folder = arguments.out or free_folder("lives")
     if not arguments.resume and folder.exists() and any(folder.iterdir()):
         raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
-    go_on = f"the same command with --resume --out {folder} continues"
-    fractions = dict.fromkeys(scenes, 0.0)
-    with goes_on(go_on, folder, lambda: "finished lives are stored"), progress_bar(console) as bar:
+    command = f"the same command with --resume --out {folder} continues"
+    shares = dict.fromkeys(scenes, 0.0)
+    with (
+        resumable(command, folder, lambda: "finished lives are stored"),
+        progress_bar(console) as bar,
+    ):
         task = bar.add_task("lives", total=len(scenes))
 
-        def show(name: str, fraction: float, words: str) -> None:
+        def show(name: str, share: float, words: str) -> None:
             check_stopped()
-            fractions[name] = fraction
-            done = sum(fractions.values())
-            bar.update(task, completed=done, description=f"{name}: {words}")
-            if fraction == 1.0:
-                bar.console.print(f"finished {name}: {words}", highlight=False, soft_wrap=True)
+            shares[name] = share
+            bar.update(task, completed=sum(shares.values()), description=f"{name}: {words}")
+            if share == 1.0:
+                print_lines(bar.console, f"finished {name}: {words}")
 
-        results = run_scenes(scenes, folder, jobs=jobs_given(arguments.jobs), on_progress=show)
+        results = run_scenes(scenes, folder, jobs=arguments.jobs, on_progress=show)
     plain = results["plain"].life
     for name, result in results.items():
         life = result.life
@@ -167,5 +165,6 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> N
             ratio, longer = life_ratio(life, plain)
             if ratio:
                 line = f"{ratio} times as long, longer with a probability of {longer}; {line}"
-        console.print(f"{name}: {line}", highlight=False, markup=False, soft_wrap=True)
-    console.print(f"results in {folder}; presswear report FOLDER writes a report", highlight=False)
+        print_lines(console, f"{name}: {line}")
+    print_lines(console, f"results in {folder}; presswear report FOLDER writes a report")
+    return 0

@@ -1,4 +1,4 @@
-"""``presswear replay``: a stored run in the Exudyn renderer."""
+"""``presswear replay``: a stored run in Exudyn's renderer."""
 
 import argparse
 import re
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from presswear.cli.terminal import finished_part, progress_bar
+from presswear.cli.parser import integer, number
+from presswear.cli.terminal import load_result, print_lines, progress_bar
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder
 from presswear.tools.quantities import Quantity, parse_quantity
@@ -15,75 +16,104 @@ from presswear.tools.quantities import Quantity, parse_quantity
 if TYPE_CHECKING:
     from presswear.show.replay.clip import Clip
 
-_SIZES = (160, 4096)
-"""Least and greatest width or height, pixels."""
+MIN_SIZE, MAX_SIZE = 160, 4096  # width and height, pixels
 
 
 def add(commands: Any) -> None:
     """Add the parser of ``replay``."""
     parser = commands.add_parser(
         "replay",
-        description="Plays a stored run in the Exudyn renderer: the press, and its clearance "
+        description="Plays a stored run in Exudyn's renderer: the mechanism, and its clearance "
         "joints enlarged. Keys in the window: space pauses, left and right step, up and down "
-        "change the speed, home begins again, q quits; a click on the bar jumps in time.",
+        "change the speed, home and end go to the ends, q quits; a click on the time bar jumps.",
         epilog="example: presswear replay results/wear-times --stage 1 --movie press.gif; "
         "presswear replay results/wear-times --still press.png --at 0.31s",
     )
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
-    parser.add_argument("--stage", metavar="K", help="0 unworn, 1 after the first wear, ...")
     parser.add_argument(
-        "--compare", metavar="WHAT", help="beside it: another stage, 1, or folder, or DIR:STAGE"
+        "--stage",
+        type=integer(0),
+        metavar="K",
+        help="0 unworn, 1 after the first wear update, ... (default: the last)",
     )
     parser.add_argument(
-        "--life", action="store_true", help="through a life: the last cycle of each stage in turn"
+        "--compare",
+        metavar="K|DIR|DIR:K",
+        help="show another stage, or a stage of another run, beside it",
+    )
+    parser.add_argument(
+        "--life", action="store_true", help="last cycle of each stage through a service life"
     )
     parser.add_argument("--movie", type=Path, metavar="FILE", help="write a film, .mp4 or .gif")
     parser.add_argument("--still", type=Path, metavar="FILE", help="write one picture, .png")
-    parser.add_argument("--at", metavar="T", help="time of the still, for instance 0.31s")
+    parser.add_argument("--at", metavar="TIME", help="time of the picture, such as 0.31s")
     parser.add_argument(
-        "--from", dest="start", metavar="T", help="where a film begins (default: second cycle)"
+        "--from", dest="start", metavar="TIME", help="start of the film (default: second cycle)"
     )
     parser.add_argument(
-        "--to", dest="end", metavar="T", help="where it ends (default: one cycle of each stage)"
+        "--to", dest="end", metavar="TIME", help="end of the film (default: after one cycle)"
     )
-    parser.add_argument("--slow", metavar="N", help="times slower (default: a cycle in 10 s)")
-    parser.add_argument("--rate", default="25", metavar="N", help="pictures a second (25)")
-    parser.add_argument("--size", default="960x640", metavar="WxH", help="pixels (960x640)")
+    parser.add_argument(
+        "--slow",
+        type=number(0.01, 1e5),
+        metavar="N",
+        help="times slower than real speed (default: a cycle in 10 s)",
+    )
+    parser.add_argument(
+        "--rate", type=number(1.0, 60.0), default=25.0, metavar="N", help="pictures per second (25)"
+    )
+    parser.add_argument(
+        "--size", type=_size, default=(960, 640), metavar="WxH", help="pixels (960x640)"
+    )
     parser.set_defaults(run=_run)
+
+
+def _size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
+    if match is None or not all(MIN_SIZE <= int(part) <= MAX_SIZE for part in match.groups()):
+        raise argparse.ArgumentTypeError(
+            f"{text[:80]}: must be WIDTHxHEIGHT, each {MIN_SIZE} to {MAX_SIZE} pixels"
+        )
+    return int(match[1]), int(match[2])
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
-    size = _size(arguments.size)
     _check(arguments)
-    reels = [_first(arguments, console)]
-    if arguments.compare is not None:
-        from presswear.show.replay.clip import equal_limits
+    from presswear.show.replay.clip import equal_limits, life_clip
 
-        reels = equal_limits([*reels, _compared(arguments, console)])
+    if arguments.life:
+        clips = [life_clip(load_result(arguments.folder, console))]
+    else:
+        clips = [_clip(arguments.folder, arguments.stage, console)]
+    if arguments.compare is not None:
+        clips = equal_limits([*clips, _compared(arguments, console)])
     if arguments.still is not None:
-        return _still(arguments, console, reels, size)
+        return _still(arguments, console, clips)
     if arguments.movie is not None:
-        return _movie(arguments, console, reels, size)
-    return _window(arguments, reels, size)
+        return _movie(arguments, console, clips)
+    from presswear.show.replay.output import check_display, play
+
+    check_display()
+    start = _time("--from", arguments.start, clips[0], clips[0].default_start)
+    play(clips, arguments.size, start, arguments.slow or clips[0].default_slow)
+    return 0
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """InputError where options contradict each other or a file cannot be written."""
+    """Raise InputError for options that cannot be combined and files that cannot be written."""
     if arguments.still is not None and arguments.movie is not None:
-        raise InputError("--still and --movie are two calls: give one of them")
+        raise InputError("--still and --movie cannot be combined")
     if arguments.at is not None and arguments.still is None:
-        raise InputError("--at is the time of a --still; a film has --from and --to")
+        raise InputError("--at needs --still; use --from and --to for a film")
     if arguments.life and (arguments.stage, arguments.compare) != (None, None):
-        raise InputError("--life goes through all stages: give no --stage and no --compare")
+        raise InputError("--life shows all stages: it cannot be combined with --stage or --compare")
     if arguments.still is not None and arguments.still.suffix.lower() != ".png":
         raise InputError(f"--still {arguments.still}: the name must end in .png")
     for file in (arguments.still, arguments.movie):
-        if file is None:
-            continue
-        if file.is_dir():
+        if file is not None and file.is_dir():
             raise InputError(f"{file} is a folder; name a file")
-        if not file.parent.is_dir():
+        if file is not None and not file.parent.is_dir():
             raise InputError(f"{file}: there is no folder {file.parent}")
     if arguments.movie is not None:
         from presswear.show.replay.output import check_movie
@@ -91,110 +121,67 @@ def _check(arguments: argparse.Namespace) -> None:
         check_movie(arguments.movie)
 
 
-def _first(arguments: argparse.Namespace, console: Console) -> "Clip":
-    if not arguments.life:
-        return _reel(arguments.folder, arguments.stage, console)
-    from presswear.show.replay.clip import life_clip
-
-    return life_clip(finished_part(arguments.folder, console))
-
-
-def _reel(folder: Path, stage: str | None, console: Console) -> "Clip":
+def _clip(folder: Path, stage: int | None, console: Console) -> "Clip":
     from presswear.show.replay.clip import stage_clip
 
-    result = finished_part(folder, console)
+    result = load_result(folder, console)
     last = len(result.stages) - 1
     if last < 0:
         raise InputError(f"{folder} has no finished stage")
-    if stage is None:
-        return stage_clip(result, last)
-    if not (stage.isascii() and stage.isdigit() and int(stage) <= last):
+    if stage is not None and stage > last:
         raise InputError(f"--stage {stage}: {folder} has stages 0 to {last}")
-    return stage_clip(result, int(stage))
+    return stage_clip(result, last if stage is None else stage)
 
 
 def _compared(arguments: argparse.Namespace, console: Console) -> "Clip":
-    """The reel that stands beside the first."""
-    what: str = arguments.compare
-    if what.isascii() and what.isdigit():
-        return _reel(arguments.folder, what, console)
-    folder, colon, stage = what.rpartition(":")
+    """Return the clip that is shown beside the first."""
+    text: str = arguments.compare
+    if text.isascii() and text.isdigit():
+        return _clip(arguments.folder, int(text), console)
+    folder, colon, stage = text.rpartition(":")
     if colon and stage.isascii() and stage.isdigit():
-        return _reel(Path(folder), stage, console)
-    return _reel(Path(what), arguments.stage, console)
+        return _clip(Path(folder), int(stage), console)
+    return _clip(Path(text), arguments.stage, console)
 
 
-def _time(option: str, text: str | None, reel: "Clip", otherwise: float) -> float:
-    """The time within a film that an option says, s, if it does; a bare number is in seconds."""
+def _time(flag: str, text: str | None, clip: "Clip", default: float) -> float:
+    """Return a time within the clip, s; a number without unit is in seconds."""
     if text is None:
-        return otherwise
-    first, last = reel.span
-    bare = re.fullmatch(r"[0-9.eE+-]+", text.strip())
-    return float(
-        parse_quantity(option, f"{text}s" if bare else text, Quantity("s", first, last, "", ""))
-    )
+        return default
+    is_number = re.fullmatch(r"[0-9.eE+-]+", text.strip())
+    limits = Quantity("s", *clip.span, "", "")
+    return float(parse_quantity(flag, f"{text}s" if is_number else text, limits))
 
 
-def _size(text: str) -> tuple[int, int]:
-    low, high = _SIZES
-    match = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
-    if match is None or not all(low <= int(part) <= high for part in match.groups()):
-        raise InputError(f"--size {text}: WIDTHxHEIGHT is expected, each {low} to {high} pixels")
-    return int(match[1]), int(match[2])
-
-
-def _still(
-    arguments: argparse.Namespace, console: Console, reels: "list[Clip]", size: tuple[int, int]
-) -> int:
+def _still(arguments: argparse.Namespace, console: Console, clips: "list[Clip]") -> int:
     from presswear.show.replay.clip import frames_at
     from presswear.show.replay.output import still, write_still
 
-    time = _time("--at", arguments.at, reels[0], reels[0].default_start)
-    write_still(arguments.still, still(reels, frames_at(reels, time), size))
-    console.print(f"picture in {arguments.still}", highlight=False)
+    time = _time("--at", arguments.at, clips[0], clips[0].default_start)
+    write_still(arguments.still, still(clips, frames_at(clips, time), arguments.size))
+    print_lines(console, f"picture in {arguments.still}")
     return 0
 
 
-def _movie(
-    arguments: argparse.Namespace, console: Console, reels: "list[Clip]", size: tuple[int, int]
-) -> int:
+def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]") -> int:
     from presswear.show.replay.clip import frames_between, speed_text
     from presswear.show.replay.output import pictures, write_movie
 
-    first = reels[0]
-    start = _time("--from", arguments.start, first, first.default_start)
-    whole = first.period * len(first.chapters)
-    end = _time("--to", arguments.end, first, min(start + whole, first.span[1]))
+    clip, rate = clips[0], arguments.rate
+    start = _time("--from", arguments.start, clip, clip.default_start)
+    whole = clip.period * len(clip.chapters)
+    end = _time("--to", arguments.end, clip, min(start + whole, clip.span[1]))
     if end <= start:
-        raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
-    slowed = _slowed(arguments, first)
-    rate = float(parse_quantity("--rate", arguments.rate, Quantity("", 1.0, 60.0, "", "")))
-    frames = frames_between(reels, start, end, slowed, rate)
-    count, note = len(frames), speed_text(slowed)
+        raise InputError(f"--to {end:g} s: must be after --from, {start:g} s")
+    slow = arguments.slow or clip.default_slow
+    frames = frames_between(clips, start, end, slow, rate)
+    count, note = len(frames), speed_text(slow)
     with progress_bar(console) as bar:
         task = bar.add_task(f"{count} pictures", total=1.0)
-        images = pictures(reels, frames, note, size)
+        images = pictures(clips, frames, note, arguments.size)
         write_movie(
             arguments.movie, images, count, rate, lambda part: bar.update(task, completed=part)
         )
-    console.print(
-        f"film in {arguments.movie}: {count} pictures, {count / rate:.1f} s, {note}",
-        highlight=False,
-    )
-    return 0
-
-
-def _slowed(arguments: argparse.Namespace, reel: "Clip") -> float:
-    if arguments.slow is None:
-        return reel.default_slow
-    return float(parse_quantity("--slow", arguments.slow, Quantity("", 0.01, 1e5, "", "")))
-
-
-def _window(arguments: argparse.Namespace, reels: "list[Clip]", size: tuple[int, int]) -> int:
-    from presswear.show.replay.output import check_display, play
-
-    check_display()
-    first = reels[0]
-    start = _time("--from", arguments.start, first, first.default_start)
-    play(reels, size, start, _slowed(arguments, first))
+    seconds = count / rate
+    print_lines(console, f"film in {arguments.movie}: {count} pictures, {seconds:.1f} s, {note}")
     return 0

@@ -1,126 +1,115 @@
-"""``presswear run`` and ``presswear report``: a scene into its result folder."""
+"""``presswear run``: a scene into its result folder."""
 
 import argparse
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, closing, nullcontext
+import time as clock
+from collections.abc import Callable
+from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.progress import Progress as ProgressBar
 
-from presswear.cli.terminal import (
-    add_limits,
-    add_trust,
-    check_resumed,
-    finished_part,
-    folder_given,
-    free_folder,
-    go_on_with,
-    goes_on,
-    jobs_given,
-    progress_bar,
-    scene_given,
-    seconds_given,
-    settings_given,
+from presswear.cli.parser import (
+    CYCLES,
+    ENGINE,
+    JOBS,
+    RESUME,
+    SET,
+    TRUST,
+    WEAR_UPDATES,
+    number,
+    out,
 )
+from presswear.cli.terminal import (
+    check_resume,
+    free_folder,
+    load_scene,
+    merge_options,
+    parse_settings,
+    print_lines,
+    progress_bar,
+    resumable,
+    resume_command,
+)
+from presswear.recording.observer import Observer, Progress
 from presswear.scene.catalog import SCENES, title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import check_folder
+from presswear.tools.numbers import with_interval
+from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
-    from presswear.show.replay.output import Live
+    from presswear.results.life import LifeResult
+    from presswear.results.stage import StageResult
 
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
-"""Settings that have an option of their own."""
-
-
-LIVE_SIZE = (960, 640)
-"""Size of the window that shows a run, pixels."""
+LIVE_SIZE = (960, 640)  # of the window, pixels
+LIFE = "life,"  # start of the description of a step that follows a service life
+MAX_CHECKPOINT = 86400.0  # s
 
 
 def add(commands: Any) -> None:
-    """Add the parsers of ``run`` and ``report``."""
-    run = commands.add_parser(
+    """Add the parser of ``run``."""
+    parser = commands.add_parser(
         "run",
+        parents=scene_parents("results/SCENE"),
+        description="Runs a scene: its motion on new surfaces, then a wear update and the motion "
+        "on worn surfaces, as often as --wear-updates says. Writes figures and a report.",
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
-    run.add_argument("scene", help=f"a file, FILE.toml, or one of: {', '.join(SCENES)}")
-    add_options(run, "results/SCENE")
-    run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
-    run.set_defaults(run=_run)
-
-    report = commands.add_parser(
-        "report",
-        epilog="example: presswear report results/wear-times",
-    )
-    report.add_argument("folder", type=Path, metavar="DIR")
-    add_limits(report)
-    report.set_defaults(run=_report)
-
-
-def add_options(parser: Any, folder: str) -> None:
-    """Add what ``run`` and ``life`` can be told about a scene and where it runs."""
-    parser.add_argument("--out", type=folder_given, help=f"new result folder (default {folder})")
+    parser.add_argument("scene", help=f"a file, FILE.toml, or one of: {', '.join(SCENES)}")
+    add_scene_options(parser)
     parser.add_argument(
-        "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
+        "--live", action="store_true", help="show the mechanism in a window while it runs"
     )
-    parser.add_argument("--conventions", help="paper (as printed) or refined; default: the scene's")
-    parser.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
-    parser.add_argument("--wear-updates", help="how often the joints are worn (0, 1, 2, ...)")
-    parser.add_argument("--tolerance", help="how well wear maps must be known (default 0.1)")
+    parser.set_defaults(run=_run)
+
+
+def scene_parents(folder: str) -> list[argparse.ArgumentParser]:
+    """Return the shared options of ``run`` and ``life``."""
+    return [ENGINE, CYCLES, WEAR_UPDATES, SET, out(folder), RESUME, TRUST, JOBS]
+
+
+def add_scene_options(parser: Any) -> None:
+    """Add the other options that ``run`` and ``life`` have in common."""
     parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change one value, with its unit; repeatable (see presswear list SCENE)",
+        "--conventions", help="paper (as printed) or refined (default: those of the scene)"
+    )
+    parser.add_argument(
+        "--tolerance", help="relative error of the wear maps at which a stage ends (default 0.1)"
     )
     parser.add_argument(
         "--surfaces",
-        metavar="WHENCE",
-        help="begin on worn ones: DIR:STAGE, those that a stage of another result ran on (1: "
-        "those after its first wear, the mean of its starts; without :STAGE its last stage), or "
-        "FILE.csv, measured ones, with a header such as joint,side,angle (deg),depth (um), side "
-        "bearing or pin; other angles than the maps' own are resampled, the worn volume kept",
+        metavar="DIR:STAGE|FILE.csv",
+        help="start with worn surfaces: those on which a stage of another result ran (default its "
+        "last stage), or measured ones from a file with columns such as joint,side,angle (deg),"
+        "depth (um), where side is bearing or pin",
     )
-    parser.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
-    parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="go on with the run in --out, with the same numbers as if it had never stopped; "
-        "without other options with those that it was started with",
-    )
-    add_trust(parser)
     parser.add_argument(
         "--checkpoint",
-        default="60",
+        type=number(0.0, MAX_CHECKPOINT, "seconds"),
+        default=60.0,
         metavar="SECONDS",
-        help="time between two checkpoints within a stage (default 60; 0: after every cycle)",
+        help="time between checkpoints within a stage (default 60; 0: after every cycle)",
     )
 
 
-def with_options(
-    scene: Scene, arguments: argparse.Namespace, more: Mapping[str, str] | None = None
-) -> Scene:
-    """A scene changed as the options of ``run`` say, and ``more``; InputError before any run."""
-    settings = settings_given(arguments.set)
-    for key, value in (more or {}).items():
-        if settings.setdefault(key, value) != value:
-            raise InputError(f"{key} is given twice, as {value} and by --set: one of them is meant")
-    for key in OPTIONS:
-        given = getattr(arguments, key)
-        if given is not None:
-            if key in settings:
-                option = key.replace("_", "-")
-                raise InputError(f"--{option} and --set {key} cannot be combined")
-            settings[key] = given
-    scene = changed(scene, settings)
+def has_no_options(arguments: argparse.Namespace) -> bool:
+    """Return whether no option changes the scene."""
+    values = (arguments.surfaces, *(getattr(arguments, key) for key in OPTIONS))
+    return not arguments.set and all(value is None for value in values)
+
+
+def with_options(scene: Scene, arguments: argparse.Namespace, **more: Any) -> Scene:
+    """Return the scene changed by the options, and by ``more`` settings; checked."""
+    options = {key: getattr(arguments, key) for key in OPTIONS}
+    scene = changed(scene, merge_options(parse_settings(arguments.set), {**options, **more}))
     if arguments.surfaces is not None:
         from presswear.results.result import read_surfaces
 
@@ -130,69 +119,61 @@ def with_options(
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    make = partial(with_options, arguments=arguments)
-    return run_or_go_on(arguments, console, None if is_plain(arguments) else make)
+    change = None if has_no_options(arguments) else partial(with_options, arguments=arguments)
+    return run_scene(arguments, console, change)
 
 
-def run_or_go_on(
+def run_scene(
     arguments: argparse.Namespace,
     console: Console,
     change: Callable[[Scene], Scene] | None,
 ) -> int:
-    """Run a scene as the options say, or go on with it, and write its report.
+    """Run or resume a scene, write its report, and return the exit code.
 
     Parameters
     ----------
     change : callable or None
-        Changes the scene that was named; None: nothing is said about it, and a run that is gone
-        on with is the one in its folder.
+        Applies the options; None if there are none, so that a resumed run uses its stored scene
+        and needs no scene file.
     """
-    jobs = jobs_given(arguments.jobs)
-    interval = seconds_given("--checkpoint", arguments.checkpoint)
-    check_resumed(arguments.resume, arguments.out)
-    goes_on = arguments.resume and (arguments.out / "result.json").exists()
-    if goes_on and change is None:
-        # Neither its file nor those of its laws are needed any more.
+    check_resume(arguments.resume, arguments.out)
+    is_stored = arguments.resume and (arguments.out / "result.json").exists()
+    if is_stored and change is None:
         scene = _stored_scene(arguments)
     else:
-        scene = scene_given(arguments.scene)
+        scene = load_scene(arguments.scene)
         scene = scene if change is None else change(scene)
     folder = arguments.out or free_folder(f"{scene.name}-life" if scene.life else scene.name)
     from presswear.results.folder import ResultFolder
     from presswear.results.press_analysis import deep_contacts
     from presswear.results.result import load
 
-    with _window(arguments, scene) as window:
-        store = ResultFolder(folder, scene, interval, arguments.resume)
-        console.print(title_of(scene), highlight=False, markup=False, soft_wrap=True)
-        for remark in store.remarks:
-            console.print(remark, highlight=False, soft_wrap=True)
+    window: Any = nullcontext()
+    if getattr(arguments, "live", False):
+        from presswear.show.replay.output import Live
+
+        window = closing(Live(scene, LIVE_SIZE))
+    with window as live:
+        store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
+        print_lines(console, title_of(scene), *store.remarks)
         if store.is_finished:
-            console.print(f"the run in {folder} has come to its end before", highlight=False)
-        _run_into(arguments, store, scene, jobs, window, console)
+            print_lines(console, f"the run in {folder} is already complete")
+        _run_into(arguments, store, scene, [live] if live else [], console)
     from presswear.show.report import write_report
 
     result = load(folder)
     with console.status("drawing the report"):
         report = write_report(result)
-    console.print(f"results in {folder}, report in {report}", highlight=False)
-    for told in deep_contacts(result.scene, result.stages):
-        console.print(told, highlight=False, markup=False, soft_wrap=True)
+    print_lines(console, f"results in {folder}, report in {report}")
+    print_lines(console, *deep_contacts(result.scene, result.stages))
     if result.status == "failed":
         raise RunFailed(result.message)
     if result.status == "unconverged":
-        console.print(f"not converged: {result.message}", highlight=False)
+        print_lines(console, f"not converged: {result.message}")
     return 0
 
 
-def is_plain(arguments: argparse.Namespace) -> bool:
-    """True where nothing is said about the scene but its name."""
-    told = (arguments.surfaces, *(getattr(arguments, key) for key in OPTIONS))
-    return not arguments.set and all(own is None for own in told)
-
-
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
-    """The scene of the folder to go on in."""
     from presswear.results.result import stored_scene
 
     scene, _ = stored_scene(arguments.out)
@@ -209,44 +190,104 @@ def _run_into(
     arguments: argparse.Namespace,
     store: "ResultFolder",
     scene: Scene,
-    jobs: int | None,
-    window: "Live | None",
+    observers: list[Observer],
     console: Console,
 ) -> None:
-    """Run a scene into its folder, with progress on the terminal."""
+    """Run a scene into its folder with progress on the terminal."""
     from presswear.campaign.campaign import run_into, workers_of
-    from presswear.cli.running import Terminal
 
-    go_on = go_on_with(scene.name, store.path, arguments.command, bool(scene.user_laws))
+    command = resume_command(arguments.command, arguments.scene, store.path, bool(scene.user_laws))
     try:
-        with goes_on(go_on, store.path, lambda: store.kept), progress_bar(console) as bar:
-            terminal = Terminal(bar, scene)
-            observers = [terminal, *([window] if window else [])]
-            with workers_of(scene, jobs, observers, store.interval) as workers:
+        with resumable(command, store.path, lambda: store.kept), progress_bar(console) as bar:
+            observers = [RunObserver(bar, scene), *observers]
+            with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
                 run_into(store, scene, observers, workers)
     except InputError as error:
         raise InputError(f"{arguments.scene}: {error}") from None
 
 
-def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextManager[Live | None]":
-    """The window that shows the run while it lasts, where that is asked for."""
-    if not getattr(arguments, "live", False):
-        return nullcontext()
-    from presswear.show.replay.output import Live
+class RunObserver(Observer):
+    """Observer that shows the progress of a run and prints each finished stage."""
 
-    return closing(Live(scene, LIVE_SIZE))
+    def __init__(self, bar: ProgressBar, scene: Scene) -> None:
+        self._bar, self._scene = bar, scene
+        self._compile_time = 0.0  # within this stage, s
+        self._compile_start: float | None = None
+        self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
+
+    def on_compile(self) -> None:
+        """Show that kernels are compiled; this time does not count as computing time."""
+        if self._compile_start is None:
+            self._compile_start = clock.perf_counter()
+        self._bar.update(self._task, description="compiling, once")
+
+    def on_progress(self, progress: Progress) -> None:
+        """Update the progress bar; raise KeyboardInterrupt after a signal."""
+        check_stopped()
+        if self._compile_start is not None:
+            # The time of a stage does not include the wear update after it.
+            if not is_wear_update(self._scene, progress.stage, progress.word):
+                self._compile_time += clock.perf_counter() - self._compile_start
+            self._compile_start = None
+        text = step_text(self._scene, progress.stage, progress.word)
+        self._bar.update(self._task, description=text, completed=progress.whole)
+
+    def on_message(self, line: str) -> None:
+        """Print the line."""
+        print_lines(self._bar.console, line)
+
+    def on_life(self, life: "LifeResult") -> None:
+        """Print the service life."""
+        print_lines(self._bar.console, f"{life}")
+        self._compile_time = 0.0  # it belongs to no stage
+
+    def on_stage(self, stage: "StageResult") -> None:
+        """Print the model and the results of a stage."""
+        model, solver = stage.diagnostics["model"], stage.diagnostics["solver"]
+        print_lines(
+            self._bar.console,
+            f"{stage.name}: {model}. {solver}",
+            stage_summary(stage, self._compile_time),
+        )
+        self._compile_time = 0.0
 
 
-def _report(arguments: argparse.Namespace, console: Console) -> int:
-    check_folder(arguments.folder)
-    if (arguments.folder / "sweep.json").exists():
-        from presswear.cli import sweep
+def step_text(scene: Scene, stage: int, step: str) -> str:
+    """Return a description of the present step of a run.
 
-        return sweep.report(arguments, console)
-    if arguments.limit:
-        raise InputError(f"--limit is for sweeps; {arguments.folder} is not the folder of one")
-    from presswear.show.report import write_report
+    Parameters
+    ----------
+    step : str
+        ``Progress.word``.
+    """
+    if step.startswith(LIFE):
+        return step
+    if is_wear_update(scene, stage, step):
+        return f"applying the {step}"
+    name = f"after the {scene.stage_name(stage)}" if stage else scene.stage_name(stage)
+    return f"{name}: {step}" if step else name
 
-    result = finished_part(arguments.folder, console)
-    console.print(f"report in {write_report(result)}", highlight=False)
-    return 0
+
+def is_wear_update(scene: Scene, stage: int, step: str) -> bool:
+    """Return whether a step belongs to the wear update after a stage."""
+    return step.startswith(scene.stage_name(stage + 1))
+
+
+def stage_summary(stage: "StageResult", compile_time: float) -> str:
+    """Return one line with cost, contacts, force and wear of a stage."""
+    wall = stage.wall_s - compile_time
+    speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
+    steps = stage.diagnostics["steps"]
+    parts = [f"  {stage.cycles} cycles, {steps} steps, {speed:.2f} s per simulated second"]
+    for name, joint in stage.statistics.joints.items():
+        fewest = joint.min_steps_per_contact
+        resolution = "" if fewest is None else f", each with at least {fewest} steps"
+        force, volume = joint.peak_force_per_cycle, joint.wear_volume.scaled(1e9)
+        parts.append(
+            f"{name}: {joint.contacts} contacts{resolution}, peak force "
+            f"{with_interval(force.mean, force.half_width)} N, wear "
+            f"{with_interval(volume.mean, volume.half_width)} mm^3"
+        )
+    if len(parts) > 1:
+        parts.append("peak force: mean of the largest in each cycle; ±: 95 % interval")
+    return "; ".join(parts)

@@ -1,4 +1,4 @@
-"""``presswear list``, ``new`` and ``show``: scenes, files that describe them, their mechanism."""
+"""``presswear list``, ``new`` and ``show``: scenes, example files, and their mechanism."""
 
 import argparse
 import math
@@ -8,7 +8,8 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.cli.terminal import add_settings, scene_given, settings_given
+from presswear.cli.parser import SET
+from presswear.cli.terminal import load_scene, parse_settings, print_lines
 from presswear.linkage.linkage import Linkage, values_of
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import EXAMPLES, SUFFIX, example_file
@@ -18,43 +19,75 @@ from presswear.tools.quantities import Quantity, parse_quantity
 
 
 def add(commands: Any) -> None:
-    """Add the parser of ``list``."""
-    shown = commands.add_parser(
+    """Add the parsers of ``list``, ``new`` and ``show``."""
+    parser = commands.add_parser(
         "list",
+        description="Without a scene: lists the scenes. With a scene: lists its settings with "
+        "value, unit, range and meaning.",
         epilog="example: presswear list wear-times",
     )
-    shown.add_argument(
-        "scene", nargs="?", help="list what --set can change in this scene, or FILE.toml"
-    )
-    shown.set_defaults(run=_list)
-    new = commands.add_parser(
+    parser.add_argument("scene", nargs="?", help="a scene or a file, FILE.toml")
+    parser.set_defaults(run=_list)
+    parser = commands.add_parser(
         "new",
+        description="Writes a commented example file that presswear run takes as a scene.",
         epilog="example: presswear new four-bar my-press.toml",
     )
-    new.add_argument("kind", help="the mechanism to begin with: " + ", ".join(EXAMPLES))
-    new.add_argument("file", type=Path, metavar="FILE", help="a new file, NAME.toml")
-    new.set_defaults(run=_new)
-    drawn = commands.add_parser(
+    parser.add_argument("kind", help="mechanism: " + ", ".join(EXAMPLES))
+    parser.add_argument("file", type=Path, metavar="FILE", help="new file, NAME.toml")
+    parser.set_defaults(run=_new)
+    parser = commands.add_parser(
         "show",
+        parents=[SET],
+        description="Draws the ideal mechanism at one time, with the names of bodies and joints.",
         epilog="example: presswear show my-press.toml --at 20ms --out my-press.png",
     )
-    drawn.add_argument("scene", help="a file, FILE.toml, or a scene")
-    drawn.add_argument("--at", default="0s", metavar="TIME", help="instant, with its unit")
-    drawn.add_argument("--out", type=Path, metavar="FILE", help="picture, .png (default SCENE.png)")
-    add_settings(drawn)
-    drawn.set_defaults(run=_show)
+    parser.add_argument("scene", help="a file, FILE.toml, or a scene")
+    parser.add_argument("--at", default="0s", metavar="TIME", help="time with its unit (0s)")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="picture, .png (default SCENE.png)"
+    )
+    parser.set_defaults(run=_show)
+
+
+def _list(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.scene is None:
+        width = max(map(len, SCENES))
+        print_lines(console, *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()))
+        return 0
+    scene = load_scene(arguments.scene)
+    settings = tuple(settings_of(scene))
+    if isinstance(scene.mechanism, Linkage):
+        keys = {setting.key for setting in settings}
+        for key, value, text in values_of(scene.mechanism):
+            if key not in keys:
+                print_lines(console, f"{key:20} {value}  {text}".rstrip())
+    print_lines(console, *(f"{setting.key:20} {setting.described()}" for setting in settings))
+    return 0
+
+
+def _new(arguments: argparse.Namespace, console: Console) -> int:
+    text, file = example_file(arguments.kind), arguments.file
+    if file.suffix != SUFFIX:
+        raise InputError(f"{file}: the name must end in {SUFFIX}")
+    try:
+        with file.open("x", encoding="utf-8") as opened:
+            opened.write(text)
+    except OSError as error:
+        raise InputError(f"{file} cannot be written: {error.strerror}") from None
+    print_lines(console, f"wrote {file}; run it with: presswear run {file}")
+    return 0
 
 
 def _show(arguments: argparse.Namespace, console: Console) -> int:
-    scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
+    scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
     if file.suffix != ".png":
-        raise InputError(f"--out {file}: a name that ends in .png is expected")
+        raise InputError(f"--out {file}: the name must end in .png")
     if not file.parent.is_dir():
         raise InputError(f"--out {file}: there is no folder {file.parent}")
-    # Imported when everything that was typed is right: it takes most of a second.
-    import matplotlib
+    import matplotlib  # slow to import
 
     from presswear.show.figures import save
     from presswear.show.figures.mechanism import labelled
@@ -63,39 +96,5 @@ def _show(arguments: argparse.Namespace, console: Console) -> int:
     with matplotlib.rc_context(SETTINGS):
         drawing = labelled(scene, time)
     save(replace(drawing, file=file.name), file.parent)
-    console.print(f"{drawing.caption}", highlight=False)
-    console.print(f"picture in {file}", highlight=False, soft_wrap=True)
-    return 0
-
-
-def _new(arguments: argparse.Namespace, console: Console) -> int:
-    text, file = example_file(arguments.kind), arguments.file
-    if file.suffix != SUFFIX:
-        raise InputError(f"{file}: a name that ends in {SUFFIX} is expected")
-    try:
-        with file.open("x", encoding="utf-8") as opened:
-            opened.write(text)
-    except OSError as error:
-        raise InputError(f"{file} cannot be written: {error.strerror}") from None
-    console.print(f"{file} is written; presswear run {file}", highlight=False, soft_wrap=True)
-    return 0
-
-
-def _list(arguments: argparse.Namespace, console: Console) -> int:
-    if arguments.scene is None:
-        titles = {name: entry.title for name, entry in SCENES.items()}
-        width = max(map(len, titles))
-        for name, title in titles.items():
-            console.print(f"{name:{width}} {title}", highlight=False, soft_wrap=True)
-        return 0
-    scene = scene_given(arguments.scene)
-    settings = tuple(settings_of(scene))
-    if isinstance(scene.mechanism, Linkage):
-        keys = {setting.key for setting in settings}
-        for key, value, text in values_of(scene.mechanism):
-            if key not in keys:
-                line = f"{key:20} {value}  {text}".rstrip()
-                console.print(line, highlight=False, soft_wrap=True)
-    for setting in settings:
-        console.print(f"{setting.key:20} {setting.described()}", highlight=False, soft_wrap=True)
+    print_lines(console, drawing.caption, f"picture in {file}")
     return 0

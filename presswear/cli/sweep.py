@@ -9,22 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from presswear.cli.parser import CYCLES, ENGINE, JOBS, LIMIT, RESUME, SET, TRUST, integer, out
 from presswear.cli.terminal import (
-    add_limits,
-    add_settings,
-    add_trust,
-    add_where,
-    check_resumed,
-    count_given,
-    folder_given,
+    check_resume,
     free_folder,
-    goes_on,
-    jobs_given,
-    place_given,
+    load_scene,
+    merge_options,
+    parse_settings,
+    print_lines,
     print_table,
     progress_bar,
-    scene_given,
-    settings_given,
+    resumable,
+    resume_command,
 )
 from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
@@ -48,6 +44,7 @@ def add(commands: Any) -> None:
     """Add the parser of ``sweep``."""
     parser = commands.add_parser(
         "sweep",
+        parents=[ENGINE, CYCLES, SET, LIMIT, out("results/SCENE-sweep"), RESUME, TRUST, JOBS],
         description="Runs a scene at every point of a grid, of a sample, or of both, and stores "
         "responses of each run in a folder. A row in the folder does not run again: --resume "
         "continues an interrupted sweep or extends it. A run that fails is a row with its error.",
@@ -79,51 +76,43 @@ def add(commands: Any) -> None:
         help="separated by commas, such as A.force_max,bdc_error, or A.force_max@0 of the unworn "
         "stage (default: all, of the last stage)",
     )
-    add_limits(parser)
     parser.add_argument(
-        "--replicates", metavar="N", help="independent runs at each point (default 1)"
+        "--replicates", type=integer(1), metavar="N", help="independent runs at each point (1)"
     )
-    parser.add_argument("--seed", type=place_given, metavar="N", help="seed of the sample")
+    parser.add_argument("--seed", type=integer(0), metavar="N", help="seed of the sample")
     parser.add_argument("--keep", help="responses (default), or results: complete result folders")
-    parser.add_argument("--engine", help="as in presswear run")
-    parser.add_argument("--cycles", help="as in presswear run")
-    add_where(parser)
-    parser.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
-    parser.add_argument("--out", type=folder_given, help="folder (default results/SCENE-sweep)")
     parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="run what is missing in --out; without other options the same sweep",
+        "--on",
+        default="",
+        metavar="EXECUTOR",
+        help="dask (a local cluster), dask://HOST:PORT, or MODULE:FACTORY, which returns a "
+        "concurrent.futures.Executor (default: processes on this machine)",
     )
-    add_trust(parser)
+    parser.add_argument(
+        "--shard", metavar="K/N", help="every N-th run from the K-th, for one job of an array"
+    )
     parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
-    add_settings(parser)
     parser.set_defaults(run=_run)
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.sweeps.sweep import check_folder_of, parse_shard, run_sweep
 
-    jobs = jobs_given(arguments.jobs)
     shard = parse_shard(arguments.shard or "1/1")
-    check_resumed(arguments.resume, arguments.out)
+    check_resume(arguments.resume, arguments.out)
     sweep = _requested_sweep(arguments)
     # All jobs of an array start together, in a folder that one of them makes.
     check_folder_of(sweep, arguments.resume, is_part=arguments.shard is not None)
     plan = sweep.plan
     replicates = f", {plan.replicates} replicates each" if plan.replicates > 1 else ""
-    console.print(
-        f"{plan.scene.name}: {len(plan.points)} points{replicates}, {plan.rows} runs",
-        highlight=False,
-    )
+    text = f"{plan.scene.name}: {len(plan.points)} points{replicates}, {plan.rows} runs"
+    print_lines(console, text)
     folder = shlex.quote(str(sweep.path))
-    resume = (
-        f"continue with: presswear sweep {shlex.quote(arguments.scene)} --resume "
-        f"--out {folder}{' --trust' if plan.scene.user_laws else ''}"
-    )
+    trust = bool(plan.scene.user_laws)
+    command = resume_command("sweep", arguments.scene, sweep.path, trust)
     is_confirmed = arguments.yes
     with (
-        goes_on(resume, sweep.path, lambda: "all finished runs are kept"),
+        resumable(command, sweep.path, lambda: "all finished runs are kept"),
         progress_bar(console) as bar,
     ):
         task = bar.add_task("sweep", total=None)
@@ -139,12 +128,12 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
                 _check_time(progress)
 
         def notify(line: str) -> None:
-            bar.console.print(line, highlight=False, markup=False, soft_wrap=True)
+            print_lines(bar.console, line)
 
-        run_sweep(sweep, arguments.on, jobs, shard, report, notify)
+        run_sweep(sweep, arguments.on, arguments.jobs, shard, report, notify)
     _print(console, sweep.table)
-    console.print(sweep.summary, highlight=False, soft_wrap=True)
-    console.print(f"for the report: presswear report {folder}", highlight=False)
+    print_lines(console, sweep.summary)
+    print_lines(console, f"for the report: presswear report {folder}")
     return 0
 
 
@@ -166,7 +155,7 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     sweep = load_sweep(arguments.folder)
     if arguments.limit:
         sweep = replace(sweep, limits=tuple(arguments.limit))
-    console.print(f"report in {sweep.report()}", highlight=False, soft_wrap=True)
+    print_lines(console, f"report in {sweep.report()}")
     return 0
 
 
@@ -180,18 +169,18 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
         )
     table = load_sweep(arguments.folder).table
     export_table(table, arguments.file)
-    console.print(f"{len(table.errors)} rows in {arguments.file}", highlight=False)
+    print_lines(console, f"{len(table.errors)} rows in {arguments.file}")
     return 0
 
 
 def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     """Return the sweep of the options, or without options the one in the folder."""
-    from presswear.sweeps.plan import MAX_REPLICATES, Plan, SweepFile, read_sweep
+    from presswear.sweeps.plan import Plan, SweepFile, read_sweep
     from presswear.sweeps.responses import request
     from presswear.sweeps.sweep import Sweep, is_sweep, load_sweep
 
-    options = ("vary", "sample", "range", "response", "limit", "replicates", "seed", "keep", "set")
-    names = (*options, *SETTINGS)
+    fields = ("vary", "sample", "range", "response", "limit", "replicates", "seed", "keep", "set")
+    names = (*fields, *SETTINGS)
     is_bare = arguments.resume and not any(getattr(arguments, name) for name in names)
     if is_bare and is_sweep(arguments.out):
         sweep = load_sweep(arguments.out)
@@ -201,24 +190,17 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     if arguments.scene.endswith(SUFFIX):
         scene, file = read_sweep(Path(arguments.scene))
     else:
-        scene, file = scene_given(arguments.scene), SweepFile()
+        scene, file = load_scene(arguments.scene), SweepFile()
     if is_bare and file == SweepFile():
         return load_sweep(arguments.out)  # its error says what the folder lacks
-    settings = settings_given(arguments.set)
-    for name in SETTINGS:
-        if getattr(arguments, name) is not None:
-            if name in settings:
-                raise InputError(f"--{name} and --set {name} cannot be combined")
-            settings[name] = getattr(arguments, name)
-    replicates = file.replicates
-    if arguments.replicates is not None:
-        replicates = count_given("--replicates", arguments.replicates, MAX_REPLICATES)
+    options = {name: getattr(arguments, name) for name in SETTINGS}
+    settings = merge_options(parse_settings(arguments.set), options)
     plan = Plan(
         changed(scene, settings),
         tuple(arguments.vary or file.vary),
         arguments.sample or file.sample,
         tuple(arguments.range or file.ranges),
-        replicates,
+        arguments.replicates or file.replicates,
         file.seed if arguments.seed is None else arguments.seed,
     )
     listed = ",".join(arguments.response or file.responses)
@@ -239,4 +221,4 @@ def _print(console: Console, table: "Table") -> None:
     print_table(console, [], heads[:count], [cells[:count] for cells in rows])
     if len(heads) > count:
         text = f"and {', '.join(heads[count:])}"
-        console.print(text, highlight=False, markup=False, soft_wrap=True)
+        print_lines(console, text)

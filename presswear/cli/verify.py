@@ -1,4 +1,4 @@
-"""``presswear verify``: both engines against reference problems and on hard cases."""
+"""``presswear verify``: the engines on reference problems and on hard cases."""
 
 import argparse
 from typing import TYPE_CHECKING, Any
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.markup import escape
 
-from presswear.cli.terminal import print_table, progress_bar, verdict
+from presswear.cli.terminal import print_lines, print_table, progress_bar, verdict
 from presswear.tools.errors import InputError
 
 if TYPE_CHECKING:
@@ -15,42 +15,41 @@ if TYPE_CHECKING:
 
 def add(commands: Any) -> None:
     """Add the parser of ``verify``."""
-    verify = commands.add_parser(
+    parser = commands.add_parser(
         "verify",
-        description="Without --hard: published solutions and closed forms. With --hard: cases "
-        "in which a run could hang, fail, or be wrong without a message, at the ends of all "
-        "ranges; in each the energy adds up within a bound, or the case is refused by name, value "
-        "and range.",
+        description="Without --hard: published results and closed forms. With --hard: scenes at "
+        "the ends of all ranges; each must conserve energy within a bound, or be refused with "
+        "name, value and range. The exit code is 1 if a bound is exceeded.",
         epilog="example: presswear verify; presswear verify --hard",
     )
-    verify.add_argument("--hard", action="store_true", help="the hard cases, some minutes")
-    verify.add_argument(
-        "--long", action="store_true", help="with --hard: also cases that take minutes each"
+    parser.add_argument("--hard", action="store_true", help="hard cases, some minutes")
+    parser.add_argument(
+        "--long", action="store_true", help="with --hard: also cases of some minutes each"
     )
-    verify.set_defaults(run=_verify)
+    parser.set_defaults(run=_run)
 
 
-def _verify(arguments: argparse.Namespace, console: Console) -> int:
+def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.long and not arguments.hard:
-        raise InputError("--long goes only with --hard; see presswear verify --help")
+        raise InputError("--long needs --hard; see presswear verify --help")
     from presswear.validation import cases, hard_cases, reference_checks
 
-    chosen = reference_checks.reference_cases()
+    selected = reference_checks.reference_cases()
     if arguments.hard:
-        chosen = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
+        selected = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
     outcomes: list[Outcome] = []
     with progress_bar(console) as bar:
-        task = bar.add_task("verify", total=float(len(chosen)))
-        for case in chosen:
+        task = bar.add_task("verify", total=float(len(selected)))
+        for case in selected:
             bar.update(task, description=f"{case.name}, {case.engine}")
             outcomes.extend(cases.outcomes(case))
             bar.advance(task)
     (_print_hard if arguments.hard else _print_references)(console, outcomes)
     missed = sum(outcome.verdict == "MISS" for outcome in outcomes)
     refused = sum(outcome.verdict == "refused" for outcome in outcomes)
-    refusals = f", {refused} refused by name, {missed} missed" if arguments.hard else ""
+    others = f", {refused} refused, {missed} missed" if arguments.hard else ""
     passed = len(outcomes) - missed - refused
-    console.print(f"{passed} of {len(outcomes)} within their bounds{refusals}", highlight=False)
+    print_lines(console, f"{passed} of {len(outcomes)} within their bounds{others}")
     return 1 if missed else 0
 
 

@@ -176,12 +176,12 @@ class Scene:
         for name, bearing in {"": self.bearings, **self.joint_bearings}.items():
             prefix = f"{name}." if name else ""
             bearing.check_contact(prefix, self.conventions.contact, is_worn)
+        if self.life is not None:
+            self._check_life(self.life)
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: without a clearance joint allowed is 1"
             )
-        if self.life is not None:
-            self._check_life(self.life)
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():

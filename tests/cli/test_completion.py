@@ -43,7 +43,7 @@ def test_zsh_gets_a_script_of_its_own(capsys: pytest.CaptureFixture[str]) -> Non
     assert main(["completion", "zsh"]) == 0
     told = capsys.readouterr().out
     assert told.startswith("#compdef presswear\n")
-    assert "life:'how many strokes until a limit is passed, and how sure that is'" in told
+    assert "life:'service life: strokes until a limit is exceeded, with an interval'" in told
 
 
 def test_an_unknown_shell_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

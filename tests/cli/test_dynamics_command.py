@@ -42,12 +42,12 @@ def test_an_exponent_and_a_diagram(tmp_path: Path, capsys: pytest.CaptureFixture
     ("words", "told"),
     [
         (["slider-crnk"], "did you mean slider-crank"),
-        (["slider-crank", "--exponent", "0"], "nothing else to do"),
-        (["slider-crank", "--orders", "4"], "--orders goes with --over"),
-        (["slider-crank", "--orders", "four"], "--orders four: a whole number"),
+        (["slider-crank", "--exponent", "0"], "--exponent 0 needs --over"),
+        (["slider-crank", "--orders", "4"], "--orders needs --over"),
+        (["slider-crank", "--orders", "four"], "--orders four: must be a whole number"),
         (["slider-crank", "--over", "speed=1:2"], "FIRST:LAST:COUNT"),
         (["slider-crank", "--over", "speed=20:30:2 rad/s", "--kept", "100"], "kept = 100"),
-        (["ideal"], "without one nothing is free"),
+        (["ideal"], "no motion is free"),
     ],
 )
 def test_bad_lines_end_in_one(

@@ -12,8 +12,8 @@ from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
 
 import presswear as pw
 from presswear.cli import COMMANDS
-from presswear.cli.parser import parser_of
-from presswear.cli.terminal import settings_given
+from presswear.cli.parser import parser_for
+from presswear.cli.terminal import parse_settings
 from presswear.linkage.laws import Materials
 from presswear.scene.catalog import SCENES
 from presswear.scene.settings import changed
@@ -41,15 +41,15 @@ def test_pages_hold_commands() -> None:
 def test_a_command_line_is_one(line: str) -> None:
     """It is parsed, and a named scene takes the settings that it is given."""
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
-    arguments = parser_of(words).parse_args(words)
+    arguments = parser_for(words).parse_args(words)
     scene, given = getattr(arguments, "scene", None), getattr(arguments, "set", None)
     if scene not in SCENES or not given:
         return
     if REFUSED in line:
         with pytest.raises(InputError, match=REFUSED):
-            changed(SCENES[scene].make(), settings_given(given))
+            changed(SCENES[scene].make(), parse_settings(given))
     else:
-        changed(SCENES[scene].make(), settings_given(given))
+        changed(SCENES[scene].make(), parse_settings(given))
 
 
 def test_commands_in_prose_have_a_name_that_is_known() -> None:

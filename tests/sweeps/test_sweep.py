@@ -131,7 +131,7 @@ def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
         (["--vary", "clearance=1mm", "--on", "dsk"], "MODULE:FACTORY"),
         (["--vary", "clearance=1mm", "--shard", "3/2"], "expected K/N"),
         (["--vary", "clearance=1mm", "--replicates", "few"], "--replicates few"),
-        (["--vary", "clearance=1mm", "--seed", "-1"], "a whole number from 0 is expected"),
+        (["--vary", "clearance=1mm", "--seed", "-1"], "must be a whole number from 0"),
         (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of responses, results"),
         (["--vary", "clearance=1mm", "--set", "colour=red"], "unknown key 'colour'"),
         (["--vary", "clearance=1mm", "--cycles", "1", "--set", "cycles=2"], "cannot be combined"),

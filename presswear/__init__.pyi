@@ -1,0 +1,67 @@
+"""Public names; ``presswear`` loads each when it is first used."""
+
+from presswear.campaign.campaign import run as run
+from presswear.campaign.campaign import run_scenes as run_scenes
+from presswear.engines.settings import ExudynJoints as ExudynJoints
+from presswear.engines.settings import ExudynTree as ExudynTree
+from presswear.engines.settings import InHouse as InHouse
+from presswear.linkage.drives import Drive as Drive
+from presswear.linkage.drives import Dwell as Dwell
+from presswear.linkage.drives import Follow as Follow
+from presswear.linkage.drives import Forming as Forming
+from presswear.linkage.drives import Pendulum as Pendulum
+from presswear.linkage.drives import Rise as Rise
+from presswear.linkage.elements import Attachment as Attachment
+from presswear.linkage.elements import Bar as Bar
+from presswear.linkage.elements import Body as Body
+from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
+from presswear.linkage.elements import Guide as Guide
+from presswear.linkage.elements import OutputPoint as OutputPoint
+from presswear.linkage.elements import Pin as Pin
+from presswear.linkage.elements import Revolute as Revolute
+from presswear.linkage.elements import WearLaw as WearLaw
+from presswear.linkage.laws import FrictionLaw as FrictionLaw
+from presswear.linkage.laws import Materials as Materials
+from presswear.linkage.laws import NormalLaw as NormalLaw
+from presswear.linkage.linkage import Linkage as Linkage
+from presswear.linkage.linkage import assemble as assemble
+from presswear.linkage.loads import Blanking as Blanking
+from presswear.linkage.loads import Coining as Coining
+from presswear.linkage.loads import Drawing as Drawing
+from presswear.linkage.loads import Force as Force
+from presswear.linkage.loads import Harmonics as Harmonics
+from presswear.linkage.loads import Load as Load
+from presswear.linkage.loads import Moment as Moment
+from presswear.linkage.loads import OverPosition as OverPosition
+from presswear.linkage.loads import OverTime as OverTime
+from presswear.linkage.loads import Spring as Spring
+from presswear.linkage.mechanisms import Press as Press
+from presswear.linkage.mechanisms import SliderCrank as SliderCrank
+from presswear.linkage.surface import Surface as Surface
+from presswear.physics.statics import deflection as deflection
+from presswear.physics.statics import total_clearance as total_clearance
+from presswear.recording import statistics as statistics
+from presswear.recording.observer import Observer as Observer
+from presswear.recording.observer import Progress as Progress
+from presswear.recording.statistics import Estimate as Estimate
+from presswear.results.result import Result as Result
+from presswear.results.result import load as load
+from presswear.results.result import read_surfaces as read_surfaces
+from presswear.results.stage import JointResult as JointResult
+from presswear.results.stage import StageResult as StageResult
+from presswear.scene import catalog
+from presswear.scene.bearing import Bearing as Bearing
+from presswear.scene.bearing import Conventions as Conventions
+from presswear.scene.options import Life as Life
+from presswear.scene.options import Recording as Recording
+from presswear.scene.scene import Scene as Scene
+from presswear.scene.settings import changed as changed
+from presswear.sweeps.sweep import Sweep as Sweep
+from presswear.sweeps.sweep import function_of as function_of
+from presswear.sweeps.sweep import sweep as sweep
+from presswear.tools.errors import InputError as InputError
+from presswear.tools.errors import RunFailed as RunFailed
+
+__all__: list[str]
+__version__: str
+scenes = catalog
