@@ -6,8 +6,8 @@ Most normal laws have the form
 
 with a damping factor ``chi`` that follows from the nominal restitution (equation 8 of the
 paper: chi = 3/4 (1 - ce^2), Lankarani and Nikravesh) and an elastic force F_e, as a rule
-K delta^n.  Kelvin and Voigt's adds D delta_dot to it.  A law of one's own is a function that
-gives the whole force; its elastic part is its value at rest.
+K delta^n. Kelvin and Voigt's adds D delta_dot to it. A user law is a function that returns the
+whole force; its elastic part is its value at rest.
 """
 
 import math
@@ -25,20 +25,20 @@ Elasticity = Literal["power", "liu", "foundation"]
 
 
 def lankarani_nikravesh_damping(restitution: float) -> float:
-    """Damping factor chi = 3/4 (1 - ce^2)."""
+    """Return the damping factor chi = 3/4 (1 - ce^2)."""
     return 0.75 * (1.0 - restitution**2)
 
 
 @dataclass(frozen=True)
 class Damping:
-    """A way from the nominal restitution to the damping factor chi.
+    """Damping factor chi as a function of the nominal restitution.
 
     Attributes
     ----------
     title : str
-        Whose law it is.
+        Source.
     least : float
-        Restitution below which it gives no damping factor, or none that can be computed with.
+        Restitution below which the factor is not finite, or too large to compute with.
     factor : callable
         chi of a restitution.
     """
@@ -69,7 +69,7 @@ NORMAL_PARAMETERS = (
     *("penetration", "rate", "onset_speed"),
     *("stiffness", "exponent", "damping", "clearance"),
 )
-"""What a normal law of one's own may ask for: m, m/s, m/s; N/m^n, -, -, m."""
+"""Parameters of a user normal law: m, m/s, m/s; N/m^n, -, -, m."""
 
 FRICTIONS: Mapping[str, str] = {
     "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
@@ -80,7 +80,7 @@ FRICTIONS: Mapping[str, str] = {
 """Friction laws by name."""
 LUGRE = "lugre"
 FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper_speed")
-"""What a friction law of one's own may ask for: m/s, N, -, m/s, m/s."""
+"""Parameters of a user friction law: m/s, N, -, m/s, m/s."""
 
 
 def hertz_stiffness(
@@ -89,7 +89,7 @@ def hertz_stiffness(
     compliance: float,
     reading: StiffnessReading,
 ) -> float:
-    """Contact stiffness K, N/m^1.5, from the sum s_i + s_j of (1 - nu^2) / E of both, 1/Pa.
+    """Return the contact stiffness K, N/m^1.5, from the sum of (1 - nu^2) / E of both, 1/Pa.
 
     ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which
     is two spheres side by side.  ``refined`` takes the conforming pair: a pin in a
@@ -100,7 +100,7 @@ def hertz_stiffness(
 
 
 def delivered_restitution(damping: float) -> float:
-    """Restitution e' that a law with damping factor chi gives back.
+    """Return the restitution e' that a law with damping factor chi delivers.
 
     Solves (1 + e') chi = ln[(1 + chi) / (1 - chi e')], which holds for any n, K
     and mass: Lankarani-Nikravesh at a nominal 0.9 delivers 0.913.
@@ -132,7 +132,7 @@ def delivered_restitution(damping: float) -> float:
 def greatest_penetration(
     mass: float, speed: float, stiffness: float, exponent: float, damping: float
 ) -> float:
-    """Greatest penetration of a free impact, m (closed form for the laws above)."""
+    """Return the greatest penetration of a free impact, m (closed form for the laws above)."""
     energy = (exponent + 1.0) * mass * speed**2 / stiffness
     # chi -> 0 of (chi - ln(1 + chi)) / chi^2 is 1/2; the quotient cancels before that.
     if damping > 1e-5:
@@ -144,7 +144,7 @@ def greatest_penetration(
 
 @dataclass(frozen=True)
 class NormalLaw:
-    """Normal contact of one joint.
+    """Normal contact law of one joint.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ class NormalLaw:
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """Friction of one joint.
+    """Friction law of one joint.
 
     Attributes
     ----------
@@ -204,52 +204,52 @@ class FrictionLaw:
     bristle_damping: float = 10.0
 
 
-def check_normal(key: str, own: UserFunction, values: Mapping[str, float]) -> None:
-    """InputError where a normal law of one's own gives no number, pulls, or makes energy.
+def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
+    """Raise InputError where a user normal law returns no number, pulls, or creates energy.
 
     Parameters
     ----------
     values : mapping
-        Of NORMAL_PARAMETERS, those of the state left out.
+        Values of NORMAL_PARAMETERS, those of the state left out.
     """
 
     def force(penetration: float, rate: float, onset_speed: float) -> float:
         state = {"penetration": penetration, "rate": rate, "onset_speed": onset_speed}
-        return own.number(key, NORMAL_PARAMETERS, {**values, **state})
+        return law.number(key, NORMAL_PARAMETERS, {**values, **state})
 
     for part in (1e-6, 1e-4, 1e-2):
         penetration = part * values["clearance"]
         for onset in (1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 5.0):
             rest = force(penetration, 0.0, onset)
-            told = f"{key}: {own.name} at penetration = {penetration:g} m"
+            label = f"{key}: {law.name} at penetration = {penetration:g} m"
             if not rest > 0.0:
-                raise InputError(f"{told} gives {rest:g} N at rest: it must push, above 0 N")
+                raise InputError(f"{label} gives {rest:g} N at rest: it must push, above 0 N")
             if rest != force(penetration, 0.0, 0.1):
-                raise InputError(f"{told} gives a force at rest that depends on onset_speed")
+                raise InputError(f"{label} gives a force at rest that depends on onset_speed")
             for rate in (0.1 * onset, 0.5 * onset, onset):
                 closing, opening = (force(penetration, side * rate, onset) for side in (1.0, -1.0))
                 if closing < rest or opening > rest:
                     raise InputError(
-                        f"{told} makes energy: it gives {closing:g} N where it closes at {rate:g} "
+                        f"{label} makes energy: it gives {closing:g} N where it closes at {rate:g} "
                         f"m/s, {rest:g} N at rest, {opening:g} N where it opens"
                     )
 
 
-def check_friction(key: str, own: UserFunction, values: Mapping[str, float]) -> None:
-    """InputError where a friction law of one's own gives no number or makes energy.
+def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
+    """Raise InputError where a user friction law returns no number or creates energy.
 
     Parameters
     ----------
     values : mapping
-        Of FRICTION_PARAMETERS, those of the state left out.
+        Values of FRICTION_PARAMETERS, those of the state left out.
     """
     for speed in (0.1 * values["upper_speed"], values["upper_speed"], 0.01, 0.1, 0.4, 1.0, 4.0):
         for sliding in (speed, -speed):
             state = {**values, "sliding": sliding, "normal": 100.0}
-            force = own.number(key, FRICTION_PARAMETERS, state)
+            force = law.number(key, FRICTION_PARAMETERS, state)
             if force * sliding > 0.0:
                 raise InputError(
-                    f"{key}: {own.name} makes energy: it gives {force:g} N where the surfaces "
+                    f"{key}: {law.name} makes energy: it gives {force:g} N where the surfaces "
                     f"slide at {sliding:g} m/s; a force against the sliding has the other sign"
                 )
 

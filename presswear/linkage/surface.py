@@ -19,7 +19,7 @@ SIDES = ("bearing", "pin")
 
 
 def monotone_slopes(depth: Array) -> Array:
-    """Slopes at the bin centres, m/rad, that keep the interpolant monotone.
+    """Return slopes at the bin centres, m/rad, that keep the interpolant monotone.
 
     Harmonic mean of the two neighbouring secants, zero at an extremum (Fritsch
     and Butland's form for equal spacing).
@@ -36,13 +36,13 @@ def monotone_slopes(depth: Array) -> Array:
 
 
 def bin_centres(count: int) -> Array:
-    """Angles of the bin centres, rad, shape (count,)."""
+    """Return the angles of the bin centres, rad, shape (count,)."""
     return (np.arange(count, dtype=np.float64) + 0.5) * (2.0 * math.pi / count)
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """One worn surface, bearing or pin.
+    """Worn surface of a bearing or a pin.
 
     Attributes
     ----------
@@ -56,10 +56,13 @@ class Surface:
     slope: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        depth = np.array(self.depth)
+        try:
+            depth = np.array(self.depth, dtype=float)
+        except (TypeError, ValueError):
+            depth = np.full((1, 1), np.nan)
         if depth.ndim != 1 or not np.all(np.isfinite(depth)):
             raise InputError(
-                f"depth = {shown(depth)}: a one-dimensional array of finite numbers is expected, m"
+                f"depth = {shown(self.depth)}: a one-dimensional array of numbers is expected, m"
             )
         slope = monotone_slopes(depth) if depth.size else np.zeros(0)
         depth.flags.writeable = slope.flags.writeable = False
@@ -78,7 +81,7 @@ class Surface:
         return bool(np.any(self.depth != 0.0))
 
     def __call__(self, angle: Array) -> Array:
-        """Depth, m, at any angles, rad (same shape)."""
+        """Return the depth, m, at any angles, rad (same shape)."""
         angles = np.asarray(angle, dtype=float)
         count = self.depth.size
         if count == 0:
@@ -95,7 +98,7 @@ class Surface:
         )
 
     def worn_by(self, added: Array) -> "Surface":
-        """The surface after a further loss of depth, m, shape (m,)."""
+        """Return the surface after a further loss of depth, m, shape (m,)."""
         if self.depth.size and self.depth.shape != added.shape:
             raise ValueError(f"wear on {added.shape} bins cannot be added to {self.depth.shape}")
         return Surface(self.depth + added if self.depth.size else added)

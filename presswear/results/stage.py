@@ -377,7 +377,7 @@ class StageResult:
 
     @property
     def name(self) -> str:
-        """Name of the stage: ``no wear``, or ``given surfaces``, ``first wear``, ..."""
+        """Name of the stage: ``no wear``, or ``initial surfaces``, ``first wear``, ..."""
         return stage_name(self.index, self.is_worn)
 
     @property

@@ -8,7 +8,6 @@ from typing import Any, cast
 import numpy as np
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
-from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage, branches_of, linkage_from
 from presswear.linkage.loads import (
     LOAD_PARAMETERS,
@@ -268,7 +267,7 @@ class Scene:
         return Choice(_joints(self), several=True)
 
     def check_own_laws(self) -> None:
-        """InputError where a law of one's own gives no number or makes energy; runs its text."""
+        """Raise InputError where a user law returns no number or creates energy; runs its text."""
         self.check_trusted()
         for joint in self.clearance_joints:
             self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
@@ -298,7 +297,7 @@ class Scene:
 
     @property
     def has_untrusted_loads(self) -> bool:
-        """Whether ideal torques would execute source code that was read from a result."""
+        """True where ideal torques would execute source code that was read from a result."""
         return not all(law.is_trusted for law in self.load_laws.values())
 
     @property
@@ -317,12 +316,12 @@ class Scene:
             law.trusted()
 
     def bearing(self, joint: str) -> Bearing:
-        """The bearing of a joint."""
+        """Return the bearing of a joint."""
         return self.joint_bearings.get(joint, self.bearings)
 
     @property
     def draws(self) -> int:
-        """Number of independent starts."""
+        """Number of independent runs."""
         if self.replicates is not None:
             return self.replicates
         if self.life is not None:
@@ -338,19 +337,22 @@ class Scene:
 
     @property
     def wears_in_steps(self) -> bool:
-        """True where a wear is applied in steps.
+        """True where a wear update is applied in steps.
 
-        By the conventions where the scene leaves it to them: a profile whose depth depends on
-        the width of its bins has no step that is small enough.
+        By default only with the distribution over the arc: a profile whose depth depends on the
+        width of its bins has no step that is small enough.
         """
         if self.extrapolation == "conventions":
             return self.conventions.wear_distribution == "arc"
         return self.extrapolation == "steps"
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
-        """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name.
+        """Return the linkage of a stage.
 
-        Joints that it does not name have the surfaces that the scene begins on.
+        Parameters
+        ----------
+        worn : mapping or None
+            Bearing and pin surface by joint; joints without have their initial surfaces.
         """
         ideal = self.loaded
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
@@ -362,17 +364,17 @@ class Scene:
 
     @property
     def stroke(self) -> float:
-        """Way between the extremes of what is watched in the ideal motion, m."""
-        found = bottom_of(self.ideal)
-        return 0.0 if found is None else found.stroke
+        """Distance between the extremes of the output coordinate in the ideal motion, m."""
+        dead_centre = bottom_of(self.ideal)
+        return 0.0 if dead_centre is None else dead_centre.stroke
 
     @property
     def bottom(self) -> float:
-        """Watched coordinate of bottom dead centre in the ideal motion, m."""
-        found = bottom_of(self.ideal)
-        if found is None:
+        """Output coordinate of bottom dead centre in the ideal motion, m."""
+        dead_centre = bottom_of(self.ideal)
+        if dead_centre is None:
             return float(self.ideal.at(np.zeros(1)).output(self.base_linkage)[0, 0])
-        return found.height
+        return dead_centre.height
 
     @property
     def lift(self) -> float:
@@ -381,55 +383,53 @@ class Scene:
 
     @property
     def process_laws(self) -> dict[str, OverPosition]:
-        """Laws of the forces of the process over the watched coordinate, by their names."""
+        """Laws of the process forces over the output coordinate, by name."""
         if self.process is None:
             return {}
         return laws_of(self.process, self.bottom + self.process.height, self.lift)
 
     @property
     def base_linkage(self) -> Linkage:
-        """The linkage of the mechanism; where it presses on work, watched away from that.
+        """Linkage of the mechanism, its output direction away from the work.
 
-        So bottom dead centre is the lowest place in every scene.
+        So bottom dead centre is the lowest position in every scene.
         """
         linkage = self.mechanism.linkage()
         if self.process is None or self.process.bottom == "lowest":
             return linkage
-        probe = linkage.output
-        opposite = math.remainder(probe.direction + math.pi, 2.0 * math.pi)
-        return replace(linkage, output=replace(probe, direction=opposite))
+        opposite = math.remainder(linkage.output.direction + math.pi, 2.0 * math.pi)
+        return replace(linkage, output=replace(linkage.output, direction=opposite))
 
     @property
     def loaded(self) -> Linkage:
-        """The ideal linkage under the forces of the process."""
+        """Ideal linkage under the forces of the process."""
         ideal = followed(self.base_linkage)
         if self.process is None:
             return ideal
-        probe = ideal.output
-        point = Attachment(probe.body, probe.x, probe.y)
-        laws = self.process_laws
-        forces = (Force(point, probe.direction, law, name) for name, law in laws.items())
+        point, direction = ideal.output.attachment, ideal.output.direction
+        laws = self.process_laws.items()
+        forces = (Force(point, direction, law, name) for name, law in laws)
         return replace(ideal, loads=(*ideal.loads, *forces))
 
     @property
     def solver(self) -> Engine:
-        """The engine that runs: for ``exudyn`` the smallest model that the linkage allows.
+        """Engine of a run: for ``exudyn`` the smallest model that the linkage allows.
 
-        What its settings leave open is as the scene's purpose needs it.
+        Unspecified tolerances are set for the purpose of the scene.
         """
         word = self.engine
         if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)
             word = ExudynTree.word if is_tree else ExudynJoints.word
-        purpose: Purpose = "wear" if self.wear_updates > 0 else "trajectory"
-        if self.purpose != "auto":
-            purpose = cast(Purpose, self.purpose)
-        own = self.numerics.resolved(purpose, self.tolerance)
-        return {engine.word: engine for engine in (own.tree, own.joints, own.dae)}[word]
+        default = "wear" if self.wear_updates > 0 else "trajectory"
+        purpose = cast(Purpose, default if self.purpose == "auto" else self.purpose)
+        numerics = self.numerics.resolved(purpose, self.tolerance)
+        engines = numerics.tree, numerics.joints, numerics.dae
+        return next(engine for engine in engines if engine.word == word)
 
     @property
     def ideal(self) -> IdealMotion:
-        """The motion of the mechanism with all joints closed."""
+        """Motion of the mechanism with all joints closed."""
         return ideal_motion(followed(self.base_linkage), self.mechanism.period)
 
     @property
@@ -439,21 +439,21 @@ class Scene:
 
     @property
     def output(self) -> str:
-        """The body that is watched, in a word."""
+        """Name of the body of the output point."""
         body = self.mechanism.linkage().output.body
         return "slider" if body.startswith("slider") else body
 
     def ideal_slider(
         self, time: Array, motion: Callable[[IdealMotion, Array], Motion] = IdealMotion.at
     ) -> Array:
-        """Displacement from the start, velocity and acceleration of the slider, joints closed.
+        """Return displacement from the start, velocity and acceleration of the ideal output.
 
         Parameters
         ----------
         time : ndarray, shape (n,)
             s.
         motion : callable
-            ``IdealMotion.at``, or ``IdealMotion.interpolated`` where that is known well enough.
+            ``IdealMotion.at``, or ``IdealMotion.interpolated`` where its accuracy suffices.
 
         Returns
         -------
@@ -465,11 +465,11 @@ class Scene:
         return slider[1:]
 
     def stage_name(self, index: int) -> str:
-        """Name of a stage of this scene."""
+        """Return the name of a stage of this scene."""
         return stage_name(index, bool(self.surfaces))
 
     def modelled(self) -> dict[str, Any]:
-        """What is computed as plain data; how finely, by what and how often is left out."""
+        """Return the model as plain data, without engine, accuracy and number of runs."""
         names = (
             *("mechanism", "bearings", "joint_bearings", "conventions"),
             *("extrapolation", "cycles_per_update", "surfaces", "process", "life"),
@@ -520,22 +520,11 @@ def mechanism_from(data: Any) -> OneMechanism:
     return cast(OneMechanism, make("mechanism", MECHANISMS[kind], rest))
 
 
-_ORDINALS = (
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-)
+_ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 
 
 def stage_name(index: int, is_worn: bool = False) -> str:
-    """Name of a stage: ``no wear``, or ``given surfaces``, ``first wear``, ..."""
+    """Return the name of a stage: ``no wear``, or ``initial surfaces``, ``first wear``, ..."""
     if index == 0:
-        return "given surfaces" if is_worn else "no wear"
+        return "initial surfaces" if is_worn else "no wear"
     return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"

@@ -1,7 +1,7 @@
-"""Errors that a person is told in one line.
+"""Errors that the command line reports in one line.
 
-The command line turns these into one line and exit code 2 (bad input) or 1
-(a run that failed); anything else is a defect and shows its traceback.
+The exit code is 2 for bad input and 1 for a failed run; anything else is a defect and shows its
+traceback.
 """
 
 from collections.abc import Iterable
@@ -9,23 +9,23 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Input that names nothing, is out of range or does not fit together; told in one line."""
+    """Unknown name, value out of range, or values that do not fit together, in one line."""
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
 
 
 class AssemblyError(InputError):
-    """A linkage that cannot be put together in some position."""
+    """Linkage that cannot be assembled in some position."""
 
 
 class RunFailed(RuntimeError):
-    """A run that had to stop: what happened, when, and what to do about it.
+    """Run that had to stop.
 
     Attributes
     ----------
     finding : Finding or None
-        The cause with its time, joint and remedy, where it was a finding about the run.
+        Cause with time, joint and remedy, where it was a finding about the run.
     """
 
     def __init__(self, message: str, finding: Any = None) -> None:
@@ -33,43 +33,38 @@ class RunFailed(RuntimeError):
         self.finding = finding
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """The known name that an unknown one comes near, as a question for a message, or nothing."""
-    # Imported where something is wrong already: it takes a hundredth of a second.
-    from difflib import get_close_matches
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return the nearest of some names as a question for a message, or nothing."""
+    from difflib import get_close_matches  # slow to import
 
-    lower = {word.lower(): word for word in known}
-    found = get_close_matches(name.lower()[:MOST_SHOWN], lower, n=1, cutoff=0.6)
-    return f"; did you mean {lower[found[0]]}?" if found else ""
+    lower = {word.lower(): word for word in names}
+    matches = get_close_matches(name.lower()[:MAX_MESSAGE], lower, n=1, cutoff=0.6)
+    return f"; did you mean {lower[matches[0]]}?" if matches else ""
 
 
-def unknown(kind: str, name: Any, known: Iterable[str]) -> InputError:
-    """The error for a name that is none of those known, with the nearest of them."""
-    words = tuple(known)
-    told = f"known are {', '.join(words)}" if words else "there is none"
-    return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words)}; {told}")
+def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
+    """Return the error for an unknown name, with the nearest known one."""
+    words = tuple(names)
+    listed = f"known are {', '.join(words)}" if words else "there is none"
+    return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words)}; {listed}")
 
 
 def not_installed(what: str, package: str, extra: str) -> InputError:
-    """The error for something that needs a package of an extra that is not there."""
+    """Return the error for something that needs a package of an extra."""
     return InputError(f"{what} needs {package}: pip install 'presswear[{extra}]'")
 
 
-MOST_OF_VALUE = 80
-"""Characters of a value in a message."""
+MAX_VALUE = 80  # characters of a value in a message
+MAX_MESSAGE = 1000  # characters of a message
 
 
 def shown(value: Any) -> str:
-    """A value as Python writes it, cut where it is long."""
+    """Return a value as Python writes it, cut where it is long."""
     text = repr(value)
-    return text if len(text) <= MOST_OF_VALUE else f"{text[: MOST_OF_VALUE - 3]}..."
-
-
-MOST_SHOWN = 1000
-"""Characters of a message: what somebody typed or stored may be of any length."""
+    return text if len(text) <= MAX_VALUE else f"{text[: MAX_VALUE - 3]}..."
 
 
 def one_line(text: str) -> str:
-    """A message as one line that any terminal can show; what it cannot is written as escapes."""
-    shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[: MOST_SHOWN + 1])
-    return shown if len(shown) <= MOST_SHOWN else f"{shown[: MOST_SHOWN - 3]}..."
+    """Return a message as one line of printable characters, the rest as escapes."""
+    shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[: MAX_MESSAGE + 1])
+    return shown if len(shown) <= MAX_MESSAGE else f"{shown[: MAX_MESSAGE - 3]}..."

@@ -1,4 +1,4 @@
-"""Campaigns that begin on given surfaces."""
+"""Campaigns that begin on initial surfaces."""
 
 import shutil
 from dataclasses import replace
@@ -34,7 +34,7 @@ def test_a_scene_goes_on_where_another_stopped_bit_for_bit(first: pw.Result) -> 
     again = pw.run(scene).stages[0]
     assert (first.stages[0].name, worn.name, again.name) == (
         *("no wear", "first wear"),
-        "given surfaces",
+        "initial surfaces",
     )
     assert again.arrays.keys() == worn.arrays.keys()
     for name, array in worn.arrays.items():
