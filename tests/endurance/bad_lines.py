@@ -200,10 +200,10 @@ def _unknown_key(draw: Random) -> list[str]:
     here, all_keys = _KEYS[scene.name], sorted(_KEYS[_PRESS.name] | _KEYS[_CRANK.name])
     strange = ("__class__", "name", "title", "origins", "mechanism", "bearings.width")
     while True:
-        known = draw.choice(all_keys)
-        place = draw.randrange(len(known))
-        misspelt = known[:place] + chr(draw.choice(draw.choice(_ALPHABETS))) + known[place + 1 :]
-        key = draw.choice((_text(draw), misspelt, known, known.upper(), draw.choice(strange)))
+        name = draw.choice(all_keys)
+        place = draw.randrange(len(name))
+        misspelt = name[:place] + chr(draw.choice(draw.choice(_ALPHABETS))) + name[place + 1 :]
+        key = draw.choice((_text(draw), misspelt, name, name.upper(), draw.choice(strange)))
         if key.partition("=")[0].strip() not in here:
             return _set(scene, **{key: "1"})
 

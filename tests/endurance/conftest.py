@@ -20,10 +20,12 @@ def trial(
     request: pytest.FixtureRequest, record_property: Callable[[str, object], None]
 ) -> Iterator[Trial]:
     """A row of the table, also in what ``--junitxml`` writes."""
-    found = Trial()
-    request.config.stash.setdefault(TRIALS, []).append(found)
-    yield found
-    for name, cell in zip(("what", "tried", "survived", "verdict", "note"), found.row, strict=True):
+    trial = Trial()
+    request.config.stash.setdefault(TRIALS, []).append(trial)
+    yield trial
+    for name, cell in zip(
+        ("title", "attempts", "passes", "verdict", "note"), trial.row, strict=True
+    ):
         record_property(name, cell)
 
 
@@ -41,7 +43,7 @@ def pytest_terminal_summary(
     if trials:
         terminalreporter.section("endurance")
         rows = [[escape(cell) for cell in trial.row] for trial in trials]
-        print_table(Console(), ("what",), ("tried", "survived"), rows, ("", "note"))
+        print_table(Console(), ("trial",), ("attempts", "passes"), rows, ("", "note"))
 
 
 @pytest.fixture(scope="session")

@@ -72,17 +72,17 @@ def _value(draw: Random, meaning: Quantity) -> float:
 
 def _drawn(draw: Random, owner: Any, apart: tuple[str, ...] = ()) -> dict[str, Any]:
     """Values of the quantities and choices of a data class, some left as they are."""
-    found: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     for item in fields(owner):
         meaning = meaning_of(item, owner)
         if item.name.startswith(apart):
             continue
         if isinstance(meaning, Choice) and not meaning.instances and not meaning.kinds:
-            found[item.name] = draw.choice(meaning.words)
+            results[item.name] = draw.choice(meaning.words)
         elif isinstance(meaning, Quantity):
             value = _value(draw, meaning)
-            found[item.name] = round(value) if meaning.whole else value
-    return found
+            results[item.name] = round(value) if meaning.whole else value
+    return results
 
 
 def _bearings(draw: Random, shortest: float) -> Bearing:
@@ -109,13 +109,13 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
 
 def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:
     """Lengths of links around those of a mechanism that assembles."""
-    found: dict[str, float] = {}
+    results: dict[str, float] = {}
     for item in fields(owner):
         meaning = meaning_of(item)
         if item.name.startswith(_LENGTHS) and isinstance(meaning, Quantity):
             length = scale * getattr(owner, item.name) * math.exp(draw.gauss(0.0, _CHANGE))
-            found[item.name] = min(max(length, meaning.low), meaning.high)
-    return found
+            results[item.name] = min(max(length, meaning.low), meaning.high)
+    return results
 
 
 def _weights(
@@ -124,12 +124,12 @@ def _weights(
     """Masses that can move together, and inertias of links that fit their masses and lengths."""
     heaviest = _spread(draw, 1e-6 * MAX_MASS_RATIO, 1e4)
     masses = [item.name for item in fields(owner) if "mass" in item.name]
-    found = {name: heaviest * MAX_MASS_RATIO ** -draw.random() for name in masses}
+    results = {name: heaviest * MAX_MASS_RATIO ** -draw.random() for name in masses}
     for inertia, mass, length in links:
         least, most = GYRATION
         part = least * (most / least) ** draw.random()
-        found[inertia] = min(max(found[mass] * (part * length) ** 2, 1e-9), 1e4)
-    return found
+        results[inertia] = min(max(results[mass] * (part * length) ** 2, 1e-9), 1e4)
+    return results
 
 
 def _mechanism(draw: Random) -> Press | SliderCrank:

@@ -89,7 +89,7 @@ def answered(line: list[str]) -> Answer:
     return Answer(code, output.getvalue(), errors.getvalue())
 
 
-def begin(*line: str, program: str = _PROGRAM) -> Process:
+def start_process(*line: str, program: str = _PROGRAM) -> Process:
     """A command line as a person types it, in a process and a session of its own."""
     # The same source as in this process, wherever the other is.
     places = str(Path(presswear.__path__[0]).parent), os.environ.get("PYTHONPATH")
@@ -116,7 +116,7 @@ def end(process: Process, patience: float | None = None) -> Answer:
     return Answer(process.returncode, output, errors)
 
 
-def goes_on(out: Path) -> tuple[str, ...]:
+def resume_option(out: Path) -> tuple[str, ...]:
     """The option that goes on in a folder, where a run that was stopped has left one."""
     return ("--resume",) if out.exists() else ()
 
@@ -138,7 +138,7 @@ class Subject:
     def start(self, out: Path, *more: str) -> Process:
         """Start it with a checkpoint after every cycle."""
         changes = [f"--set={setting}" for setting in self.settings]
-        return begin(
+        return start_process(
             *(
                 "run",
                 self.scene,
@@ -235,9 +235,9 @@ def run_part(scene: Scene, part: float, look: Callable[[float], None]) -> Energy
     run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
     if run.finding and run.finding.kind == "penetration":
         raise OutsideError(run.message)
-    told = sound(run, plan).diagnostics
-    missing, exchanged = float(told["energy_residual_J"]), float(told["drive_exchange_J"])
+    described = sound(run, plan).diagnostics
+    missing, exchanged = float(described["energy_residual_J"]), float(described["drive_exchange_J"])
     # Where weights fall, their energy turns into heat without the drives.
-    dissipated = float(told["contact_loss_J"]) + float(told["friction_loss_J"])
+    dissipated = float(described["contact_loss_J"]) + float(described["friction_loss_J"])
     exchanged = max(exchanged, dissipated)
     return Energy(abs(missing), exchanged, 0.5 * float(mass_of(linkage) @ run.end.velocity**2))

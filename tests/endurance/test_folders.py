@@ -1,5 +1,7 @@
 """Folders that fill up, cannot be written, vanish or are written by two; files that are damaged."""
 
+import hashlib
+import json
 import os
 import shutil
 import subprocess
@@ -8,7 +10,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from random import Random
+from typing import Any
 
+import numpy as np
 import pytest
 
 from endurance.sameness import folder_differences
@@ -17,13 +21,14 @@ from endurance.subject import (
     Alone,
     Check,
     Subject,
+    answered,
     check_checkpoint,
     check_result,
     checkpoint_of,
     end,
-    goes_on,
     is_at_work,
     is_one_line,
+    resume_option,
     wait_for,
 )
 from endurance.trial import SEED, Trial
@@ -51,29 +56,29 @@ def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
 @pytest.mark.endurance
 def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
     """A disk too small for a run ends it with one line; where there is room again it goes on."""
-    trial.what, trial.note = "disk full", "one line; with room again it goes on, equal"
+    trial.title, trial.note = "disk full", "one line; with room again it goes on, equal"
     whole = alone(TREE).folder
     for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
         with small_disk(tmp_path / size, size) as disk:
             problems = []
             answer = TREE.finish(disk / "out")
-            told = is_one_line(answer.errors) and "space" in answer.errors
-            if answer.code not in (1, 2) or not told:
+            described = is_one_line(answer.errors) and "space" in answer.errors
+            if answer.code not in (1, 2) or not described:
                 problems.append(answer.problem)
             subprocess.run(["mount", "-o", "remount,size=200m", str(disk)], check=True)
-            answer = TREE.finish(disk / "out", *goes_on(disk / "out"))
+            answer = TREE.finish(disk / "out", *resume_option(disk / "out"))
             if answer.code != 0:
-                problems.append(f"gone on, {answer.problem}")
+                problems.append(f"resumed, {answer.problem}")
             else:
                 problems += folder_differences(whole, disk / "out")[:3]
             trial.add(f"{size}: {'; '.join(problems)}" if problems else "")
-    assert trial.passed, trial.miss
+    assert trial.passed, trial.first_miss
 
 
 @pytest.mark.endurance
 def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
     """A folder that cannot be written is refused before anything is computed."""
-    trial.what, trial.note = "read-only folder", "refused with one line at the start"
+    trial.title, trial.note = "read-only folder", "refused with one line at the start"
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
     if os.access(closed, os.W_OK):  # as root
@@ -83,12 +88,12 @@ def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
         answer = TREE.finish(closed / "out")
     is_named = is_one_line(answer.errors) and "out" in answer.errors
     trial.add("" if answer.code == 2 and is_named else answer.problem)
-    assert trial.passed, trial.miss
+    assert trial.passed, trial.first_miss
 
 
 @pytest.mark.endurance
 def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bool) -> None:
-    trial.what = "folder deleted while running"
+    trial.title = "folder deleted while running"
     trial.note = "one line, and nothing is written in its place"
     wait = Random(SEED)
     for k in range(1 if is_quick else 5):
@@ -101,7 +106,7 @@ def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bo
         is_named = is_one_line(answer.errors) and str(out) in answer.errors
         wrong = "" if answer.code == 1 and is_named else answer.problem
         trial.add("something was written into its place" if out.exists() else wrong)
-    assert trial.passed, trial.miss
+    assert trial.passed, trial.first_miss
 
 
 @pytest.mark.endurance
@@ -109,7 +114,7 @@ def test_two_runs_into_one_folder(
     trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
 ) -> None:
     """A second run into a folder is refused and leaves the first alone."""
-    trial.what = "two runs into one folder"
+    trial.title = "two runs into one folder"
     trial.note = "the second is refused, the first ends as if alone"
     out = tmp_path / "out"
     first = TREE.start(out)
@@ -121,11 +126,11 @@ def test_two_runs_into_one_folder(
     answer = end(first)
     assert answer.code == 0, answer.problem
     assert folder_differences(alone(TREE).folder, out) == []
-    assert trial.passed, trial.miss
+    assert trial.passed, trial.first_miss
 
 
 def missed(check: Check, file: Path) -> str:
-    """What is wrong with how a damaged file is found and named."""
+    """What is wrong with how a damaged file is results and named."""
     try:
         check(file.parent)
     except InputError as error:
@@ -136,7 +141,7 @@ def missed(check: Check, file: Path) -> str:
 @pytest.mark.endurance
 def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
     """Every file of data is cut off, changed in a bit, and removed."""
-    trial.what = "files cut off or altered"
+    trial.title = "files cut off or altered"
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     shutil.copytree(alone(TREE).folder, whole)
     process = TREE.start(stopped)
@@ -148,7 +153,7 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
     checkpoint = checkpoint_of(stopped)
     assert checkpoint is not None
     cases.append((check_checkpoint, checkpoint))
-    trial.note = f"{len(cases)} files; every one is found and named"
+    trial.note = f"{len(cases)} files; every one is results and named"
     chance = Random(SEED)
     for check, file in cases:
         data = file.read_bytes()
@@ -164,4 +169,31 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
         trial.add(f"{file.name} gone: {wrong}" if wrong else "")
         file.write_bytes(data)
         check(file.parent)
-    assert trial.passed, trial.miss
+    assert trial.passed, trial.first_miss
+
+
+class Payload:
+    """Creates a folder when it is unpickled."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os.mkdir, ("executed",)
+
+
+@pytest.mark.endurance
+def test_code_in_a_result_is_not_executed(
+    alone: Runs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An array of pickled objects with a fitting digest is refused, not loaded."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(alone(TREE).folder, tmp_path / "copy")
+    file, document = tmp_path / "copy/stage-0.npz", tmp_path / "copy/result.json"
+    with np.load(file) as stored:
+        arrays: dict[str, Any] = dict(stored)
+    arrays["time"] = np.array([Payload()], dtype=object)
+    np.savez_compressed(file, **arrays)
+    content = json.loads(document.read_text())
+    content["files"][file.name] = hashlib.sha256(file.read_bytes()).hexdigest()
+    document.write_text(json.dumps(content))
+    answer = answered(["report", "copy"])
+    assert answer.is_refusal, answer.problem
+    assert not (tmp_path / "executed").exists()

@@ -1,56 +1,49 @@
-"""What came of trying something many times."""
+"""Counts of attempts and passes."""
 
 from dataclasses import dataclass
 
-SEED = 20240131
-"""Of all random moments, places and scenes of the trials at full length."""
+SEED = 20240131  # of all random moments, positions and scenes of the full trials
 
 
 @dataclass
 class Trial:
-    """A kind of thing that is tried, how often, and how often it was survived.
+    """Number of attempts of one kind and of those that passed.
 
     Attributes
     ----------
-    what : str
-        What should happen.
-    tried, survived : int
+    title : str
+        Expected behaviour.
+    attempts, passes : int
     allowed : int
-        Misses that are no failure of the program.
+        Misses that are not failures of the program.
     note : str
-        What was measured, in a few words.
-    miss : str
-        What went wrong the first time that anything did.
+        Measured values.
+    first_miss : str
     """
 
-    what: str = ""
-    tried: int = 0
-    survived: int = 0
+    title: str = ""
+    attempts: int = 0
+    passes: int = 0
     allowed: int = 0
     note: str = ""
-    miss: str = ""
+    first_miss: str = ""
 
     def add(self, problem: str = "", times: int = 1) -> None:
-        """Count something that was tried, once or in one go several times.
-
-        Parameters
-        ----------
-        problem : str
-            What went wrong; empty where it was survived.
-        """
-        self.tried += times
-        self.survived += 0 if problem else times
-        self.miss = self.miss or problem
+        """Count attempts; an empty problem is a pass."""
+        self.attempts += times
+        self.passes += 0 if problem else times
+        self.first_miss = self.first_miss or problem
         if problem:
-            print(problem)  # pytest shows every miss of a trial that fails
+            print(problem)  # pytest shows it for a trial that fails
 
     @property
     def passed(self) -> bool:
-        """Whether something was tried and all of it survived that must."""
-        return 0 < self.tried <= self.survived + self.allowed
+        """Whether all attempts passed except those allowed."""
+        return 0 < self.attempts <= self.passes + self.allowed
 
     @property
     def row(self) -> list[str]:
-        """Cells of the table: what, tried, survived, verdict, note."""
-        told = ("pass" if self.passed else "MISS") if self.tried else ""
-        return [self.what, f"{self.tried}", f"{self.survived}", told, self.miss or self.note]
+        """Cells of the table: title, attempts, passes, verdict, note."""
+        verdict = ("pass" if self.passed else "MISS") if self.attempts else ""
+        note = self.first_miss or self.note
+        return [self.title, f"{self.attempts}", f"{self.passes}", verdict, note]
