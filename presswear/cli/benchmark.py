@@ -58,10 +58,8 @@ def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
         measure(scene, arguments.quick, repeats, folder, console)
         from presswear.results.folder import provenance
         from presswear.tools.serialize import write_json
-        from presswear.validation.timing import processor_name
 
-        machine = {"processor": processor_name(), **provenance(), "scene": scene.as_dict()}
-        write_json(folder / "benchmark.json", machine)
+        write_json(folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()})
     print_lines(console, f"results in {folder}")
     return 0
 
@@ -71,6 +69,7 @@ def _work_precision(
 ) -> None:
     from presswear.show.figures import save
     from presswear.validation import work_precision as module
+    from presswear.validation.timing import write_csv
 
     extent = module.QUICK if quick else module.FULL
     if repeats is not None:
@@ -78,7 +77,7 @@ def _work_precision(
     with named_progress(console, "benchmark") as report:
         points = module.work_precision(scene, extent, report)
     folder.mkdir(parents=True, exist_ok=True)
-    module.write_csv(points, folder / "benchmark.csv")
+    write_csv(module.table(points), folder / "benchmark.csv")
     save(module.draw_work_precision(points), folder)
     for problem in {id(point.problem): point.problem for point in points}.values():
         quantity = next(iter(problem.quantities))
@@ -99,6 +98,7 @@ def _features(
     scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
 ) -> None:
     from presswear.validation import feature_costs as module
+    from presswear.validation.timing import write_csv
 
     extent = module.QUICK if quick else module.FeatureExtent()
     if repeats is not None:
@@ -106,7 +106,7 @@ def _features(
     with named_progress(console, "benchmark") as report:
         costs = module.feature_costs(scene, extent, report)
     folder.mkdir(parents=True, exist_ok=True)
-    module.write_csv(costs, folder / "features.csv")
+    write_csv(module.table(costs), folder / "features.csv")
     rows = [
         [
             f"{cost.feature}: {cost.state}",

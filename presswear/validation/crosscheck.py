@@ -150,8 +150,8 @@ class _Runner:
 def horizon(scene: Scene, engine: Engine, longest: float, report: Progress) -> float:
     """Return the time up to which trajectories of a scene can be compared, s, at most a cycle."""
     end = min(scene.mechanism.period, longest)
-    found = _Runner(scene.linkage(), report).separation(start_of(scene), engine, end)
-    return end if found is None or found[0] is None else found[0]
+    result = _Runner(scene.linkage(), report).separation(start_of(scene), engine, end)
+    return end if result is None or result[0] is None else result[0]
 
 
 def finer(engine: ExudynJoints, period: float, fineness: int) -> ExudynJoints:

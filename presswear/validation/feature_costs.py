@@ -4,12 +4,8 @@ The motion differs between the two runs, and so does the number of steps; the ti
 fair measure.
 """
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +16,6 @@ from presswear.engines.base import Plan
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import write_bytes
 from presswear.validation.cases import Progress, part_of
 from presswear.validation.timing import TimedRun, Timing, time_runs
 
@@ -40,20 +35,12 @@ SWITCHES = {
 
 @dataclass(frozen=True)
 class FeatureExtent:
-    """Repeats of each run and simulated cycles of the runs of each engine.
-
-    Attributes
-    ----------
-    tree_cycles, joints_cycles : float
-        Whole cycles, or a fraction of one.
-    wear_cycles : int
-        Cycles whose wear makes the worn surfaces.
-    """
+    """Repeats of each run, and whole simulated cycles, or a fraction of one."""
 
     repeats: int = 5
     tree_cycles: float = 2.0
     joints_cycles: float = 1.0
-    wear_cycles: int = 5
+    wear_cycles: int = 5  # whose wear makes the worn surfaces
 
 
 QUICK = FeatureExtent(repeats=2, tree_cycles=0.25, joints_cycles=0.1, wear_cycles=1)
@@ -165,17 +152,16 @@ def _cost(scene: Scene, feature: str, state: str, timing: Timing, off: Timing) -
     return FeatureCost(scene.engine, feature, state, timing, *ratios)
 
 
-def write_csv(costs: Sequence[FeatureCost], file: Path) -> None:
-    """Write one row for each feature and state."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    columns = "engine,feature,state,model,simulated_s,steps,rejected_steps,wall_s,wall_median_s"
-    columns += ",wall_max_s,ratio_per_step,ratio_per_simulated_second"
-    writer.writerow(columns.split(","))
-    for cost in costs:
-        timing = cost.timing
-        walls = timing.wall, median(timing.walls), max(timing.walls)
-        steps = timing.simulated, timing.steps, timing.rejected
-        row = [cost.engine, cost.feature, cost.state, timing.model, *steps, *walls]
-        writer.writerow([*row, cost.step_ratio, cost.wall_ratio])
-    write_bytes(file, text.getvalue().encode())
+def table(costs: Sequence[FeatureCost]) -> list[dict[str, object]]:
+    """Return one row for each feature and state."""
+    return [
+        {
+            **{name: getattr(cost, name) for name in ("engine", "feature", "state")},
+            "model": cost.timing.model,
+            "simulated_s": cost.timing.simulated,
+            **cost.timing.columns(),
+            "ratio_per_step": cost.step_ratio,
+            "ratio_per_simulated_second": cost.wall_ratio,
+        }
+        for cost in costs
+    ]

@@ -3,15 +3,18 @@
 Only the solution is timed; compiling, loading and building the model are not.
 """
 
-import platform
-from collections.abc import Sequence
+import csv
+import io
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import median
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine
 from presswear.linkage.linkage import Linkage
 from presswear.tools.errors import RunFailed
+from presswear.tools.files import write_bytes
 from presswear.validation.cases import Progress, finished
 
 
@@ -70,6 +73,12 @@ class Timing:
         """Wall time per attempted step, s."""
         return self.wall / max(self.steps + self.rejected, 1)
 
+    def columns(self) -> dict[str, object]:
+        """Return the columns of a table."""
+        walls = {"wall_s": self.wall, "wall_median_s": median(self.walls)}
+        counts = {"steps": self.steps, "rejected_steps": self.rejected}
+        return {**counts, "evaluations": self.evaluations, **walls, "wall_max_s": max(self.walls)}
+
 
 def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[Timing]:
     """Run all in turn, ``repeats`` times.
@@ -106,12 +115,10 @@ def _timing(run: Run) -> Timing:
     )
 
 
-def processor_name() -> str:
-    """Return the name that the operating system gives to the processor."""
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    except OSError:
-        pass
-    return platform.processor() or "unknown"
+def write_csv(rows: Sequence[Mapping[str, object]], file: Path) -> None:
+    """Write a table; the columns are those of all rows."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, {name: None for row in rows for name in row})
+    writer.writeheader()
+    writer.writerows(rows)
+    write_bytes(file, text.getvalue().encode())

@@ -5,13 +5,9 @@ with clearance. Trajectories of the last are compared up to the time at which tw
 apart have separated a thousandfold; beyond it, a trajectory has no meaning.
 """
 
-import csv
-import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from statistics import median
 from typing import Any
 
 import matplotlib
@@ -38,7 +34,6 @@ from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import write_bytes
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import (
     Progress,
@@ -70,31 +65,17 @@ PARTS = 10  # parts of a run with clearance; its recorded series is so much fine
 
 @dataclass(frozen=True)
 class Extent:
-    """Settings at which the methods run, from coarse to fine, and repeats.
-
-    Attributes
-    ----------
-    longest : float
-        Longest time up to which trajectories with clearance are compared, s.
-    joints_steps, rk4_steps : tuple of int
-        Steps in a run of smooth motion.
-    impact_steps : tuple of int
-        Steps in an impact of the trapezoidal rule.
-    equal_steps, rk4_impact_steps : tuple of float
-        Equal steps with contacts of the trapezoidal rule and of RK4, s.
-    tolerances, tree_tolerances : tuple of float
-        Tolerances of DOP853 and DOPRI5 in ``dae``, and of the open tree in Exudyn.
-    """
+    """Settings at which the methods run, from coarse to fine, and repeats."""
 
     repeats: int
-    longest: float
-    joints_steps: tuple[int, ...]
-    rk4_steps: tuple[int, ...]
-    impact_steps: tuple[int, ...]
-    equal_steps: tuple[float, ...]
-    rk4_impact_steps: tuple[float, ...]
-    tolerances: tuple[float, ...]
-    tree_tolerances: tuple[float, ...]
+    longest: float  # s, time up to which trajectories with clearance are compared
+    joints_steps: tuple[int, ...]  # in a run of smooth motion, trapezoidal rule
+    rk4_steps: tuple[int, ...]  # in a run of smooth motion
+    impact_steps: tuple[int, ...]  # in an impact, trapezoidal rule
+    equal_steps: tuple[float, ...]  # s, with contacts, trapezoidal rule
+    rk4_impact_steps: tuple[float, ...]  # s, with contacts
+    tolerances: tuple[float, ...]  # of DOP853 and DOPRI5 in dae
+    tree_tolerances: tuple[float, ...]  # of exudyn-tree
 
 
 QUICK = Extent(
@@ -123,24 +104,14 @@ FULL = Extent(
 
 @dataclass(frozen=True)
 class Method:
-    """Engine and integrator at one step or tolerance.
-
-    Attributes
-    ----------
-    parameter : str
-        Quantity that is varied: STEP, IMPACT or TOLERANCE.
-    is_default : bool
-        True for the settings that a scene uses for trajectories.
-    is_paper : bool
-        True for the setting of the paper, RK4 at 1e-4 s.
-    """
+    """Engine and integrator at one step or tolerance."""
 
     engine: Engine
     integrator: str
-    parameter: str
+    parameter: str  # STEP, IMPACT or TOLERANCE
     value: float
-    is_default: bool = False
-    is_paper: bool = False
+    is_default: bool = False  # settings that a scene uses for trajectories
+    is_paper: bool = False  # RK4 at 1e-4 s
 
     @property
     def family(self) -> str:
@@ -159,8 +130,6 @@ class Problem:
 
     Attributes
     ----------
-    reference : str
-        Origin of the reference values.
     quantities : mapping
         Names of the errors, with units, and the uncertainty of the reference; 0 if exact.
     errors : callable
@@ -169,7 +138,6 @@ class Problem:
     """
 
     name: str
-    reference: str
     quantities: Mapping[str, float]
     linkage: Linkage
     start: Start
@@ -192,15 +160,7 @@ class Point:
 def dae_methods(
     tolerances: Sequence[float], steps: Sequence[float], default: InHouse
 ) -> Iterator[Method]:
-    """Yield DOP853, DOPRI5 and RK4 of the in-house solver, and the paper's setting.
-
-    Parameters
-    ----------
-    steps : sequence of float
-        Equal steps of RK4, s.
-    default : InHouse
-        Engine of the scene.
-    """
+    """Yield DOP853, DOPRI5 and RK4 with equal steps, s, in ``dae``, and the paper's setting."""
     controlled: tuple[Integrator, ...] = ("dop853", "dopri5")
     for name in controlled:
         values = {*tolerances, default.tolerance} if default.integrator == name else {*tolerances}
@@ -223,13 +183,7 @@ def dae_methods(
 def smooth_methods(
     extent: Extent, duration: float, numerics: Numerics, period: float | None
 ) -> tuple[Method, ...]:
-    """Return all methods for smooth motion over a duration, s.
-
-    Parameters
-    ----------
-    period : float or None
-        Period of the scene, s, whose default step is added; None if there is no scene.
-    """
+    """Return all methods for smooth motion over a duration, s; the period is that of a scene, s."""
     numerics = numerics.resolved("trajectory")
     joints = []
     for step in (duration / count for count in extent.joints_steps):
@@ -302,7 +256,10 @@ def constraint_error(linkage: Linkage, run: Run) -> float:
 
 
 def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
-    """Return the mechanism of a scene with every joint ideal; the closed form is the reference."""
+    """Return the mechanism of a scene with every joint ideal.
+
+    The reference is the closed form; its uncertainty is round-off after 1e5 steps.
+    """
     linkage, period = followed(scene.mechanism.linkage()), scene.mechanism.period
     motion = scene.ideal.at(np.zeros(1))
     duration = CYCLES * period
@@ -315,7 +272,6 @@ def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
 
     return Problem(
         "ideal mechanism",
-        "closed form; its uncertainty is round-off after 1e5 steps",
         {"slider (m)": 5e-14, "slider velocity (m/s)": 1e-12, "constraints (m, rad)": 1e-12},
         linkage,
         Start(motion.position[0], motion.velocity[0]),
@@ -342,7 +298,6 @@ def andrews(extent: Extent) -> Problem:
     angles, rates, _ = map(float, errors(finite(TIGHT.simulate(linkage, start, plan))))
     return Problem(
         "Andrews' squeezer",
-        "values of the IVP test set; their uncertainty is the distance from DOP853 at 1e-13",
         {"angles (rad)": angles, "rates (rad/s)": rates, "constraints (m)": 1e-12},
         linkage,
         start,
@@ -391,7 +346,6 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
     }
     return Problem(
         "one impact",
-        "closed form of the restitution, quadrature of the contact time",
         quantities,
         replace(linkage, joints=guides),
         start,
@@ -420,7 +374,6 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
         *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),
         *("closing speeds, relative", "peak forces, relative", "energy residual / exchanged"),
     )
-
     first = touchdowns_of(runs[0])[:FIRST_TOUCHDOWNS]
 
     def errors(run: Run) -> Sequence[float]:
@@ -436,7 +389,6 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
 
     return Problem(
         f"scene {scene.name}, {end:.3g} s",
-        "DOP853 of dae at 1e-13; its uncertainty is the distance from a second solution",
         # Energy is conserved exactly, so that the residual needs no reference.
         dict(zip(names, [*errors(runs[1])[:-1], 0.0], strict=True)),
         linkage,
@@ -516,26 +468,29 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
     return points
 
 
-def write_csv(points: Sequence[Point], file: Path) -> None:
-    """Write one row for each problem, method and quantity; a method that failed has no numbers."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    columns = "problem,engine,integrator,parameter,value,is_default,is_paper,quantity,error"
-    columns += ",reference_uncertainty,steps,rejected_steps,evaluations,wall_s,wall_median_s"
-    writer.writerow([*columns.split(","), "wall_max_s", "failure"])
+def table(points: Sequence[Point]) -> list[dict[str, object]]:
+    """Return one row for each problem, method and quantity; a method that failed has no numbers."""
+    rows = []
     for point in points:
         method, timing = point.method, point.timing
-        name = [point.problem.name, method.engine.word, method.integrator]
-        setting = [method.parameter, method.value, method.is_default, method.is_paper]
-        times: list[object] = [""] * 6
-        if timing is not None:
-            times = [timing.steps, timing.rejected, timing.evaluations]
-            times += [timing.wall, median(timing.walls), max(timing.walls)]
         for quantity, uncertainty in point.problem.quantities.items():
-            error = point.errors.get(quantity, "")
-            row = [quantity, error, uncertainty, *times, point.failure]
-            writer.writerow([*name, *setting, *row])
-    write_bytes(file, text.getvalue().encode())
+            rows.append(
+                {
+                    "problem": point.problem.name,
+                    "engine": method.engine.word,
+                    "integrator": method.integrator,
+                    "parameter": method.parameter,
+                    "value": method.value,
+                    "is_default": method.is_default,
+                    "is_paper": method.is_paper,
+                    "quantity": quantity,
+                    "error": point.errors.get(quantity, ""),
+                    "reference_uncertainty": uncertainty,
+                    **({} if timing is None else timing.columns()),
+                    "failure": point.failure,
+                }
+            )
+    return rows
 
 
 @matplotlib.rc_context(SETTINGS)

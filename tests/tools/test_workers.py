@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -48,27 +48,26 @@ def nothing(*arguments: object) -> Mapping[int, Job | None]:
     return {}
 
 
+class Collects:
+    """Store the results of jobs, and continue those that are not complete."""
+
+    def __init__(self) -> None:
+        self.results: dict[int, Any] = {}
+
+    def __call__(self, key: int, outcome: Any) -> Mapping[int, Job | None]:
+        self.results[key] = outcome
+        return {key: outcome} if isinstance(outcome, Adds) and outcome.done < outcome.until else {}
+
+
 def test_results_are_equal_in_workers_and_in_this_process(pool: Pool) -> None:
+    reported: list[tuple[int, float]] = []
     for workers in (InProcess(), pool):
-        totals: dict[int, int] = {}
-        reported: list[tuple[int, float]] = []
-
-        def on_result(key: int, outcome: Adds, totals: dict[int, int] = totals) -> dict[int, Adds]:
-            totals[key] = outcome.total
-            return {key: outcome} if outcome.done < outcome.until else {}
-
-        def on_progress(
-            key: int,
-            done: float,
-            word: str,
-            rows: object,
-            reported: list[tuple[int, float]] = reported,
-        ) -> None:
-            reported.append((key, done))
-
-        workers.run({k: Adds(25 + k) for k in range(5)}, on_result, on_progress)
+        collects = Collects()
+        jobs = {k: Adds(25 + k) for k in range(5)}
+        workers.run(jobs, collects, lambda key, done, *_: reported.append((key, done)))
+        totals = {key: outcome.total for key, outcome in collects.results.items()}
         assert totals == {k: sum(range(25 + k)) for k in range(5)}
-        assert all(0 <= key < 5 and 0 < done <= 29 for key, done in reported)
+    assert all(0 <= key < 5 and 0 < done <= 29 for key, done in reported)
 
 
 def test_one_core_takes_no_process() -> None:
@@ -108,12 +107,7 @@ def test_a_dropped_job_is_stopped(pool: Pool) -> None:
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
-    results: dict[int, int] = {}
-    missing = set(range(count))
-
-    def on_result(key: int, outcome: int) -> Mapping[int, Job | None]:
-        results[key] = outcome
-        return {}
+    collects, missing = Collects(), set(range(count))
 
     def interrupt(key: int, *_: object) -> None:
         missing.discard(key)
@@ -122,24 +116,13 @@ def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
 
     workers = InProcess() if count == 1 else Pool(count)
     with workers, pytest.raises(KeyboardInterrupt):
-        workers.run({k: Waits() for k in range(count)}, on_result, interrupt)
-    assert sorted(results) == list(range(count))
-    assert all(outcome > 0 for outcome in results.values())
+        workers.run({k: Waits() for k in range(count)}, collects, interrupt)
+    assert sorted(collects.results) == list(range(count))
+    assert all(outcome > 0 for outcome in collects.results.values())
 
 
-@dataclass(frozen=True)
-class Raises:
-    """Raise an error."""
-
-    error: Exception
-
-    def __call__(self, report: Report) -> None:
-        raise self.error
-
-
-def test_an_error_of_a_job_is_that_of_the_program() -> None:
-    with Pool(2) as pool, pytest.raises(InputError, match="angles = 7"):
-        pool.run({0: Raises(InputError("angles = 7")), 1: Waits()}, nothing, nothing)
+def raises(report: Report) -> None:
+    raise InputError("angles = 7")
 
 
 def dies(report: Report) -> None:
@@ -152,9 +135,18 @@ def runs_out_of_memory(report: Report) -> None:
     raise MemoryError
 
 
-@pytest.mark.parametrize("job", [dies, runs_out_of_memory])
-def test_a_killed_worker_ends_the_run(job: Job) -> None:
-    with Pool(2) as pool, pytest.raises(RunFailed, match="memory ran out"):
+@pytest.mark.parametrize(
+    ("job", "error", "words"),
+    [
+        (raises, InputError, "angles = 7"),
+        (dies, RunFailed, "memory ran out"),
+        (runs_out_of_memory, RunFailed, "memory ran out"),
+    ],
+)
+def test_an_error_or_a_killed_worker_ends_the_run(
+    job: Job, error: type[Exception], words: str
+) -> None:
+    with Pool(2) as pool, pytest.raises(error, match=words):
         pool.run({0: Waits(), 1: job}, nothing, nothing)
 
 
@@ -248,12 +240,12 @@ def forever() -> None:
         pool.run({0: Waits(), 1: Waits()}, nothing, on_progress)
 
 
-def script(tmp_path: Path) -> "subprocess.Popen[str]":
-    """Start the script in a session of its own."""
+def start_script(tmp_path: Path) -> tuple["subprocess.Popen[str]", list[int]]:
+    """Start the script in a session of its own; return it and its workers once they work."""
     (tmp_path / "script.py").write_text(_SCRIPT)
     places = Path(presswear.__path__[0]).parent, Path(__file__).parent
     path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
-    return subprocess.Popen(
+    process = subprocess.Popen(
         [sys.executable, str(tmp_path / "script.py")],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -261,6 +253,13 @@ def script(tmp_path: Path) -> "subprocess.Popen[str]":
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": path},
     )
+    assert process.stdout is not None
+    lines: list[str] = []
+    while len(set(lines)) < 3:
+        lines.append(process.stdout.readline().strip())
+        assert lines[-1], "it has ended"
+    assert lines.count("start") == 1
+    return process, [int(word) for word in set(lines) - {"start"}]
 
 
 def is_running(pid: int) -> bool:
@@ -272,39 +271,21 @@ def is_running(pid: int) -> bool:
     return state != "Z"
 
 
-def within(is_so: Callable[[], bool]) -> bool:
-    """Return whether a condition becomes true."""
-    last = time.monotonic() + PATIENCE
-    while not is_so() and time.monotonic() < last:
-        time.sleep(0.05)
-    return is_so()
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are read from Linux's /proc")
 def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
-    process = script(tmp_path)
-    assert process.stdout is not None
-    lines: list[str] = []
-    while len(set(lines)) < 3:
-        lines.append(process.stdout.readline().strip())
-        assert lines[-1], "it has ended"
-    pids = [int(word) for word in set(lines) - {"start"}]
-    assert lines.count("start") == 1
+    process, pids = start_script(tmp_path)
     assert all(map(is_running, pids))
     process.kill()
-    process.wait()
-    assert within(lambda: not any(map(is_running, pids)))
     process.communicate()
+    last = time.monotonic() + PATIENCE
+    while any(map(is_running, pids)):
+        assert time.monotonic() < last
+        time.sleep(0.05)
 
 
 def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
     """Ctrl-C reaches every process of a terminal; only the parent reports it."""
-    process = script(tmp_path)
-    assert process.stdout is not None
-    lines: set[str] = set()
-    while len(lines) < 3:
-        lines.add(process.stdout.readline().strip())
-        assert "" not in lines, "it has ended"
+    process, _ = start_script(tmp_path)
     os.killpg(process.pid, signal.SIGINT)
     errors = process.communicate(timeout=PATIENCE)[1]
     assert errors.count("Traceback") == 1

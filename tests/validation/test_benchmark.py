@@ -125,12 +125,12 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
             return float(y[0]) if t > 0.0 else 1.0
 
     limits = {"rtol": 1e-12, "atol": 1e-16}
-    found = solve_ivp(motion, (0.0, 1e-2), [0.0, 0.2], "DOP853", events=Separation(), **limits)
+    solution = solve_ivp(motion, (0.0, 1e-2), [0.0, 0.2], "DOP853", events=Separation(), **limits)
     time, uncertainty = impact.duration()
-    assert time == pytest.approx(found.t_events[0][0], rel=1e-8)
+    assert time == pytest.approx(solution.t_events[0][0], rel=1e-8)
     assert uncertainty < 1e-10 * time
     restitution = delivered_restitution(impact.damping)
-    assert -found.y_events[0][0][1] / impact.speed == pytest.approx(restitution)
+    assert -solution.y_events[0][0][1] / impact.speed == pytest.approx(restitution)
 
 
 def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
