@@ -11,10 +11,8 @@ from hypothesis import strategies as st
 
 from presswear.linkage.laws import (
     FrictionLaw,
-    NormalLaw,
     StiffnessReading,
     delivered_restitution,
-    greatest_penetration,
     hertz_stiffness,
 )
 from presswear.physics.laws import corner_ahead, friction_force, friction_record
@@ -146,14 +144,3 @@ def _restitution_to_fifty_digits(damping: float) -> float:
 def test_delivered_restitution_for_any_damping(damping: float) -> None:
     exact = _restitution_to_fifty_digits(damping)
     assert delivered_restitution(damping) == pytest.approx(exact, rel=1e-8)
-
-
-def test_greatest_penetration_is_smooth_where_its_formula_changes() -> None:
-    below = greatest_penetration(0.1, 0.3, 1.25e10, 1.5, 1e-5)
-    above = greatest_penetration(0.1, 0.3, 1.25e10, 1.5, math.nextafter(1e-5, 1.0))
-    assert above == pytest.approx(below, rel=1e-10)
-
-
-def test_laws_are_data() -> None:
-    assert NormalLaw(1e10) == NormalLaw(1e10, 1.5, 0.0)
-    assert FrictionLaw() == FrictionLaw(0.0, 1e-4, 1e-3)

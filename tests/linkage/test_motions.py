@@ -20,7 +20,6 @@ from presswear.linkage.drives import (
     pieces_of,
     run_up_motion,
 )
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -179,50 +178,22 @@ ROW = (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
-        ({"table": [ROW, (1.0, 0.1)]}, "table of crank: 2 rows are given; allowed are 3 to 256"),
-        ({"table": [(k * 0.01, 0.0) for k in range(300)]}, "table of crank: 300 rows are given"),
-        ({"table": [ROW, (2.0, 0.1), (1.0, 0.2)]}, "table of crank: its phases must rise, from 0"),
-        ({"table": [(-1.0, 0.0), ROW, (1.0, 0.2)]}, "table of crank: its phases must rise, from 0"),
-        ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "go from 0 to 7 rad; a cycle is"),
-        ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, "2 or 4 finite numbers are expected"),
+        ({"table": [(k * 0.01, 0.0) for k in range(300)]}, "table of crank: 300 rows; allowed"),
+        ({"table": [ROW, (2.0, 0.1), (1.0, 0.2)]}, "table of crank: phases must rise, from 0"),
+        ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "from 0 to 7 rad; a cycle is"),
+        ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, r"table\[1\] of crank = .*expected"),
         ({"table": [ROW, (1.0, 0.1, 0.0, 0.0), (2.0, 0.1)]}, "rows of one length are expected"),
-        (
-            {"table": [ROW, (1.0, math.nan), (2.0, 0.1)]},
-            r"table\[1\]\[1\] of crank = nan: a finite",
-        ),
         ({"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2 rad must"),
-        ({"rises": [Rise(1.0, 8.0, 1.0)]}, "the one that ends at 8 rad must end .* at 7.28319 rad"),
-        ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises are given"),
+        ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises"),
         (
             {"rises": [Rise(k / 20, (k + 1) / 20, 0.01, "modified-sine") for k in range(100)]},
-            f"rises of crank: they make 301 pieces; allowed are {MAX_PIECES} at most",
+            f"rises of crank: 301 pieces; allowed are {MAX_PIECES} at most",
         ),
+        ({"harmonics": [ROW], "follow": Follow("crank.head")}, "harmonics and follow cannot be"),
     ],
 )
-def test_what_is_no_motion_is_refused(wrong: dict[str, Any], told: str) -> None:
-    with pytest.raises(InputError, match=told):
+def test_motions_that_are_none_are_refused(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         Drive("crank", 10.0, **wrong)
-
-
-def test_a_wrong_rise_or_curve_is_refused() -> None:
-    with pytest.raises(InputError, match="unknown law of a rise 'cyclodial'; did you mean cyclo"):
-        Rise(0.0, 1.0, 1.0, "cyclodial")
-    with pytest.raises(InputError, match="a rise from 2 to 1 rad: it must begin at 0 or later"):
-        Rise(2.0, 1.0, 1.0)
-    with pytest.raises(InputError, match=r"follow: the curve ends 0.1 m from where it begins"):
-        Follow("crank.head", rises=[Rise(0.0, 1.0, 0.1)])
-    with pytest.raises(InputError, match="drive of crank: harmonics and follow are given"):
-        Drive("crank", 1.0, harmonics=[(0.1, 0.0)], follow=Follow("crank.head"))
-    with pytest.raises(InputError, match="frequency of crank = 0 rad/s: with follow and a mean"):
-        Drive("crank", follow=Follow("crank.head"))
-
-
-def test_a_linkage_refuses_a_run_up_or_a_point_that_is_none() -> None:
-    wrongs: list[Any] = [-1, 0.5, True, 2000]
-    for wrong in wrongs:
-        with pytest.raises(InputError, match="run_up = "):
-            FOUR_BAR.changed(name="linkage", run_up=wrong)
-    with pytest.raises(InputError, match="unknown point of rocker in follow of crank 'haed'"):
-        FOUR_BAR.changed(drives=[Drive("crank", 30.0, follow=Follow("rocker.haed"))])

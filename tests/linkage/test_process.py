@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from presswear.linkage.loads import (
-    PROCESSES,
     Blanking,
     Coining,
     Drawing,
@@ -81,10 +80,6 @@ def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
         )
 
 
-def test_a_stiffness_gives_the_rise() -> None:
-    assert Blanking(force=400.0, stiffness=2e6).curve[1] == (2e-4, 400.0)
-
-
 def test_a_cushion_and_a_stop_push_both_ways() -> None:
     held = laws_of(Drawing(cushion=20.0), 0.1, 0.01)["cushion"]
     stop = laws_of(Coining(stiffness=1e5), 0.1, 0.01)["coining"]
@@ -112,7 +107,3 @@ def test_what_is_no_process_is_refused(kind: Any, values: dict[str, Any], says: 
     with pytest.raises(InputError, match=says) as refusal:
         kind(**values)
     assert len(str(refusal.value).splitlines()) == 1
-
-
-def test_processes_stand_under_their_kinds() -> None:
-    assert list(PROCESSES) == ["blanking", "drawing", "coining"]

@@ -162,7 +162,7 @@ def test_one_servo_from_python_settings_and_files(tmp_path: Path) -> None:
         ),
         (
             lambda: changed(IDEAL, {"servo": "forming", "servo.end": "7mm"}),
-            r"servo\.height = 0\.006 m: with end = 0\.007 m and stroke = 0\.09 m allowed is what",
+            r"servo\.height = 0\.006 m: must lie between end = 0\.007 m and stroke = 0\.09 m",
         ),
         (
             lambda: changed(pw.scenes.slider_crank(), {"servo": "dwell"}),

@@ -96,7 +96,7 @@ def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(
     file.write_text(example_file("four-bar"))
     scene = scene_from(file)
     assert told(scene)["wear_updates"] == ("1", "0", "")
-    assert title_of(scene) == "A four-bar of my own"
+    assert title_of(scene) == "My four-bar"
     assert title_of(changed(scene, {"clearance": "0.5 mm"})) == (
-        "A four-bar of my own, changed: clearance 0.5 mm"
+        "My four-bar, changed: clearance 0.5 mm"
     )
