@@ -150,7 +150,9 @@ def test_bad_input_is_one_line_and_exit_code_2(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("line", ["run wear-times", "run paper", "life ideal", "sweep wear-times"])
+@pytest.mark.parametrize(
+    "line", ["run wear-times", "run friction", "life ideal", "sweep wear-times"]
+)
 def test_what_is_not_there_is_not_gone_on_with(
     line: str,
     tmp_path: Path,

@@ -70,7 +70,7 @@ run wear-times --wear-updates=1 --set=wear_updates=21
 run wear-times --set=friction=0.1 --set=friction=0.2
 run wear-times --jobs=0
 run wear-times --resume
-run paper --resume
+run friction --resume
 benchmark ideal --quick
 benchmark --quick --set=joints=none
 benchmark --features --set=joints=A
@@ -78,7 +78,7 @@ benchmark --features --set=joints=A
 _OPTIONS = {
     "run {scene}": "cycles={count} wear_updates={text} wear_updates=-1 wear_updates={many} "
     "tolerance={count} engine={text} conventions={text} out={place} on=no/{text}",
-    "run paper": "jobs={count}",
+    "run friction": "jobs={count}",
     "run ideal": "set={word}",
     "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",
     "crosscheck ideal": "against={text}.csv",
@@ -127,7 +127,7 @@ def _filled(lines: Sequence[str]) -> Family:
             "no_count": no_count,
             "count": draw.choice((no_count, text)),
             "many": draw.randint(21, 10**30),
-            "scene": draw.choice([*SCENES, "paper"]),
+            "scene": draw.choice([*SCENES]),
             "command": draw.choice(("run", "list", "benchmark", "crosscheck")),
             "place": draw.choice(_PLACES),
             "folder": FOLDER,

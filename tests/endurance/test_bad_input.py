@@ -71,7 +71,7 @@ def test_much_bad_input(trial: Trial, here: Path, is_quick: bool) -> None:
 
 @pytest.mark.usefixtures("nothing_runs")
 def test_a_line_that_runs_or_breaks_is_no_refusal(tmp_path: Path) -> None:
-    for command in ("run ideal", "run paper", "crosscheck", "benchmark"):
+    for command in ("run ideal", "run friction", "crosscheck", "benchmark"):
         ran = answered([*command.split(), "--out", str(tmp_path / command)])
         assert "it ran" in ran.problem
         assert not ran.is_refusal
