@@ -27,7 +27,6 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +34,7 @@ from presswear.results.folder import program_digest
 from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import holder, inside, write_bytes
+from presswear.tools.files import holder, write_bytes
 from presswear.tools.processes import cores, is_stopped
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
@@ -113,13 +112,6 @@ def read_row(folder: Path, name: str) -> Outcome | None:
         return None
 
 
-def write_row(folder: Path, name: str, outcome: Outcome) -> None:
-    """Write the file of a row."""
-    import msgspec
-
-    write_bytes(folder / ROWS / f"{name}.json", msgspec.json.encode(outcome))
-
-
 def run_rows(
     folder: Path,
     scenes: Mapping[str, Callable[[], Scene]],
@@ -147,20 +139,21 @@ def run_rows(
     RunFailed
         If the executor fails; completed rows are kept.
     """
-    inside(folder, ROWS).mkdir(exist_ok=True)
-    runs = inside(folder, RUNS)
-    stored = {name: read_row(folder, name) for name in scenes}
+    import msgspec
+
+    rows, runs = folder / ROWS, folder / RUNS
+    rows.mkdir(exist_ok=True)
     done: list[Outcome] = []
-    missing = []
-    for name, outcome in stored.items():
-        if outcome is None or (keep_results and not (outcome.error or (runs / name).exists())):
-            (folder / ROWS / f"{name}.json").unlink(missing_ok=True)
-            missing.append(name)
-        else:
+    missing, claims = [], set()
+    for name in scenes:
+        outcome = read_row(folder, name)
+        if outcome and (outcome.error or not keep_results or (runs / name).exists()):
             done.append(outcome)
+        else:
+            (rows / f"{name}.json").unlink(missing_ok=True)
+            missing.append(name)
     running: dict[Future[Outcome], str] = {}
-    claims: set[str] = set()
-    program, queue = program_digest(), iter(missing)
+    program = program_digest()
 
     def report() -> None:
         seconds = [outcome.seconds for outcome in done if outcome.seconds > 0.0]
@@ -168,42 +161,41 @@ def run_rows(
         median = statistics.median(seconds) if seconds else 0.0
         on_progress(Progress(len(scenes), len(done), failed, slots, median))
 
-    def submit(name: str) -> None:
-        try:
-            (folder / ROWS / f"{name}.json").open("x").close()
-        except FileExistsError:
-            return  # another part of the sweep has an equal row
-        claims.add(name)
-        try:
-            scene = scenes[name]()
-        except InputError as error:
-            store(name, Outcome(error=str(error)))
-            return
-        result_folder = runs / name if keep_results else None
-        future = executor.submit(run_row, scene, requested, result_folder, program)
-        running[future] = name
-
     def store(name: str, outcome: Outcome) -> None:
-        write_row(folder, name, outcome)
+        write_bytes(rows / f"{name}.json", msgspec.json.encode(outcome))
         claims.discard(name)
         done.append(outcome)
 
+    def collect() -> None:
+        for future in wait(running, POLL, FIRST_COMPLETED).done:
+            store(running.pop(future), _outcome(future))
+        report()
+
     try:
         report()
-        while True:
-            for name in islice(queue, QUEUED * slots - 1 - len(running)):
-                submit(name)
-            if not running:
-                break
-            for future in wait(running, POLL, FIRST_COMPLETED).done:
-                store(running.pop(future), _outcome(future))
-            report()
+        for name in missing:
+            try:
+                (rows / f"{name}.json").open("x").close()
+            except FileExistsError:
+                continue  # another part of the sweep has an equal row
+            claims.add(name)
+            try:
+                scene = scenes[name]()
+            except InputError as error:
+                store(name, Outcome(error=str(error)))
+                continue
+            path = runs / name if keep_results else None
+            running[executor.submit(run_row, scene, requested, path, program)] = name
+            while len(running) >= QUEUED * slots - 1:
+                collect()
+        while running:
+            collect()
         report()
     finally:
         for future in running:
             future.cancel()
         for name in claims:
-            (folder / ROWS / f"{name}.json").unlink(missing_ok=True)
+            (rows / f"{name}.json").unlink(missing_ok=True)
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:

@@ -26,6 +26,7 @@ from presswear.sweeps.responses import (
     stored_key,
 )
 from presswear.sweeps.runner import (
+    ROWS,
     RUNS,
     Notify,
     Progress,
@@ -35,7 +36,7 @@ from presswear.sweeps.runner import (
     run_rows,
 )
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import FolderLock, check_name, digest, is_free, write_bytes
+from presswear.tools.files import FolderLock, check_name, digest, inside, is_free, write_bytes
 from presswear.tools.quantities import Choice
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
@@ -230,6 +231,8 @@ def run_sweep(
     requested = sweep.requested
     if requested.extra != digest_of(requested.optional, requested.functions):
         raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
+    for name in (ROWS, RUNS):
+        inside(sweep.path, name)
     sweep = replace(sweep, program=program_digest())
     rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
     scenes = {sweep.name(row): partial(sweep.plan.scene_of, row) for row in rows}

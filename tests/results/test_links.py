@@ -16,7 +16,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("stored")
     assert main(["run", "ideal", "--engine", "dae", "--out", str(folder / RESULT)]) == 0
     short = "--set engine=dae --set cycles=1 --set wear_updates=0"
-    line = f"sweep slider-crank --vary clearance=0.2mm --measure B.force_max {short}"
+    line = f"sweep slider-crank --vary clearance=0.2mm --response B.force_max {short}"
     assert main([*line.split(), "--out", str(folder / SWEEP)]) == 0
     return folder
 
@@ -33,7 +33,7 @@ def _contents(folder: Path) -> dict[str, bytes]:
         (RESULT, "lock", "run {scene} --resume --out {folder}"),
         (SWEEP, "figures", "report {folder}"),
         (SWEEP, "table.csv.part", "report {folder}"),
-        (SWEEP, "records", "sweep {scene} --resume --out {folder}"),
+        (SWEEP, "rows", "sweep {scene} --resume --out {folder}"),
         (SWEEP, "runs", "sweep {scene} --resume --out {folder}"),
     ],
 )

@@ -88,7 +88,9 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
     def impossible() -> pw.Scene:
         raise InputError("no such linkage")
 
-    run_rows(tmp_path, {"a": impossible}, REQUESTED, Counting(), 1)
+    executor = Counting()
+    run_rows(tmp_path, {"a": impossible, "b": lambda: SCENE}, REQUESTED, executor, 1)
+    assert executor.count == 1
     outcome = read_row(tmp_path, "a")
     assert outcome is not None
     assert outcome.error == "no such linkage"
@@ -101,7 +103,7 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
 
     with pytest.raises(RunFailed, match="the executor failed"):
         run_rows(tmp_path, NAMES, REQUESTED, Broken(), 1)
-    assert set(rows_in(tmp_path)) == {"a"}
+    assert set(rows_in(tmp_path)) == {"a", "b"}
 
 
 def test_another_program_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
