@@ -16,17 +16,16 @@ nothing                 processes of this machine
 
 import importlib
 import logging
-import multiprocessing
 import os
 import signal
 import statistics
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
+from multiprocessing import active_children, current_process, get_context
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +34,7 @@ from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import holder, write_bytes
-from presswear.tools.processes import cores, is_stopped
+from presswear.tools.processes import cores, end_with_parent, hidden_main, is_stopped
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
 POLL = 0.2  # time between two reports of the progress, s
@@ -195,7 +194,8 @@ def run_rows(
         for future in running:
             future.cancel()
         for name in claims:
-            (rows / f"{name}.json").unlink(missing_ok=True)
+            if read_row(folder, name) is None:  # a signal may come just after a row is written
+                (rows / f"{name}.json").unlink(missing_ok=True)
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:
@@ -244,41 +244,40 @@ def open_executor(
             yield executor, slots if isinstance(slots, int) else count
         finally:
             executor.shutdown(wait=False, cancel_futures=True)
-    elif count == 1 or multiprocessing.current_process().daemon:
+    elif count == 1 or current_process().daemon:
         yield SerialExecutor(), 1
     else:
-        with _process_executor(count) as executor:
+        with ProcessExecutor(count) as executor:
             yield executor, count
 
 
-@contextmanager
-def _process_executor(count: int) -> Iterator[Executor]:
-    # A fork would copy the locks of numerical libraries and of the progress bar.
-    context = multiprocessing.get_context("forkserver" if sys.platform == "linux" else "spawn")
-    context.set_forkserver_preload([__name__, "presswear.campaign.campaign"])
-    before = set(multiprocessing.active_children())
-    executor = ProcessPoolExecutor(count, context, _prepare_worker)
-    try:
-        yield executor
-    except BaseException:
-        for process in set(multiprocessing.active_children()) - before:
-            process.terminate()
-        raise
-    finally:
-        executor.shutdown(wait=False, cancel_futures=True)
+class ProcessExecutor(ProcessPoolExecutor):
+    """Processes of this machine that end with this process."""
+
+    def __init__(self, count: int) -> None:
+        # A fork would copy the locks of numerical libraries and of the progress bar.
+        context = get_context("forkserver" if sys.platform == "linux" else "spawn")
+        context.set_forkserver_preload([__name__, "presswear.campaign.single"])
+        self._before = set(active_children())
+        super().__init__(count, context, _prepare_worker)
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
+        # Only user functions of the main module need that module in the workers.
+        functions = [f for item in args if isinstance(item, Requested) for f in item.functions]
+        needs_main = any(function.__module__ == "__main__" for function in functions)
+        with nullcontext() if needs_main else hidden_main():
+            return super().submit(fn, *args, **kwargs)
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if error is not None:
+            for process in set(active_children()) - self._before:
+                process.terminate()
+        self.shutdown(wait=error is None, cancel_futures=True)
 
 
 def _prepare_worker() -> None:
-    """Let the submitting process decide when a worker ends, even if that process is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-
-    def end_with_parent() -> None:
-        if parent is not None:
-            parent.join()
-        os._exit(1)
-
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the submitting process decides
+    end_with_parent()
 
 
 def _user_executor(on: str) -> Executor:

@@ -157,7 +157,7 @@ class Pool:
 
     def _submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
         assert self._executor is not None, "workers have started"
-        with _hidden_main():
+        with hidden_main():
             return self._executor.submit(function, *arguments)
 
     def _request(self, places: Sequence[int], request: float) -> None:
@@ -256,7 +256,7 @@ def _result(future: "Future[Any]") -> Any:
 
 
 @contextmanager
-def _hidden_main() -> Iterator[None]:
+def hidden_main() -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
     They would run a script a second time that lacks ``if __name__ == "__main__":``.

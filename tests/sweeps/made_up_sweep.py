@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.sweeps.parameters import Column, design
+from presswear.sweeps.parameters import Column
 from presswear.sweeps.plan import Table
-from presswear.sweeps.sensitivity import Points, points_of
 from presswear.tools.arrays import Array
 
 # Ishigami and Homma (1990) with a = 7 and b = 0.1.
@@ -58,11 +57,3 @@ def table_of(
         ("",) * count,
         replicates,
     )
-
-
-def ishigami_points(
-    kind: str, size: int, seed: int, replicates: int = 1, noise: float = 0.0
-) -> Points:
-    """Return Ishigami's function at the points of a design."""
-    points = design(kind, size, 3, seed)
-    return points_of(table_of(points, ishigami(points), replicates, noise, seed + 1000), "y")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exudyn.processing import GeneticOptimization, ParameterVariation
+from exudyn.processing import ParameterVariation
 from made_up_sweep import table_of
 
 import presswear as pw
@@ -306,18 +306,3 @@ def test_parameter_variation_of_exudyn_accepts_it(several: bool) -> None:
     assert values == [
         force_at({"clearance": float(c), "friction": float(f), "seed": 1}) for c, f in points
     ]
-
-
-def test_genetic_optimization_of_exudyn_accepts_it() -> None:
-    best, value, _, values = GeneticOptimization(
-        pw.function_of(SCENE, "A.force_max", failed=1e9),
-        {"clearance": (3e-4, 8e-4)},
-        populationSize=4,
-        numberOfGenerations=2,
-        elitistRatio=0.25,
-        randomizerInitialization=1,
-        addComputationIndex=True,
-        showProgress=False,
-    )
-    assert value == min(values)
-    assert force_at({"clearance": float(best["clearance"])}) == value
