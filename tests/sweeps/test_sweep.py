@@ -184,7 +184,7 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     assert main(["report", str(folder), "--limit", "B.force_max<=1MN"]) == 2
     assert "did you mean A.force_max" in capsys.readouterr().err
     assert main(["report", str(tmp_path), "--limit", "A.force_max<=1MN"]) == 2
-    assert "--limit is for sweeps" in capsys.readouterr().err
+    assert "--limit needs a sweep" in capsys.readouterr().err
     assert main(["export", str(folder), str(tmp_path / "rows.csv")]) == 0
     assert (tmp_path / "rows.csv").read_text() == table.csv()
     assert main(["export", str(folder), str(tmp_path / "rows.csv"), "--life"]) == 2
