@@ -158,7 +158,8 @@ def _draw_depths(axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: s
         if worn is None:
             continue
         degrees, colour = np.degrees(worn.angle), line.pen.colour
-        low, mean, high = (np.maximum(1e6 * depth, floor) for depth in worn[1:])
+        curves = (worn.mean, worn.low, worn.high)
+        mean, low, high = (np.maximum(1e6 * depth, 0.5 * floor) for depth in curves)
         axes.fill_between(degrees, low, high, color=colour, alpha=0.2, linewidth=0.0)
         line.pen.draw(axes, degrees, mean, linewidth=1.2)
         depth, angle = printed[line], printed_at(line.at(joint), "angle")

@@ -15,7 +15,7 @@ from presswear.paper.__main__ import main
 from presswear.paper.claims import CLAIMS
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawers
-from presswear.paper.printed import DOUBTFUL, PRINTED, shown_in
+from presswear.paper.printed import DOUBTFUL, PRINTED, Place, shown_in
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.verdicts import judge
 from presswear.show.page import render_page
@@ -98,6 +98,11 @@ def test_every_figure_has_its_counterpart_with_the_printed_values() -> None:
         printed = [one.value for one in shown_in(number) if quantity in ("", one.quantity)]
         expected = np.degrees(printed) if quantity else np.array(printed)
         np.testing.assert_allclose(sorted(values), sorted(expected))
+    worn = every_evidence().wear_map(BASE, Place(WEAR, 1, "A"))
+    assert worn is not None
+    curve = np.ravel(figures[0].sheet.axes[0].get_lines()[0].get_ydata())
+    is_worn = worn.mean > 1e-6
+    np.testing.assert_allclose(curve[is_worn], 1e6 * worn.mean[is_worn])
 
 
 def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
