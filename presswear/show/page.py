@@ -66,8 +66,9 @@ class Row:
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
     def of(self, **names: str) -> "Row":
-        """Return the row of a joint or a drive: names in braces are replaced in label and path."""
-        return replace(self, label=self.label.format(**names), path=self.path.format(**names))
+        """Return the row of a joint or a drive: names in braces are replaced in its texts."""
+        label, path = self.label.format(**names), self.path.format(**names)
+        return replace(self, label=label, path=path, meaning=self.meaning.format(**names))
 
     def text(self, record: Any) -> str:
         """Return the value of a record as text."""

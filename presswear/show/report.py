@@ -57,59 +57,43 @@ def write_report(result: Result) -> Path:
 
 def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     """Return the report of a result as HTML, with some figures."""
-    scene, records = result.scene, tables.stage_records(result)
+    scene, stages = result.scene, result.stages
     content: dict[str, Any] = {
         "result": result,
         "scene": scene,
         "style": result.status if result.status in FINISHED else "unfinished",
         "base": named_scene(scene),
         "untrusted": [key for key, law in scene.user_laws.items() if not law.is_trusted],
-        "records": records,
-        "wear_error": max(_numbers(records, "wear_error"), default=None),
-        "step_error": max(_numbers(records, "peak_force_step_error"), default=None),
+        "stages": [*zip(stage_names(result, stages), stages, strict=True)],
+        "wear_error": _largest(result, "wear_error"),
+        "step_error": _largest(result, "peak_force_step_error"),
         "moves": bottom_of(scene.ideal) is not None,
         "models": _models(result),
         "chosen": _chosen_settings(scene),
         "deep_contacts": deep_contacts(scene, result.stages),
         "worn_sides": _worn_sides(scene),
         "laws": _normal_laws(scene),
-        "created": [
-            record["stage"].statistics.energy_made_fraction
-            for record in records
-            if record["stage"].is_worn
-        ],
+        "created": [one.statistics.energy_made_fraction for one in stages if one.is_worn],
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
         "convention_set": tables.convention_set(scene.conventions),
-        "tables": _tables(result, records),
+        "tables": {
+            **tables.stage_tables(result),
+            "changes": tables.change_table(result),
+            "drives": tables.drive_table(result),
+            "growth": tables.growth_table(result),
+            "motion": tables.motion_table(result),
+            "parameters": tables.parameter_table(result),
+            "conventions": tables.convention_table(result),
+            "provenance": tables.provenance_table(result),
+        },
         "life": None if result.life is None else _life(result),
     }
     return render_page(title_of(scene), (), figures, "report.html", **content)
 
 
-def _tables(result: Result, records: Sequence[tables.Record]) -> dict[str, Any]:
-    """Return the tables by their names in the template."""
-    return {
-        "changes": tables.change_table(result),
-        "overview": tables.overview_table(result, records),
-        "moments": tables.moment_table(result, records),
-        "key": tables.key_table(result, records),
-        "bottom": tables.bottom_table(result, records),
-        "tonnage": tables.tonnage_table(result, records),
-        "drives": tables.drive_table(result),
-        "endings": tables.ending_table(records),
-        "growth": tables.growth_table(result),
-        "motion": tables.motion_table(result),
-        "means": tables.mean_table(result, records),
-        "parameters": tables.parameter_table(result),
-        "conventions": tables.convention_table(result),
-        "provenance": tables.provenance_table(result),
-        "diagnostics": tables.diagnostics_table(records),
-    }
-
-
-def _numbers(records: Sequence[tables.Record], name: str) -> list[float]:
-    values = (getattr(record["stage"].statistics, name) for record in records)
-    return [value for value in values if value is not None]
+def _largest(result: Result, name: str) -> float | None:
+    values = (getattr(stage.statistics, name) for stage in result.stages)
+    return max((value for value in values if value is not None), default=None)
 
 
 def _models(result: Result) -> list[str]:
@@ -181,10 +165,7 @@ def _life(result: Result) -> dict[str, Any]:
         "scatter": max(scene.bearing(j).materials.wear_scatter for j in scene.clearance_joints),
         "rivals": _rival_limits(result),
         "services": services_done(result),
-        "limits": tables.limit_table(scene, life),
-        "causes": None if first is None else tables.cause_table(scene, life),
-        "phases": tables.phase_table(life),
-        "passes": tables.pass_table(life),
+        **tables.life_tables(scene, life),
     }
 
 

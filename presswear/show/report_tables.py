@@ -48,35 +48,31 @@ from presswear.show.figures.style import maps_turn, stage_names
 from presswear.show.page import NOTHING, Row, Table, column_table, row_table
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
-from presswear.tools.numbers import (
-    given,
-    large,
-    readable,
-    unit_scale,
-    with_interval,
-)
+from presswear.tools.numbers import given, large, readable, unit_scale, whole, with_interval
 from presswear.tools.quantities import Choice
 
 Record = dict[str, Any]
 
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
-_SNAP_THROUGH = f"{given(1e3 * SNAP_THROUGH_S)} ms"
+_AFTER_FRACTURE = f"within {given(1e3 * SNAP_THROUGH_S)} ms of the fracture"
+_CLEARANCE = "change of its height at bottom dead centre, drives held, under {pull} N up and down"
+_ENDINGS = {
+    "completed": "all cycles completed",
+    "enough": "stopped when the wear maps reached the tolerance",
+}
+_TORQUE = "largest in magnitude; counterclockwise is positive"
 
-SLIDER_ROWS = (
-    Row("highest displacement", "statistics.output.displacement_max", "mm", digits=4),
-    Row("lowest velocity", "statistics.output.velocity_min", "m/s"),
-    Row("highest velocity", "statistics.output.velocity_max", "m/s"),
-    Row("largest acceleration", "statistics.output.acceleration_max", "m/s²"),
+OUTPUT_ROWS = (
+    Row("highest displacement", "output.displacement_max", "mm", digits=4),
+    Row("lowest velocity", "output.velocity_min", "m/s"),
+    Row("highest velocity", "output.velocity_max", "m/s"),
+    Row("largest acceleration", "output.acceleration_max", "m/s²"),
     Row("cycles", "statistics.cycles"),
     Row(
-        "energy created by the contact forces, relative to the energy dissipated in the joints",
-        "statistics.energy_made_fraction",
-        "%",
-        digits=2,
+        "energy created by contacts over energy dissipated", "statistics.energy_made_fraction", "%"
     ),
 )
-FORCE_ROWS = (Row("largest normal force", "statistics.joints.{joint}.peak_force", "N"),)
 DEPTH_ROWS = (
     Row("deepest wear at the start, {part}", "wear.{joint}.depth.{side}.depth", "µm"),
     Row("its angle, {part}", "wear.{joint}.depth.{side}.angle", "degrees", digits=4),
@@ -84,62 +80,49 @@ DEPTH_ROWS = (
     Row("its angle in the update, {part}", "wear.{joint}.wear.{side}.angle", "degrees", digits=4),
 )
 CONTACT_ROWS = (
-    Row("next wear update: volume", "statistics.joints.{joint}.wear_volume.mean", "mm³"),
-    Row("time in contact", "statistics.joints.{joint}.contact_time_fraction", "%"),
-    Row("contacts", "statistics.joints.{joint}.contacts"),
-    Row("fewest steps in a contact", "statistics.joints.{joint}.min_steps_per_contact"),
+    Row("next wear update: volume", "joints.{joint}.wear_volume.mean", "mm³"),
+    Row("time in contact", "joints.{joint}.contact_time_fraction", "%"),
+    Row("contacts", "joints.{joint}.contacts"),
+    Row("fewest steps in a contact", "joints.{joint}.min_steps_per_contact"),
+    Row("largest normal force", "joints.{joint}.peak_force", "N"),
 )
-SLIDER_MEANS = (
-    Row("highest displacement", "statistics.output.displacement_max_per_cycle", "mm"),
-    Row("highest velocity", "statistics.output.velocity_max_per_cycle", "m/s"),
-    Row("largest acceleration", "statistics.output.acceleration_max_per_cycle", "m/s²"),
+OUTPUT_MEANS = (
+    Row("highest displacement", "output.displacement_max_per_cycle", "mm"),
+    Row("highest velocity", "output.velocity_max_per_cycle", "m/s"),
+    Row("largest acceleration", "output.acceleration_max_per_cycle", "m/s²"),
     Row("energy created by the contact forces", "statistics.energy_made_per_cycle", "mJ"),
-    Row("cycles in the means", "statistics.output.displacement_max_per_cycle.samples"),
+    Row("cycles in the means", "output.displacement_max_per_cycle.samples"),
 )
 JOINT_MEANS = (
-    Row("largest normal force", "statistics.joints.{joint}.peak_force_per_cycle", "N"),
-    Row("contacts", "statistics.joints.{joint}.contacts_per_cycle"),
-    Row(
-        "normal force times sliding distance",
-        "statistics.joints.{joint}.load_distance_per_cycle",
-        "N m",
-    ),
-    Row("volume of the next wear update", "statistics.joints.{joint}.wear_volume", "mm³"),
+    Row("largest normal force", "joints.{joint}.peak_force_per_cycle", "N"),
+    Row("contacts", "joints.{joint}.contacts_per_cycle"),
+    Row("normal force times sliding distance", "joints.{joint}.load_distance_per_cycle", "N m"),
+    Row("volume of the next wear update", "joints.{joint}.wear_volume", "mm³"),
 )
-DEPTH_MEANS = (
-    Row(
-        "deepest wear of the next update, {part}",
-        "statistics.joints.{joint}.wear_peaks.{side}.depth",
-        "µm",
-    ),
-)
+DEPTH_MEAN = Row("deepest of the update, {part}", "joints.{joint}.wear_peaks.{side}.depth", "µm")
 BOTTOM_ROWS = (
-    Row("standard deviation of the height", "statistics.bdc.standard_deviation", "µm"),
-    Row("range of all strokes", "statistics.bdc.range_of_all", "µm"),
-    Row("delay", "statistics.bdc.delay", "ms", "time behind the ideal motion"),
-    Row("delay as {phase}", "statistics.bdc.delay_angle", "degrees"),
-    Row("standard deviation of the delay", "statistics.bdc.delay_standard_deviation", "ms"),
-    Row(
-        "dwell of the ideal motion",
-        "dwell",
-        "ms",
-        "the ideal motion rests at bottom dead centre, so that no delay is defined",
-    ),
-    Row("settled strokes", "statistics.bdc.strokes"),
+    Row("standard deviation of the height", "bdc.standard_deviation", "µm"),
+    Row("range of all strokes", "bdc.range_of_all", "µm"),
+    Row("delay", "bdc.delay", "ms", "time behind the ideal motion"),
+    Row("delay as {phase}", "bdc.delay_angle", "degrees"),
+    Row("standard deviation of the delay", "bdc.delay_standard_deviation", "ms"),
+    Row("dwell of the ideal motion", "dwell", "ms", "no delay is defined where the ideal rests"),
+    Row("settled strokes", "bdc.strokes"),
+    Row("rise from rest under {pull} N, drives held", "rest.rise", "µm", digits=4),
 )
 TONNAGE_ROWS = (
-    Row("greatest force along the working direction", "tonnage.joints.{joint}.working_force", "N"),
-    Row(
-        f"greatest force against it within {_SNAP_THROUGH} of the fracture",
-        "tonnage.joints.{joint}.reversed_force",
-        "N",
+    *(
+        Row(f"greatest in a stroke, {p}", f"tonnage.joints.{{joint}}.peak_by_phase.{p}", "N")
+        for p in PHASES
     ),
+    Row("greatest along the working direction", "tonnage.joints.{joint}.working_force", "N"),
+    Row(f"greatest against it {_AFTER_FRACTURE}", "tonnage.joints.{joint}.reversed_force", "N"),
     Row("reversed force over working force", "tonnage.joints.{joint}.reversed_fraction", "%"),
     Row("fracture to the first reversed force", "tonnage.joints.{joint}.reversal_time", "ms"),
 )
 VIBRATION_ROWS = (
-    Row(f"{_SNAP_THROUGH} before the contact", "tonnage.vibration.before", "m/s²"),
-    Row(f"{_SNAP_THROUGH} after the fracture", "tonnage.vibration.after", "m/s²"),
+    Row("as long before the contact", "tonnage.vibration.before", "m/s²"),
+    Row(_AFTER_FRACTURE, "tonnage.vibration.after", "m/s²"),
 )
 STROKE_ROWS = (
     Row("settled strokes", "tonnage.strokes"),
@@ -154,16 +137,13 @@ DRIVE_ROWS = (
     Row("share of the peak power", "duty.{body}.share.peak_power", "%"),
     Row("share of the energy supplied", "duty.{body}.share.energy", "%"),
 )
+_RESIDUALS = (
+    f"below {given(ENERGY_BOUND)} at the tolerances of a trajectory, about "
+    f"{given(10.0 * ENERGY_BOUND)} at those of a wear run; a run above {given(RESIDUAL)} fails"
+)
 ENERGY_ROWS = (
     Row("net work of all drives", "work", "J", digits=4),
-    Row(
-        "energy residual, relative to the energy exchanged",
-        "residual",
-        "",
-        f"below {given(ENERGY_BOUND)} at the tolerances of a trajectory, about "
-        f"{given(10.0 * ENERGY_BOUND)} at those of a wear run; a run above {given(RESIDUAL)} fails",
-        digits=2,
-    ),
+    Row("energy residual over energy exchanged", "residual", "", _RESIDUALS, digits=2),
 )
 ENDING_COLUMNS = (
     Row("stage", "name"),
@@ -193,42 +173,22 @@ STROKE_OVERVIEW = (
     Row("strokes simulated", "statistics.cycles", "", "cycles of all replicates together"),
 )
 BOTTOM_OVERVIEW = (
-    Row(
-        "error of bottom dead centre",
-        "statistics.bdc.error",
-        "µm",
-        "mean height of the lowest position in a stroke above that without clearance; negative "
-        "means deeper",
-    ),
+    Row("error of bottom dead centre", "bdc.error", "µm", "mean height above the ideal one"),
     Row("change since the first stage", "rise", "µm", "shift of bottom dead centre by wear"),
-    Row(
-        "repeatability",
-        "statistics.bdc.range",
-        "µm",
-        "range of bottom dead centre in successive strokes",
-    ),
+    Row("repeatability", "bdc.range", "µm", "range of bottom dead centre in successive strokes"),
     Row("strokes per range", "range_strokes"),
+    Row("total clearance at the {output}", "rest.clearance", "µm", _CLEARANCE, digits=4),
 )
 WORK_OVERVIEW = (
     Row("force of the work", "tonnage.peak_force", "N", "greatest in a stroke, the tonnage"),
-    Row("energy of the work", "tonnage.work", "J", "in a stroke, without clearance {ideal} J"),
+    Row("energy of the work", "tonnage.work", "J", "in a stroke"),
+    Row("energy of the work, ideal joints", "ideal_work", "J"),
 )
 JOINT_OVERVIEW = (
-    Row(
-        "largest joint force",
-        "largest.statistics.peak_force",
-        "N",
-        "normal force in the settled strokes of all replicates; the first two strokes are left "
-        "out if more ran",
-    ),
+    Row("largest joint force", "largest.force", "N", "in the settled strokes of all replicates"),
     Row("joint with the largest force", "largest.joint"),
-    Row("mean of the largest force in a stroke", "largest.statistics.peak_force_per_cycle", "N"),
-    Row(
-        "largest recorded force",
-        "peak.force",
-        "N",
-        "motion and forces are recorded for the first strokes of the first replicate",
-    ),
+    Row("mean of the largest force in a stroke", "largest.mean", "N"),
+    Row("largest recorded force", "peak.force", "N", "in the first strokes of one replicate"),
     Row("joint of the recorded force", "peak.joint"),
     Row("{phase} of the recorded force", "peak.angle", "degrees", digits=4),
     Row("height over bottom dead centre then", "peak.height", "mm"),
@@ -236,12 +196,7 @@ JOINT_OVERVIEW = (
     Row("phase of the work then", "peak.phase"),
 )
 DRIVE_OVERVIEW = (
-    Row(
-        "{body}: largest torque",
-        "drives.{body}.duty.torque.peak",
-        "N m",
-        "largest in magnitude; counterclockwise is positive",
-    ),
+    Row("{body}: largest torque", "drives.{body}.duty.torque.peak", "N m", _TORQUE),
     Row("{body}: largest torque, ideal joints", "drives.{body}.ideal.torque.peak", "N m"),
     Row("{body}: rms torque", "drives.{body}.duty.torque.rms", "N m"),
     Row("{body}: rms torque, ideal joints", "drives.{body}.ideal.torque.rms", "N m"),
@@ -250,71 +205,92 @@ DRIVE_OVERVIEW = (
     Row("{body}: energy returned per cycle", "drives.{body}.duty.returned", "J"),
     Row("{body}: energy returned, ideal joints", "drives.{body}.ideal.returned", "J"),
 )
-PROVENANCE_ROWS = (
-    Row("engine", "engine"),
-    Row("source revision", "revision"),
-    Row("packages", "packages"),
-    Row("Python", "python"),
-    Row("machine", "machine"),
-    Row("started", "started"),
-    Row("computing time", "wall", "s"),
-    Row("schema of the result", "schema"),
-)
-LIMIT_COLUMNS = (
-    Row("limit", "name"),
-    Row("exceeded after (strokes)", "strokes"),
-    Row("95 % interval", "interval"),
-    Row("hours", "hours"),
-    Row("value after {end} strokes", "last"),
-)
-CAUSE_COLUMNS = (
-    Row("cause", "name"),
-    Row("half width", "half", "%", digits=2),
-    Row("interval by this cause alone (strokes)", "interval"),
-)
-PASS_COLUMNS = (
-    Row("pass", "number"),
-    Row("wear per cycle, relative to the clearance", "result.change", "%"),
-    Row("cycles", "result.cycles"),
-    Row("life (strokes)", "strokes"),
-    Row("sampling error", "sampling", "%", digits=2),
-)
-PHASE_COLUMNS = (
-    Row("phase", "name"),
-    Row("strokes", "strokes"),
-    Row("mm³ per million strokes", "rate"),
-)
 
 
-def stage_records(result: Result) -> list[Record]:
-    """Return what the tables of a result read, one record per stage.
+def stage_tables(result: Result) -> dict[str, Table | None]:
+    """Return the tables with a column per stage, by name; None for a table without any value.
 
     Parameters
     ----------
     result : Result
         Its stored laws are not executed unless they are trusted.
     """
+    scene, records = result.scene, stage_records(result)
+    linkage = scene.mechanism.linkage()
+    names = {
+        "phase": linkage.phase,
+        "pull": given(pull_of(scene.linkage())),
+        "output": scene.output,
+    }
+    bodies = [drive.body for drive in linkage.drives]
+    sound = [record for record in records if not record["stage"].failed]
+    overview = {
+        "Strokes": STROKE_OVERVIEW,
+        "Bottom dead centre": _named(BOTTOM_OVERVIEW, **names) if scene.clearance_joints else (),
+        "Work": WORK_OVERVIEW if scene.process is not None else (),
+        "Joints": _named(JOINT_OVERVIEW, **names),
+        "Drives": [row for body in bodies for row in _named(DRIVE_OVERVIEW, body=body)],
+    }
+    output, depths = scene.output.capitalize(), _each_side(result, DEPTH_ROWS)
+    means = [*JOINT_MEANS, *_each_side(result, [DEPTH_MEAN])]
+    tonnage = {
+        f"Acceleration of the {scene.output} minus the ideal one, rms": VIBRATION_ROWS,
+        **_each_joint(result, TONNAGE_ROWS),
+        "Strokes": STROKE_ROWS,
+    }
+    key = {output: OUTPUT_ROWS, **_each_joint(result, [*CONTACT_ROWS, *depths])}
+    mean = {output: OUTPUT_MEANS, **_each_joint(result, means)}
+    return {
+        "overview": _stage_table("", sound, overview),
+        "key": _stage_table("", records, key),
+        "means": _stage_table("mean over cycles", records, mean),
+        "bottom": _stage_table("bottom dead centre", records, {"": _named(BOTTOM_ROWS, **names)}),
+        "tonnage": _stage_table("mean over strokes", records, tonnage),
+        "moments": _moment_table(result, sound),
+        "endings": row_table(ENDING_COLUMNS, records, numeric=False),
+        "diagnostics": _diagnostics_table(records),
+    }
+
+
+def stage_records(result: Result) -> list[Record]:
+    """Return the values of the tables that are not attributes of the stages; one per stage."""
     scene, records = result.scene, []
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
         bdc, joints = stage.statistics.bdc, stage.statistics.joints
-        largest = max(joints, key=lambda joint: joints[joint].peak_force, default=None)
+        largest = max(joints, key=lambda joint: joints[joint].peak_force, default="")
+        peaks = joints.get(largest)
+        earlier = [step for one in result.stages[: stage.index] for step in one.wear_steps]
+        has_wear = any(one.index > 0 for one in result.stages)
         records.append(
             {
                 "name": name,
                 "stage": stage,
                 "statistics": stage.statistics,
+                "output": stage.statistics.output,
+                "joints": joints,
+                "bdc": bdc,
                 "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
                 "rise": rise(stage, result.stages[0]) if stage is not result.stages[0] else None,
                 "range_strokes": None if bdc is None or bdc.range is None else bdc.range_strokes,
                 "rest": _heights_at_rest(result, stage),
                 "wear": {joint: _wear_record(stage, joint) for joint in scene.clearance_joints},
                 "tonnage": tonnage_of(scene, stage),
+                "ideal_work": None if scene.process is None else scene.process.work,
                 "drives": None if scene.has_untrusted_loads else drives_of(scene, stage),
-                "largest": largest and {"joint": largest, "statistics": joints[largest]},
+                "largest": peaks
+                and {
+                    "joint": largest,
+                    "force": peaks.peak_force,
+                    "mean": peaks.peak_force_per_cycle,
+                },
                 "peak": _recorded_peak(scene, stage),
-                "represented": _represented_strokes(result, stage),
-                "ending": _ending(stage),
-                "multiplier": _multiplier(stage),
+                "represented": round(sum(step.cycles_per_update for step in earlier))
+                if has_wear
+                else None,
+                "ending": f"failed: {stage.message}"
+                if stage.failed
+                else _ENDINGS.get(stage.status, stage.status),
+                "multiplier": _multiplier(stage) if stage.joints else None,
             }
         )
     return records
@@ -394,26 +370,10 @@ def _work_phase(scene: Scene, stage: StageResult, row: int) -> str | None:
     return None
 
 
-def _represented_strokes(result: Result, stage: StageResult) -> int | None:
-    if not any(other.index > 0 for other in result.stages):
-        return None
-    earlier = [step for one in result.stages[: stage.index] for step in one.wear_steps]
-    return round(sum(step.cycles_per_update for step in earlier))
-
-
-def _ending(stage: StageResult) -> str:
-    return {
-        "completed": "all cycles completed",
-        "enough": "stopped when the wear maps reached the tolerance",
-        "failed": f"failed: {stage.message}",
-    }.get(stage.status, stage.status)
-
-
-def _multiplier(stage: StageResult) -> str | None:
-    if not stage.joints:
-        return None
-    if len(stage.wear_steps) > 1:
-        return f"{_factor_range(stage.wear_steps)}, in {len(stage.wear_steps)} steps"
+def _multiplier(stage: StageResult) -> str:
+    steps = stage.wear_steps
+    if len(steps) > 1:
+        return f"{_factor_range(steps)}, in {len(steps)} steps"
     return readable(stage.amplification)
 
 
@@ -422,28 +382,21 @@ def _factor_range(steps: Sequence[WearStep]) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
+def _named(rows: Iterable[Row], **names: str) -> list[Row]:
+    return [row.of(**names) for row in rows]
+
+
 def _each_joint(result: Result, rows: Iterable[Row]) -> dict[str, list[Row]]:
     rows = list(rows)
-    return {
-        f"Joint {joint}": [row.of(joint=joint) for row in rows]
-        for joint in result.scene.clearance_joints
-    }
+    joints = result.scene.clearance_joints
+    return {f"Joint {joint}": _named(rows, joint=joint) for joint in joints}
 
 
-def _each_side(result: Result, rows: Iterable[Row]) -> list[Row]:
+def _each_side(result: Result, rows: Sequence[Row]) -> list[Row]:
     """Return rows for each side of the wear maps; both together where maps are fixed in space."""
     sides = {side: side for side in SIDES} if maps_turn(result) else {"both": "bearing + pin"}
-    return [
-        Row(
-            row.label.replace("{part}", part),
-            row.path.replace("{side}", side),
-            row.unit,
-            row.meaning,
-            row.digits,
-        )
-        for side, part in sides.items()
-        for row in rows
-    ]
+    names = [{"side": side, "part": part, "joint": "{joint}"} for side, part in sides.items()]
+    return [row.of(**each) for each in names for row in rows]
 
 
 def _stage_table(
@@ -452,87 +405,14 @@ def _stage_table(
     return column_table(corner, [record["name"] for record in records], records, groups)
 
 
-def overview_table(result: Result, records: Sequence[Record]) -> Table | None:
-    """Return the main numbers of the stages that did not fail."""
-    scene = result.scene
-    sound = [record for record in records if not record["stage"].failed]
-    phase = scene.mechanism.linkage().phase
-    pull = given(pull_of(scene.linkage()))
-    clearance = Row(
-        f"total clearance at the {scene.output}",
-        "rest.clearance",
-        "µm",
-        f"difference of its heights at bottom dead centre, drives held, under {pull} N up and down",
-        digits=4,
-    )
-    ideal = "" if scene.process is None else given(scene.process.work)
-    work = [
-        Row(row.label, row.path, row.unit, row.meaning.replace("{ideal}", ideal))
-        for row in WORK_OVERVIEW
-    ]
-    bodies = [drive.body for drive in scene.mechanism.linkage().drives]
-    groups = {
-        "Strokes": STROKE_OVERVIEW,
-        "Bottom dead centre": [*BOTTOM_OVERVIEW, clearance] if scene.clearance_joints else [],
-        "Work": work if scene.process is not None else [],
-        "Joints": [row.of(phase=phase) for row in JOINT_OVERVIEW],
-        "Drives": [row.of(body=body) for body in bodies for row in DRIVE_OVERVIEW],
-    }
-    return _stage_table("", sound, groups) if sound else None
-
-
-def key_table(result: Result, records: Sequence[Record]) -> Table | None:
-    """Return peaks, wear and contact of every stage."""
-    rows = [*FORCE_ROWS, *_each_side(result, DEPTH_ROWS), *CONTACT_ROWS]
-    slider = {result.scene.output.capitalize(): SLIDER_ROWS}
-    return _stage_table("", records, {**slider, **_each_joint(result, rows)})
-
-
-def mean_table(result: Result, records: Sequence[Record]) -> Table | None:
-    """Return means over cycles with their 95 % intervals."""
-    rows = [*JOINT_MEANS, *_each_side(result, DEPTH_MEANS)]
-    slider = {result.scene.output.capitalize(): SLIDER_MEANS}
-    return _stage_table("mean over cycles", records, {**slider, **_each_joint(result, rows)})
-
-
-def bottom_table(result: Result, records: Sequence[Record]) -> Table | None:
-    """Return accuracy and repeatability at bottom dead centre, beside those of the overview."""
-    pull = given(pull_of(result.scene.linkage()))
-    phase = result.scene.mechanism.linkage().phase
-    rest = Row(f"rise from rest under {pull} N, drives held", "rest.rise", "µm", digits=4)
-    return _stage_table(
-        "bottom dead centre", records, {"": [*(row.of(phase=phase) for row in BOTTOM_ROWS), rest]}
-    )
-
-
-def tonnage_table(result: Result, records: Sequence[Record]) -> Table | None:
-    """Return joint forces by phase of the stroke, vibration and shock."""
-    if not any(record["tonnage"] and record["tonnage"].joints for record in records):
-        return None
-    phases = [
-        Row(
-            f"greatest force of a stroke, {phase}",
-            f"tonnage.joints.{{joint}}.peak_by_phase.{phase}",
-            "N",
-        )
-        for phase in PHASES
-    ]
-    groups = {
-        f"Acceleration of the {result.scene.output} minus the ideal one, rms": VIBRATION_ROWS,
-        **_each_joint(result, [*phases, *TONNAGE_ROWS]),
-        "Strokes": STROKE_ROWS,
-    }
-    return _stage_table("mean over strokes", records, groups)
-
-
-def moment_table(result: Result, records: Sequence[Record]) -> Table | None:
+def _moment_table(result: Result, records: Sequence[Record]) -> Table | None:
     """Return phase angles and heights at which strokes touch, break and leave the work."""
     scene = result.scene
     names = {"contact": "Touches the work", "fracture": "Breaks it", "separation": "Leaves it"}
     begin = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
     moments = []
     for record in records:
-        strokes = None if record["stage"].failed else strokes_of(scene, record["stage"])
+        strokes = strokes_of(scene, record["stage"])
         moments.append({"name": record["name"]})
         for name in names if strokes else ():
             rows = getattr(strokes, name)
@@ -586,11 +466,6 @@ def drive_table(result: Result) -> Table | None:
     records.append({"name": "ideal joints", "duty": ideal, "work": work_of_all})
     groups = {f"Drive of {body}": [row.of(body=body) for row in DRIVE_ROWS] for body in ideal}
     return _stage_table("drives", records, {**groups, "Energy per cycle": ENERGY_ROWS})
-
-
-def ending_table(records: Sequence[Record]) -> Table:
-    """Return how each stage ended and how accurate its wear maps are."""
-    return row_table(ENDING_COLUMNS, records, numeric=False)
 
 
 def growth_table(result: Result) -> Table | None:
@@ -765,21 +640,23 @@ def change_table(result: Result) -> Table | None:
     )
 
 
-def provenance_table(result: Result) -> Table | None:
+def provenance_table(result: Result) -> Table:
     """Return versions, machine and time of a result."""
     packages = result.provenance["packages"]
-    record = {
-        **result.provenance,
+    values = {
         "engine": result.scene.engine,
+        "source revision": result.provenance["revision"],
         "packages": ", ".join(f"{name} {number}" for name, number in packages.items()),
-        "wall": result.wall_s,
-        "schema": SCHEMA,
+        "Python": result.provenance["python"],
+        "machine": result.provenance["machine"],
+        "started": result.provenance["started"],
+        "computing time (s)": readable(result.wall_s),
+        "schema of the result": str(SCHEMA),
     }
-    return column_table("", [""], [record], {"": PROVENANCE_ROWS})
+    return Table(("", ""), (("", tuple(values.items())),), numeric=False)
 
 
-def diagnostics_table(records: Sequence[Record]) -> Table | None:
-    """Return the diagnostics of the solver in each stage."""
+def _diagnostics_table(records: Sequence[Record]) -> Table | None:
     keys = dict.fromkeys(key for record in records for key in record["stage"].diagnostics)
     rows = [
         Row(
@@ -793,28 +670,52 @@ def diagnostics_table(records: Sequence[Record]) -> Table | None:
     return _stage_table("", records, {"": rows})
 
 
-def limit_table(scene: Scene, life: LifeResult) -> Table:
-    """Return when each limit is exceeded, and the value at the end."""
+def life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
+    """Return the tables of a service life: limits, causes of its error, phases and passes."""
+    causes = {
+        f"sampling: {scene.draws} replicates of a chaotic motion": life.sampling,
+        "step of the wear update, from passes with coarser steps": life.step,
+        "scatter of the wear coefficients": life.scatter,
+        "all together": life.total_error,
+    }
     end = large(float(life.curves["strokes"][-1]))
-    records = []
-    for limit in life.limits:
-        scale, unit = unit_scale(limit.unit, limit.value)
-        half = None if limit.last_half_width is None else scale * limit.last_half_width
-        # A level curve has no drift and no meaningful half width.
-        is_level = limit.last == 0.0 and not half
-        record = {
-            "name": f"{words_of(limit.key)} over {limit_text(limit)}",
-            "strokes": "not exceeded",
-            "last": "no trend" if is_level else f"{with_interval(scale * limit.last, half)} {unit}",
-        }
-        if limit.strokes is not None:
-            error = limit_error(limit)
-            hours = limit.strokes * scene.mechanism.period / 3600.0
-            record["strokes"] = large(limit.strokes, digits=digits_of(error))
-            record["interval"] = span_of(limit.strokes, error) or "unknown"
-            record["hours"] = readable(hours, digits_of(error))
-        records.append(record)
-    return row_table([row.of(end=end) for row in LIMIT_COLUMNS], records)
+    lines: dict[tuple[str, ...], list[tuple[str, ...]]] = {
+        ("limit", "exceeded after (strokes)", "95 % interval", "hours", f"after {end} strokes"): [
+            _limit_line(scene, limit) for limit in life.limits
+        ],
+        ("cause", "half width (%)", "interval by this cause alone (strokes)"): [
+            (name, _percent(error), span_of(life.strokes, error) or NOTHING)
+            for name, error in causes.items()
+        ],
+        ("phase", "strokes", "mm³ per million strokes"): [
+            (
+                f"{phase.joint}: {phase.name}",
+                large(phase.since, phase.until),
+                with_interval(1e15 * phase.rate, 1e15 * phase.half_width),
+            )
+            for phase in life.phases
+        ],
+        ("pass", "wear per cycle (% of the clearance)", "cycles", "life (strokes)", "error (%)"): [
+            (
+                str(number),
+                readable(100.0 * item.change),
+                whole(item.cycles),
+                NOTHING if item.strokes is None else large(item.strokes),
+                _percent(item.sampling),
+            )
+            for number, item in enumerate(life.passes, start=1)
+        ],
+    }
+    names = ("limits", "causes", "phases", "passes")
+    return {
+        name: Table(head, (("", tuple(rows)),))
+        for name, (head, rows) in zip(names, lines.items(), strict=True)
+    }
+
+
+def _percent(error: float | None) -> str:
+    """Return the half width of a logarithm as a percentage."""
+    return NOTHING if error is None else readable(100.0 * math.expm1(error), 2)
 
 
 def limit_error(limit: LimitResult) -> float | None:
@@ -824,47 +725,16 @@ def limit_error(limit: LimitResult) -> float | None:
     return math.hypot(limit.sampling, limit.step)
 
 
-def cause_table(scene: Scene, life: LifeResult) -> Table:
-    """Return the contributions to the interval of a life."""
-    causes = {
-        f"sampling: {scene.draws} replicates of a chaotic motion": life.sampling,
-        "step of the wear update, from passes with coarser steps": life.step,
-        "scatter of the wear coefficients": life.scatter,
-        "all together": life.total_error,
-    }
-    records = [
-        {
-            "name": name,
-            "half": None if error is None else math.expm1(error),
-            "interval": span_of(life.strokes, error) or NOTHING,
-        }
-        for name, error in causes.items()
-    ]
-    return row_table(CAUSE_COLUMNS, records)
-
-
-def pass_table(life: LifeResult) -> Table:
-    """Return the passes over a life, each with finer steps than the one before."""
-    records = [
-        {
-            "number": str(number),
-            "result": item,
-            "strokes": None if item.strokes is None else large(item.strokes),
-            "sampling": None if item.sampling is None else math.expm1(item.sampling),
-        }
-        for number, item in enumerate(life.passes, start=1)
-    ]
-    return row_table(PASS_COLUMNS, records)
-
-
-def phase_table(life: LifeResult) -> Table:
-    """Return the phases of the wear of each joint with their rates."""
-    records = [
-        {
-            "name": f"{phase.joint}: {phase.name}",
-            "strokes": large(phase.since, phase.until),
-            "rate": with_interval(1e15 * phase.rate, 1e15 * phase.half_width),
-        }
-        for phase in life.phases
-    ]
-    return row_table(PHASE_COLUMNS, records)
+def _limit_line(scene: Scene, limit: LimitResult) -> tuple[str, ...]:
+    factor, unit = unit_scale(limit.unit, limit.value)
+    half = None if limit.last_half_width is None else factor * limit.last_half_width
+    # A level curve has no drift and no meaningful half width.
+    is_level = limit.last == 0.0 and not half
+    last = "no trend" if is_level else f"{with_interval(factor * limit.last, half)} {unit}"
+    name = f"{words_of(limit.key)} over {limit_text(limit)}"
+    if limit.strokes is None:
+        return name, "not exceeded", NOTHING, NOTHING, last
+    error = limit_error(limit)
+    digits, hours = digits_of(error), limit.strokes * scene.mechanism.period / 3600.0
+    interval = span_of(limit.strokes, error) or "unknown"
+    return name, large(limit.strokes, digits=digits), interval, readable(hours, digits), last

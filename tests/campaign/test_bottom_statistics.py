@@ -18,7 +18,7 @@ from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.press_analysis import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
-from presswear.show.report_tables import bottom_table, stage_records
+from presswear.show.report_tables import stage_tables
 from presswear.tools.arrays import Array
 
 
@@ -160,7 +160,7 @@ def test_what_dwells_at_its_bottom_is_not_late(part: float, cycles: int) -> None
     stays = stage.bdc.ideal_dwell / press.period
     assert part - 2.0 / 1440.0 < stays < part + 0.01
     result = run(scene)
-    table = bottom_table(result, stage_records(result))
+    table = stage_tables(result)["bottom"]
     assert table is not None
     labels = [row[0] for _, rows in table.groups for row in rows]
     assert "dwell of the ideal motion (ms)" in labels

@@ -14,7 +14,7 @@ import presswear as pw
 from presswear.campaign.campaign import run
 from presswear.results.stage import StageResult
 from presswear.scene.options import Numerics
-from presswear.show.report_tables import overview_table, stage_records
+from presswear.show.report_tables import stage_tables
 
 CRANK = pw.SliderCrank(speed=30.0, gravity=0.0)
 SHEET = pw.Blanking(height=3e-3, force=50.0)
@@ -90,7 +90,7 @@ def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
 
 
 def test_the_report_tells_both_alike(both: list[pw.Result]) -> None:
-    pages = [overview_table(result, stage_records(result)) for result in both]
+    pages = [stage_tables(result)["overview"] for result in both]
     assert pages[0] is not None
     assert pages[1] is not None
     told = [dict(page.groups)["Bottom dead centre"] for page in pages if page is not None]

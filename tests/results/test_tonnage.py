@@ -37,7 +37,7 @@ from presswear.results.press_analysis import (
 )
 from presswear.results.stage import JointResult, JointStatistics
 from presswear.show.figures import drawings
-from presswear.show.report_tables import stage_records, tonnage_table
+from presswear.show.report_tables import stage_tables
 from presswear.tools.arrays import Array
 
 PRESS = pw.Press()
@@ -217,7 +217,7 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str)
         assert 0.0 <= own.reversed_force.mean <= own.largest_by_phase["snap-through"]
         assert (own.reversal_time is None) == (own.reversed_force.mean == 0.0)
     assert told.most_loaded in told.joints
-    table = tonnage_table(result, stage_records(result))
+    table = stage_tables(result)["tonnage"]
     assert table is not None
     assert [name for name, _ in table.groups][-3:] == ["Joint A", "Joint C", "Strokes"]
     (drawing,) = drawings(result, ["tonnage"])

@@ -34,7 +34,7 @@ from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
 from presswear.show.report import render_report, write_report
-from presswear.show.report_tables import moment_table, stage_records
+from presswear.show.report_tables import stage_tables
 from presswear.tools.errors import InputError
 
 
@@ -161,7 +161,7 @@ def test_moments_of_the_strokes() -> None:
     result = altered(
         result, 0, arrays={**arrays, "slider": scene.ideal_slider(result.stages[0].time)}
     )
-    table = moment_table(result, stage_records(result))
+    table = stage_tables(result)["moments"]
     assert table is not None
     cells = {heading: {row[0]: row[1] for row in rows} for heading, rows in table.groups}
     assert list(cells) == ["Touches the work", "Breaks it", "Leaves it"]
