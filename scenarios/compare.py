@@ -1,4 +1,4 @@
-"""How friction and speed change the deepest wear at joint A (paper, sections 5.4.2 and 5.4.3).
+"""Effect of friction and speed on the deepest wear at joint A (paper, sections 5.4.2 and 5.4.3).
 
 Run:  python scenarios/compare.py
 """

@@ -39,7 +39,7 @@ class Coverage(NamedTuple):
 
     @property
     def passes(self) -> bool:
-        """Whether enough intervals hold and the estimates are not biased."""
+        """True if enough intervals hold and the estimates are not biased."""
         return bool(self.held.mean() >= MIN_HELD and abs(self.bias) <= MAX_BIAS)
 
     def __str__(self) -> str:

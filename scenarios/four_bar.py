@@ -1,4 +1,4 @@
-"""A four-bar and a friction law of one's own, with two pins that differ.
+"""Four-bar linkage with two different pins and a user friction law.
 
 Run:  python scenarios/four_bar.py
 """

@@ -1,4 +1,4 @@
-"""Every script in scenarios/ runs, and says a number."""
+"""Scripts in scenarios/: each runs and prints its numbers."""
 
 import math
 import runpy
@@ -27,40 +27,40 @@ def test_a_script_runs(
     with warnings.catch_warnings():
         warnings.simplefilter("error", ResourceWarning)
         runpy.run_path(str(SCENARIOS / f"{name}.py"), run_name="__main__")
-    said = capsys.readouterr().out
-    assert any(sign.isdigit() for sign in said)
-    assert "failed" not in said
+    output = capsys.readouterr().out
+    assert any(sign.isdigit() for sign in output)
+    assert "failed" not in output
 
 
 def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) -> None:
     runpy.run_path(str(SCENARIOS / "servo.py"))["main"](cycles=1, replicates=1)
-    said = capsys.readouterr().out
-    assert said.count("ideal: stroke") == 4
-    assert said.count("load distance of a cycle at A") == 4
+    output = capsys.readouterr().out
+    assert output.count("ideal: stroke") == 4
+    assert output.count("load distance of a cycle at A") == 4
 
 
 def test_bottom_dead_centre_at_two_speeds_without_work_and_with_it(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """The last row is the scene itself, and the last column what it has risen since the first."""
+    """The last row is the scene itself, and the last column the change since the first row."""
     main = runpy.run_path(str(SCENARIOS / "bottom.py"))["main"]
     main("press-blanking", cycles=3, replicates=2)
     rows = [line.split(": ")[1].split(" | ") for line in capsys.readouterr().out.splitlines()[1:]]
     assert len(rows) == 4
     scene = pw.scenes.press_blanking(wear_updates=0, cycles=3, replicates=2)
-    told = pw.run(scene, engine="dae").stages[0].bdc
+    error = pw.run(scene, engine="dae").stages[0].bdc.error
     first, last, risen = map(_with_half_width, (rows[0][0], rows[-1][0], rows[-1][2]))
-    # Told to two digits of the half width: rounded by a twentieth of it at most.
-    assert last[0] == pytest.approx(1e6 * told.error.mean, abs=last[1] / 20.0)
+    # Printed to two digits of the half width, so rounded by at most a twentieth of it.
+    assert last[0] == pytest.approx(1e6 * error.mean, abs=last[1] / 20.0)
     rounded = (first[1] + last[1] + risen[1]) / 20.0
     assert risen[0] == pytest.approx(last[0] - first[0], abs=rounded)
     main("ideal", cycles=3, replicates=1)
     assert len(capsys.readouterr().out.splitlines()) == 3
 
 
-def _with_half_width(told: str) -> list[float]:
-    """A number that is told with its half width, and that."""
-    return [float(own.replace("−", "-").replace("\u202f", "")) for own in told.split("±")]
+def _with_half_width(text: str) -> list[float]:
+    """Return a number and its half width."""
+    return [float(part.replace("−", "-").replace("\u202f", "")) for part in text.split("±")]
 
 
 def test_the_second_wear_under_every_assumption(
@@ -102,14 +102,14 @@ def test_campaigns_share_no_seed_with_each_other_or_the_truth() -> None:
 
 @pytest.mark.slow
 def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
-    """Of twenty intervals of 95 % fewer than seventeen hold by chance in one of forty."""
+    """Fewer than seventeen of twenty intervals of 95 % hold by chance in one case of forty."""
     script = runpy.run_path(str(SCENARIOS / "coverage.py"))
     every = script["make_scenes"]("refined", wear_updates=1)
     some = {f"campaign-{k}": every[f"campaign-{k}"] for k in range(1, 21)}
     some |= {f"truth-{k}": replace(every[f"truth-{k}"], cycles=100) for k in range(1, 9)}
     results = pw.run_scenes(some, tmp_path, jobs=2)
-    stages = [[script["intervals_of"](stage) for stage in own.stages] for own in results.values()]
-    wear = [own for own in script["coverages"](stages[20:], stages[:20]) if own.stage == "no wear"]
+    stages = [[script["intervals_of"](stage) for stage in one.stages] for one in results.values()]
+    wear = [one for one in script["coverages"](stages[20:], stages[:20]) if one.stage == "no wear"]
     assert len(wear) == 1 + 2 * 4
     for coverage in wear:
         assert coverage.held.sum() >= 17, coverage

@@ -25,7 +25,7 @@ class Comparison:
 
     @property
     def is_difference(self) -> bool:
-        """Whether differences are compared, because the quantity may change its sign."""
+        """True for quantities that may change their sign, whose differences are compared."""
         return self.quantity in ("angle", "lag")
 
     @property

@@ -157,7 +157,7 @@ def _from_cycles(result: pw.Result, place: Place, quantity: str) -> Measured | N
     if not every:
         return None
     count = result.scene.draws
-    # After a wear each replicate also runs on surfaces of its own, which gives the interval.
+    # After a wear each replicate also runs alone on its surfaces, which gives the interval.
     alone = every[-count:] if place.wear_updates > 0 else ()
     together = every[:count]
     estimate, differ = pw.statistics.pooled(together, alone)

@@ -228,7 +228,7 @@ def _number_line(evidence: Evidence, number: Printed, place: Place) -> tuple[str
     if ours is not None and ours.differ:
         remarks.append("our replicates differ, so that the interval is over replicates")
     over = None
-    if ours is not None and number.quantity != "angle":
+    if ours is not None and ours.estimate.mean > 0.0 and number.quantity != "angle":
         over = number.value / ours.estimate.mean
     line = (
         printed_text(number.value, number.quantity),
@@ -382,8 +382,8 @@ def run_table(evidence: Evidence) -> Table:
     records = []
     for name, result in evidence.results.items():
         statistics = [stage.statistics for stage in result.stages]
-        ran = [one for one in statistics if one.energy_exchanged]
-        residuals = [abs(one.energy_residual) / one.energy_exchanged for one in ran]
+        moving = [one for one in statistics if one.energy_exchanged]
+        residuals = [abs(one.energy_residual) / one.energy_exchanged for one in moving]
         record = {
             "label": settings.run_label(name),
             "cycles": ", ".join(whole(one.cycles) for one in statistics),

@@ -63,7 +63,7 @@ def test_each_sensitivity_changes_one_assumption_of_the_first_setting() -> None:
     scenes = make_scenes()
     first = list(scenes.values())[: len(settings.SETTINGS)]
     made = [setting.make() for setting in settings.SETTINGS.values()]
-    assert [scene.mechanism.period for scene in first] == [own.mechanism.period for own in made]
+    assert [scene.mechanism.period for scene in first] == [scene.mechanism.period for scene in made]
     assert first[0].replicates == settings.REPLICATES
     base = first[0].as_dict()
     names = {name.partition("--")[0]: scene for name, scene in scenes.items()}

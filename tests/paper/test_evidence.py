@@ -22,20 +22,20 @@ body_maps = partial(evidence_of, SETTING, conventions=pw.Conventions(map_frame="
 
 
 def measured(evidence: Evidence, quantity: str, wear_updates: int = 0, joint: str = "") -> Measured:
-    found = evidence.measured(BASE, Place(SETTING, wear_updates, joint), quantity)
-    assert found is not None
-    return found
+    result = evidence.measured(BASE, Place(SETTING, wear_updates, joint), quantity)
+    assert result is not None
+    return result
 
 
 def test_a_peak_is_the_mean_over_cycles_after_the_startup_of_each_replicate() -> None:
     arrays = one(0, 1, force=[EVEN] * 3)
-    found = measured(evidence_of(SETTING, arrays), "force", joint="A")
+    result = measured(evidence_of(SETTING, arrays), "force", joint="A")
     samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE]
-    assert found.estimate.mean == pytest.approx(samples.mean())
-    assert (found.estimate.samples, found.replicates) == (samples.size, 3)
-    assert (found.estimate.low or 0.0) < 200.0 < (found.estimate.high or 0.0)
-    assert found.single_cycles is not None
-    assert found.single_cycles[0] < 170.0 < 225.0 < found.single_cycles[1]
+    assert result.estimate.mean == pytest.approx(samples.mean())
+    assert (result.estimate.samples, result.replicates) == (samples.size, 3)
+    assert (result.estimate.low or 0.0) < 200.0 < (result.estimate.high or 0.0)
+    assert result.single_cycles is not None
+    assert result.single_cycles[0] < 170.0 < 225.0 < result.single_cycles[1]
 
 
 def test_recorded_numbers_of_cycles_are_read_by_name() -> None:
@@ -71,11 +71,11 @@ def test_after_a_wear_the_replicates_alone_give_the_interval() -> None:
     """The value is of the runs on common surfaces; the others say how far it may be off."""
     force = [EVEN] * 2 + [{name: 1.5 * value for name, value in EVEN.items()}] * 2
     second = one(1, 2, force=force)
-    found = measured(evidence_of(SETTING, one(0, 1), second, replicates=2), "force", 1, "A")
+    result = measured(evidence_of(SETTING, one(0, 1), second, replicates=2), "force", 1, "A")
     each = second["cycles"].reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE].mean(axis=1)
-    assert found.estimate.mean == pytest.approx(each[:2].mean())
+    assert result.estimate.mean == pytest.approx(each[:2].mean())
     half = math.hypot(half_width(each[2:]) or 0.0, each[:2].mean() - each[2:].mean())
-    assert found.estimate.half_width == pytest.approx(half)
+    assert result.estimate.half_width == pytest.approx(half)
 
 
 def test_a_wear_of_few_cycles_has_no_interval_and_what_did_not_run_is_missing() -> None:
