@@ -339,8 +339,8 @@ def _recorded_peak(scene: Scene, stage: StageResult) -> Record | None:
         return None
     # The same cycles as in the statistics.
     cycles = int((float(time[-1]) - scene.run_up) / period + 1e-3)
-    begin = scene.run_up + period * max(min(STARTUP_CYCLES, cycles - 1), 0)
-    rows = np.flatnonzero(time >= begin - 1e-9 * period)
+    start = scene.run_up + period * max(min(STARTUP_CYCLES, cycles - 1), 0)
+    rows = np.flatnonzero(time >= start - 1e-9 * period)
     forces = {name: joint.force[rows, 0] for name, joint in stage.joints.items()}
     joint = max(forces, key=lambda name: float(forces[name].max(initial=0.0)))
     if not np.any(forces[joint] > 0.0):
@@ -409,7 +409,7 @@ def _moment_table(result: Result, records: Sequence[Record]) -> Table | None:
     """Return phase angles and heights at which strokes touch, break and leave the work."""
     scene = result.scene
     names = {"contact": "Touches the work", "fracture": "Breaks it", "separation": "Leaves it"}
-    begin = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
+    start = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
     moments = []
     for record in records:
         strokes = strokes_of(scene, record["stage"])
@@ -417,7 +417,7 @@ def _moment_table(result: Result, records: Sequence[Record]) -> Table | None:
         for name in names if strokes else ():
             rows = getattr(strokes, name)
             rows = rows[~np.isnan(rows[:, 0])]
-            settled = rows[rows[:, 0] >= begin]
+            settled = rows[rows[:, 0] >= start]
             rows = settled if len(settled) else rows
             if len(rows):
                 angle = phase_degrees(scene, rows[:, 0])
@@ -535,8 +535,8 @@ def motion_table(result: Result) -> Table | None:
 
 def _motion_record(result: Result, stage: StageResult) -> Record:
     scene, joints = result.scene, result.scene.clearance_joints
-    begin, end = settled_span(scene, stage)
-    cycles = (end - begin) / scene.mechanism.period
+    start, end = settled_span(scene, stage)
+    cycles = (end - start) / scene.mechanism.period
     lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
     together = combine(list(lines.values()))
     spectra = spectra_of(scene, stage)

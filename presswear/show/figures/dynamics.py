@@ -203,11 +203,11 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
         for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
             stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
-        found = [(stage.pen.colour, resonance(stage.data, joint)) for stage in shown]
-        for colour, frequency in found:
+        frequencies = [(stage.pen.colour, resonance(stage.data, joint)) for stage in shown]
+        for colour, frequency in frequencies:
             if frequency is not None:
                 axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
-        if hertz := sorted(frequency for _, frequency in found if frequency is not None):
+        if hertz := sorted(frequency for _, frequency in frequencies if frequency is not None):
             ends = dict.fromkeys(map(readable, (hertz[0], hertz[-1])))
             resonances.append(f"{joint} {' to '.join(ends)} Hz")
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")

@@ -181,7 +181,7 @@ def _draw_body(
     """Draw a bar between two joints, a plate between more or a block around one."""
     distinct: list[Array] = []
     for point in points:
-        if all(np.abs(point - other).max() > 1e-6 * size for other in distinct):
+        if all(np.abs(point - corner).max() > 1e-6 * size for corner in distinct):
             distinct.append(point)
     corners = np.array([*distinct, centre] if len(distinct) == 1 else distinct or [centre])
     direction = _UP

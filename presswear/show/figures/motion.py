@@ -79,7 +79,7 @@ class Window:
 
     Attributes
     ----------
-    begin, end, period, run_up : float
+    start, end, period, run_up : float
         s.
     phase : str
         Name of the angle that makes a full turn in a cycle.
@@ -87,7 +87,7 @@ class Window:
         Description of the part.
     """
 
-    begin: float
+    start: float
     end: float
     period: float
     run_up: float
@@ -96,7 +96,7 @@ class Window:
 
     def label(self, axes: Axes) -> None:
         """Limit a time axis to the window and mark the phase of the cycle on it."""
-        axes.set_xlim(self.begin, self.end)
+        axes.set_xlim(self.start, self.end)
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
         axes.xaxis.set_major_formatter(
             lambda time, place: f"{360.0 * (time - 0.5 * self.run_up) / self.period:.0f}"
@@ -109,9 +109,9 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     period, run_up = result.scene.mechanism.period, result.scene.run_up
     whole = [round((float(stage.data.time[-1]) - run_up) / period - 0.48) for stage in stages]
     first = max(min(STARTUP_CYCLES, min(whole) - 1), 0)
-    begin = run_up + first * period
+    start = run_up + first * period
     last = max(float(stage.data.time[-1]) for stage in stages)
-    end = min(begin + SHOWN_CYCLES * period, last)
+    end = min(start + SHOWN_CYCLES * period, last)
     count = (end - run_up) / period
     cycles = round(count)
     if abs(count - cycles) > 0.02:
@@ -121,9 +121,9 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     else:
         words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
     words = f"{words} of {1e3 * period:.0f} ms{' after the run-up' if run_up > 0.0 else ''}"
-    shown = [replace(stage, data=between(stage.data, begin, end)) for stage in stages]
+    shown = [replace(stage, data=between(stage.data, start, end)) for stage in stages]
     phase = result.scene.mechanism.linkage().phase
-    return shown, Window(begin, end, period, run_up, phase, words)
+    return shown, Window(start, end, period, run_up, phase, words)
 
 
 def _pens(stages: Iterable[ShownStage]) -> list[Pen]:
@@ -138,9 +138,9 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
         return []
     shown, window = settled(result, moving)
     factor, unit = unit_scale("m", scene.stroke)
-    time = np.linspace(window.begin, window.end, 1001)
-    start = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
-    ideal = start + scene.ideal_slider(time)[:, 0] - scene.bottom
+    time = np.linspace(window.start, window.end, 1001)
+    offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
+    ideal = offset + scene.ideal_slider(time)[:, 0] - scene.bottom
     sheet, ((axes,),) = panels(1, 1, 2.9)
     marks: dict[str, str] = {}
     for stage, full in zip(shown, moving, strict=True):
@@ -148,7 +148,7 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
         strokes = strokes_of(scene, full.data)
         for name, (mark, words) in _MOMENTS.items() if strokes else ():
             moments = getattr(strokes, name)
-            inside = (moments[:, 0] >= window.begin) & (moments[:, 0] <= window.end)
+            inside = (moments[:, 0] >= window.start) & (moments[:, 0] <= window.end)
             if inside.any():
                 marks[mark] = words
                 when, height = moments[inside].T
@@ -172,7 +172,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     if not moving:
         return []
     shown, window = settled(result, moving)
-    output, time = result.scene.output, np.linspace(window.begin, window.end, 2001)
+    output, time = result.scene.output, np.linspace(window.start, window.end, 2001)
     ideal = result.scene.ideal_slider(time)
     has_impacts = bool(result.scene.clearance_joints)
     heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * has_impacts
@@ -241,8 +241,8 @@ def _draw_jagged(
         Largest value of each cycle. The series is thinned, so a peak may lie between its rows.
     """
     ends = stage.data.time[[0, -1]] - window.run_up
-    begin, end = (int(time / window.period + 0.02) for time in ends)
-    peaks = each_cycle[begin:end]
+    start, end = (int(time / window.period + 0.02) for time in ends)
+    peaks = each_cycle[start:end]
     largest = max(float(np.abs(values).max()), float(peaks.max(initial=0.0)))
     axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
     note(axes, f"{stage.pen.label}, largest {readable(largest)} {unit}")
@@ -347,7 +347,7 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
         f"Centre of the pin relative to the centre of its bearing over {window.words}, in fixed "
         "directions."
     )
-    if window.begin == 0.0:
+    if window.start == 0.0:
         caption += " The pin starts in the middle."
     depths = (stage.data.joints[j].depth(side) for stage in shown for j in joints for side in SIDES)
     if not is_bounded and any(np.any(depth > 0.0) for depth in depths):
@@ -485,12 +485,12 @@ def drive_work(result: Result, stages: Stages) -> list[Drawing]:
     sheet, grid = panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
     curves = [(stage.pen, stage.data.time, curves_of(scene, stage.data)) for stage in shown]
     ideal = ideal_curves(scene)
-    cycles = np.arange(np.ceil((window.end - window.begin) / window.period))
+    cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):
         time = ideal[drive].time - scene.run_up - window.period
-        time = np.add.outer(window.begin + window.period * cycles, time).ravel()
+        time = np.add.outer(window.start + window.period * cycles, time).ravel()
         for axes, name, unit in zip(row, ("torque", "power"), ("N m", "W"), strict=True):
-            lines = [(pen, times, getattr(found[drive], name)) for pen, times, found in curves]
+            lines = [(pen, times, getattr(each[drive], name)) for pen, times, each in curves]
             expected = np.tile(getattr(ideal[drive], name), cycles.size)
             _draw_drive(axes, lines, (time, expected), unit)
             axes.set_ylabel(f"{name} ({unit})")

@@ -123,9 +123,9 @@ def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     return [result.stage_name(stage.index) if has_wear else "computed" for stage in stages]
 
 
-def between(stage: StageResult, begin: float, end: float) -> StageResult:
+def between(stage: StageResult, start: float, end: float) -> StageResult:
     """Return the stage with the rows of all its series between two times, s."""
-    first = int(np.searchsorted(stage.time, begin))
+    first = int(np.searchsorted(stage.time, start))
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
     series = ["time", "slider", "drive_torque"]
     series += [f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_SERIES]

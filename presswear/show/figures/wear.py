@@ -133,13 +133,13 @@ def seam(angle: Array, depths: list[Array]) -> float:
 
 def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> None:
     peaks = [MICRONS * float(depth.max()) for _, depth in curves]
-    begin = seam(angle, [depth for _, depth in curves])
-    since = (np.degrees(angle) - begin) % 360.0
+    start = seam(angle, [depth for _, depth in curves])
+    since = (np.degrees(angle) - start) % 360.0
     order = np.argsort(since)
     for pen, depth in curves:
         width = 0.9 if pen.colour == MUTED else 1.2
-        pen.draw(axes, begin + since[order], MICRONS * depth[order], linewidth=width)
-    axes.set_xlim(begin, begin + 360.0)
+        pen.draw(axes, start + since[order], MICRONS * depth[order], linewidth=width)
+    axes.set_xlim(start, start + 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(_TICKS))
     axes.xaxis.set_major_formatter(lambda place, _: f"{place % 360.0:.0f}")
     if peaks and max(peaks) > _LINEAR_RATIO * min(peaks):
@@ -172,8 +172,10 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     sheet, (row,) = panels(1, len(joints), 2.9)
     for axes, joint in zip(row, joints, strict=True):
         for side, pen in _SURFACES.items():
-            start = float(result.stages[0].joints[joint].depth(side).max())
-            depth = MICRONS * np.array([start, *(step.max_depth[joint][side] for step in steps)])
+            initial = float(result.stages[0].joints[joint].depth(side).max())
+            depth = MICRONS * np.array(
+                [initial, *(step.max_depth[joint][side] for step in steps)]
+            )
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_updates(axes, updates)
         axes.set_xlim(cycles[first], None)
