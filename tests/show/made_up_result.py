@@ -203,5 +203,5 @@ def lived(result: Result, life: LifeResult | None = None) -> Result:
 def not_passed(ended: Ended = "at_most", message: str = "") -> LifeResult:
     """The same life where no limit is passed within five million strokes."""
     life = made_up_life(None, None)
-    limits = [replace(own, strokes=None, last=0.5 * own.value) for own in life.limits]
+    limits = [replace(limit, strokes=None, last=0.5 * limit.value) for limit in life.limits]
     return replace(life, ended=ended, message=message, limits=tuple(limits))

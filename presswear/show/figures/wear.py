@@ -173,9 +173,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     for axes, joint in zip(row, joints, strict=True):
         for side, pen in _SURFACES.items():
             initial = float(result.stages[0].joints[joint].depth(side).max())
-            depth = MICRONS * np.array(
-                [initial, *(step.max_depth[joint][side] for step in steps)]
-            )
+            depth = MICRONS * np.array([initial, *(step.max_depth[joint][side] for step in steps)])
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_updates(axes, updates)
         axes.set_xlim(cycles[first], None)
