@@ -35,7 +35,7 @@ from presswear.recording.observer import Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
-    LEAST_SAMPLES,
+    MIN_SAMPLES,
     STARTUP_CYCLES,
     MapBatches,
     map_batches,
@@ -297,7 +297,7 @@ def first_round(spec: RunSpec, runs: int) -> tuple[int, ...]:
     """Return the cycles of each run of a set at the end of the first round."""
     if spec.tolerance is None:
         return (spec.cycles,) * runs
-    total = STARTUP_CYCLES * runs + max(FEWEST, LEAST_SAMPLES * runs)
+    total = STARTUP_CYCLES * runs + max(FEWEST, MIN_SAMPLES * runs)
     return tuple(min(cycles, spec.cycles) for cycles in deal(total, runs))
 
 

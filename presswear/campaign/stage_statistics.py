@@ -149,7 +149,7 @@ def _wear_peaks(joint: ClearanceJoint, wear: StageWear) -> dict[str, WearPeak]:
             draws = resampled(drawn, wear.weights)
             centre = np.average(drawn, axis=0, weights=wear.weights)
             peak = peak_of(depth, draws, len(wear.maps), centre)
-            estimates = widened(peak.depth, error or 0.0), peak.angle
+            estimates = widened(peak[0], error or 0.0), peak[1]
         peaks[name] = WearPeak(*estimates, error)
     return peaks
 

@@ -191,7 +191,7 @@ def _from_maps(result: pw.Result, place: Place, stages: range) -> dict[str, Meas
         if name == "angle":
             if len(mean) > 1:
                 return None  # maps on two bodies have no common angle
-            estimate = pw.statistics.peak_of(mean[0], draws[:, 0], count).angle
+            estimate = pw.statistics.peak_of(mean[0], draws[:, 0], count)[1]
         else:
             functional = _FUNCTIONALS[QUANTITIES[name].path]
             value = float(functional(centre))

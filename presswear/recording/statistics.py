@@ -1,12 +1,11 @@
-"""Cycles as samples of a chaotic motion: means, wear maps and peaks with their intervals.
+"""Statistics of cycles, which are samples of a chaotic motion: means, wear maps, intervals.
 
-Beyond some twenty impacts the motion is chaotic and one run is one draw.  Cycles behind the
-start-up are the samples: in the first the pins fall on their bearings all at once, and the second
-knocks less than any later one (of a hundred starts of the paper's scene the mean peak forces at A
-are 271, 82, 120, 131, 118 N).  Where there are many they are put together in batches of
-neighbours, so that what one cycle hands on to the next is counted once: the method of batch
-means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Estimates are of
-95 %.
+Beyond some twenty contacts the motion is chaotic and one run is one sample.  Cycles after the
+start-up are the samples: in the first cycle the pins fall on their bearings all at once, and the
+second knocks less than any later one (mean peak forces at A of a hundred replicates of the paper's
+scene are 271, 82, 120, 131, 118 N).  Many cycles are averaged in batches of neighbours, so that
+what one cycle passes on to the next is counted once: the method of batch means (Law and Kelton,
+Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are of 95 %.
 """
 
 import math
@@ -21,16 +20,13 @@ from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 
-STARTUP_CYCLES = 2
-"""Cycles at the start that are no samples; where no more ran, the last of them is the only one."""
-LEAST_SAMPLES = 3
-MOST_BATCHES = 32
-"""When there would be more batches, neighbours become one."""
+STARTUP_CYCLES = 2  # that are no samples; if no more ran, the last of them is the only one
+MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
+MAX_BATCHES = 32  # with more, two neighbours become one
 LEVEL = 0.95
-RANGE_STROKES = 10
-"""Successive strokes over which the range of something is told."""
-RESAMPLES = 1000
-"""Draws of a bootstrap: an end of an interval scatters by about 5 % of its width."""
+RANGE_STROKES = 10  # successive strokes of which the range is computed
+RESAMPLES = 1000  # of a bootstrap: an end of an interval scatters by about 5 % of its width
+_ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
 
 @final
@@ -73,16 +69,16 @@ class Estimate:
 
 
 def after_startup(rows: Array) -> Array:
-    """The rows, one a cycle, that are samples."""
+    """Return the rows, one per cycle, that are samples."""
     return rows[max(min(STARTUP_CYCLES, len(rows) - 1), 0) :]
 
 
 def batched(samples: Array) -> Array:
-    """Means of at most MOST_BATCHES batches of equal size, shape (batches, ...).
+    """Return means of at most MAX_BATCHES batches of equal size, shape (batches, ...).
 
-    What does not fill a batch is left out, at the start.
+    Samples that do not fill a batch are left out, at the start.
     """
-    size = -(-len(samples) // MOST_BATCHES)
+    size = -(-len(samples) // MAX_BATCHES)
     if size <= 1:
         return samples
     count = len(samples) // size
@@ -91,31 +87,25 @@ def batched(samples: Array) -> Array:
 
 
 def half_width(samples: Array) -> float | None:
-    """Half width of Student's interval of a mean; None for fewer than two samples."""
+    """Return the half width of Student's interval of a mean; None for fewer than two samples."""
     count = len(samples)
     if count < 2:
         return None
-    spread = float(samples.std(ddof=1)) / math.sqrt(count)
-    return quantile(count - 1) * spread
+    return quantile(count - 1) * (float(samples.std(ddof=1)) / math.sqrt(count))
 
 
 def quantile(freedom: float) -> float:
-    """Student's quantile at the upper end of an interval; of the normal distribution at inf."""
-    # Slow to import, and the whole of scipy.stats three times as slow.
-    from scipy.special import stdtrit
+    """Return Student's quantile at the upper end of an interval; the normal one for infinity."""
+    from scipy.special import stdtrit  # slow to import, and scipy.stats three times as slow
 
     return float(stdtrit(freedom, 0.5 + 0.5 * LEVEL))
 
 
 def estimate(rows: Array) -> Estimate:
-    """Mean and interval of one number a cycle, shape (cycles,), start-up included."""
+    """Return mean and interval of one number per cycle, shape (cycles,), start-up included."""
     samples = after_startup(rows)
     mean = float(samples.mean()) if samples.size else math.nan
     return Estimate.symmetric(mean, half_width(batched(samples)), samples.size)
-
-
-def _no_maps() -> Array:
-    return np.zeros(0)
 
 
 @dataclass
@@ -127,9 +117,9 @@ class MapBatches:
     Attributes
     ----------
     shape : tuple of int
-        (joints, 2, m).
+        (joints, 2, bins).
     cycles : int
-        Cycles filed, start-up included.
+        Cycles added, start-up included.
     size : int
         Cycles in a full batch.
     """
@@ -137,46 +127,46 @@ class MapBatches:
     shape: tuple[int, ...]
     cycles: int = 0
     size: int = 1
-    _last: Array = field(default_factory=_no_maps)
-    _sums: Array = field(default_factory=_no_maps)
+    _last: Array = field(default_factory=lambda: np.zeros(0))
+    _sums: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         self._last = np.zeros(self.shape)
-        self._sums = np.zeros((MOST_BATCHES, *self.shape))
+        self._sums = np.zeros((MAX_BATCHES, *self.shape))
 
     def add(self, depth: Array) -> None:
-        """File the depth that one cycle added, m."""
+        """Add the depth that one cycle added, m."""
         self.cycles += 1
         if self.cycles <= STARTUP_CYCLES:
             self._last[...] = depth
             return
-        behind = self.cycles - STARTUP_CYCLES - 1
-        if behind == MOST_BATCHES * self.size:
-            half = MOST_BATCHES // 2
+        before = self.cycles - STARTUP_CYCLES - 1
+        if before == MAX_BATCHES * self.size:
+            half = MAX_BATCHES // 2
             self._sums[:half] = self._sums[0::2] + self._sums[1::2]
             self._sums[half:] = 0.0
             self.size *= 2
-        self._sums[behind // self.size] += depth
+        self._sums[before // self.size] += depth
 
     @property
     def samples(self) -> int:
-        """Cycles that are samples."""
+        """Number of cycles that are samples."""
         return max(self.cycles - STARTUP_CYCLES, min(self.cycles, 1))
 
     @property
     def sampled(self) -> Array:
-        """Depth of the samples, m."""
+        """Depth of all samples, m."""
         return np.asarray(self._sums.sum(axis=0)) if self.cycles > STARTUP_CYCLES else self._last
 
     @staticmethod
     def stored(state: State) -> "MapBatches":
-        """The maps of a state."""
+        """Return the maps of a state."""
         maps = MapBatches(state["last"].shape)
         maps.restore(state)
         return maps
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """All that changes, copied."""
+        """Return copies of all arrays that change."""
         return {
             "filed": np.array([self.cycles, self.size]),
             "last": self._last.copy(),
@@ -184,43 +174,42 @@ class MapBatches:
         }
 
     def restore(self, stored: State) -> None:
-        """Go on from a state of maps of the same shape."""
+        """Resume from a state of maps of the same shape."""
         self.cycles, self.size = (int(number) for number in stored["filed"])
         self._last[...] = stored["last"]
         self._sums[...] = stored["sums"]
 
     def batches(self) -> Array:
-        """Mean depth per cycle in each full batch, shape (batches, joints, 2, m), m."""
+        """Return the mean depth per cycle in each full batch, shape (n, joints, 2, bins), m."""
         count = max(self.cycles - STARTUP_CYCLES, 0) // self.size
         return np.asarray(self._sums[:count] / self.size)
 
 
 def mean_map(runs: Sequence[MapBatches]) -> Array:
-    """Mean depth of a sample, m."""
+    """Return the mean depth of a sample, m."""
     depth = np.sum([run.sampled for run in runs], axis=0)
     return np.asarray(depth / max(sum(run.samples for run in runs), 1))
 
 
 def map_batches(runs: Sequence[MapBatches]) -> tuple[Array, Array]:
-    """Batches of all runs, shape (n, joints, 2, m), m, and the cycles in each, (n,)."""
+    """Return batches of all runs, shape (n, joints, 2, bins), m, and the cycles in each, (n,)."""
     maps = np.concatenate([run.batches() for run in runs])
     weights = np.concatenate([np.full(len(run.batches()), float(run.size)) for run in runs])
     return maps, weights
 
 
 def map_errors(maps: Array, weights: Array) -> Array:
-    """Standard error of each joint's mean map as part of its rms, shape (joints,).
+    """Return the standard error of each joint's mean map relative to its rms, shape (joints,).
 
-    Infinite where there are too few samples.
+    Infinite if there are too few samples.
 
     Parameters
     ----------
-    maps : ndarray, shape (n, joints, 2, m)
-        By batches.
+    maps : ndarray, shape (n, joints, 2, bins)
     weights : ndarray, shape (n,)
-        Cycles in each; the variance of a batch goes as one over them.
+        Cycles in each map; its variance goes as one over them.
     """
-    if len(maps) < LEAST_SAMPLES:
+    if len(maps) < MIN_SAMPLES:
         return np.full(maps.shape[1], math.inf)
     share = weights / weights.sum()
     mean = np.tensordot(share, maps, 1)
@@ -229,26 +218,8 @@ def map_errors(maps: Array, weights: Array) -> Array:
     return np.where(size > 0.0, np.sqrt(noise / np.where(size > 0.0, size, 1.0)), 0.0)
 
 
-@dataclass(frozen=True)
-class Peak:
-    """The deepest place of a wear map: depth, m, and angle, rad.
-
-    The ends of the angle's interval are continuous with the angle itself: they may lie below
-    0 or above 2 pi.
-    """
-
-    depth: Estimate
-    angle: Estimate
-
-
 def widened(estimate: Estimate, error: float) -> Estimate:
-    """Return an estimate with an independent error added to its interval, root of sum of squares.
-
-    Parameters
-    ----------
-    error : float
-        In the estimate's unit.
-    """
+    """Return an estimate with an independent error added as the root of the sum of squares."""
     if estimate.low is None or estimate.high is None:
         return estimate
     below, above = estimate.mean - estimate.low, estimate.high - estimate.mean
@@ -269,11 +240,11 @@ def about(mean: float, estimate: Estimate) -> Estimate:
 
 
 def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
-    """Bootstrap of a weighted mean over maps, shape (RESAMPLES, m); a seed gives its draws.
+    """Return bootstrap samples of a weighted mean over maps, shape (RESAMPLES, bins).
 
     Parameters
     ----------
-    maps : ndarray, shape (n, m)
+    maps : ndarray, shape (n, bins)
     weights : ndarray, shape (n,)
         Cycles in each.
     """
@@ -284,54 +255,52 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
 
 
 def basic_interval(value: float, draws: Array, count: int) -> Estimate:
-    """Estimate of a statistic from what it is in bootstrap draws, shape (RESAMPLES,).
+    """Return the interval of a statistic from its bootstrap samples, shape (RESAMPLES,).
 
-    What is biased by noise, such as the deepest of many bins, is biased again by as much in
-    the draws: the interval is turned about the estimate ("basic" bootstrap, Davison and
-    Hinkley, Bootstrap Methods and their Application, section 2.4).  It is widened as
-    Student's is.
+    A statistic that is biased by noise, such as the deepest of many bins, is biased again by as
+    much in the samples: the interval is reflected at the estimate ("basic" bootstrap, Davison and
+    Hinkley, Bootstrap Methods and their Application, section 2.4), and widened as Student's is.
 
     Parameters
     ----------
     count : int
-        Samples that the draws are from.
+        Number of maps that the samples are from.
     """
-    if count < LEAST_SAMPLES:
+    if count < MIN_SAMPLES:
         return Estimate(value, samples=count)
     ends = value - _widening(count) * (np.quantile(draws, _ENDS[::-1]) - value)
     return Estimate(value, float(ends[0]), float(ends[1]), count)
 
 
-_ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
-
-
 def _widening(count: int) -> float:
-    """Student's quantile over that of the normal distribution, and the bias of a spread."""
+    """Return Student's quantile over the normal one, times the bias of a standard deviation."""
     return quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
 
 
-def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Estimate:
-    """Estimate of the angle, rad, of a bin from where it is in bootstrap draws."""
+def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Estimate:
+    """Return the angle of a bin, rad, with its interval from its places in bootstrap samples.
+
+    The ends are continuous with the angle: they may lie below 0 or above 2 pi.
+    """
     angle = 2.0 * math.pi * (place + 0.5) / bins
-    if count < LEAST_SAMPLES:
+    if count < MIN_SAMPLES:
         return Estimate(angle, samples=count)
     moved = (places - place + bins // 2) % bins - bins // 2
     left, right = _widening(count) * np.quantile(moved, _ENDS)
-    # No place is known better than its bin.
-    width = 2.0 * math.pi / bins
+    width = 2.0 * math.pi / bins  # no place is known better than its bin
     low, high = angle + width * min(float(left), -0.5), angle + width * max(float(right), 0.5)
     return Estimate(angle, low, high, count)
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
-    """Ends of the interval of each place of a mean map from its draws.
+    """Return the ends of the interval of each bin of a mean map; of one map the mean twice.
 
     Parameters
     ----------
-    mean : ndarray, shape (m,)
-    draws : ndarray, shape (RESAMPLES, m)
+    mean : ndarray, shape (bins,)
+    draws : ndarray, shape (RESAMPLES, bins)
     count : int
-        Maps that the draws are from; of one the ends are the mean.
+        Number of maps that the samples are from.
     """
     if count < 2:
         return mean, mean
@@ -339,40 +308,44 @@ def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Ar
     return low, high
 
 
-def peak_of(mean: Array, draws: Array, count: int, centre: Array | None = None) -> Peak:
-    """The deepest place of a mean wear map.
+def peak_of(
+    mean: Array, draws: Array, count: int, centre: Array | None = None
+) -> tuple[Estimate, Estimate]:
+    """Return depth, m, and angle, rad, of the deepest place of a mean wear map.
 
     Parameters
     ----------
-    mean : ndarray, shape (m,)
-        Depth at the bin centres, m.
-    draws : ndarray, shape (RESAMPLES, m)
-        Of ``resampled``.
+    mean : ndarray, shape (bins,)
+        Depth, m.
+    draws : ndarray, shape (RESAMPLES, bins)
+        Bootstrap samples of ``resampled``.
     count : int
-        Maps that the draws are from.
-    centre : ndarray, shape (m,) or None
-        The mean of those maps, where it is another, m.
+        Number of maps that the samples are from.
+    centre : ndarray, shape (bins,) or None
+        Mean of these maps, if it differs from the mean, m. The interval is then moved to the mean
+        and widened by the distance.
     """
     place = int(mean.argmax())
     deepest = float((mean if centre is None else centre).max())
     depth = about(float(mean[place]), basic_interval(deepest, draws.max(axis=1), count))
     if depth.low is not None:
         depth = replace(depth, low=max(depth.low, 0.0))
-    return Peak(depth, turned_interval(place, draws.argmax(axis=1), mean.size, count))
+    return depth, angle_interval(place, draws.argmax(axis=1), mean.size, count)
 
 
 def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate, bool]:
-    """Mean over the cycles of several runs, start-up left out, and whether the runs differ.
+    """Return the mean over the cycles of several runs, and whether the runs differ.
 
-    Runs whose means differ by more than their cycles explain (one-way analysis of variance,
-    1 %) are single samples themselves: their interval is that of the runs.
+    Runs whose means differ by more than their cycles explain (one-way analysis of variance, 1 %)
+    are single samples themselves: the interval is that of the runs.
 
     Parameters
     ----------
     runs : sequence of ndarray, shape (cycles,)
+        Start-up included.
     alone : sequence of ndarray
-        The same of runs that are known to be single samples, such as those on surfaces of their
-        own: their scatter, and how far their mean is from this one, give the interval.
+        Runs that are single samples, such as those on surfaces of their own: their scatter, and the
+        distance of their mean from that of the runs, give the interval.
     """
     samples = [after_startup(rows) for rows in runs]
     everything = np.concatenate(samples)
@@ -381,25 +354,25 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
         means = np.array([after_startup(rows).mean() for rows in alone])
         half = math.hypot(half_width(means) or 0.0, mean - float(means.mean()))
         return Estimate.symmetric(mean, half, everything.size), True
-    apart = differ(samples)
-    half_within = half_width(_parts(samples, apart))
-    return Estimate.symmetric(mean, half_within, everything.size), apart
+    differing = differ(samples)
+    half_within = half_width(_independent(samples, differing))
+    return Estimate.symmetric(mean, half_within, everything.size), differing
 
 
-def _parts(samples: Sequence[Array], apart: bool) -> Array:
-    """Independent parts of several runs: their batches, or their means where they differ."""
+def _independent(samples: Sequence[Array], differing: bool) -> Array:
+    """Return batches of several runs, or their means if the runs differ."""
     return np.concatenate(
-        [some.mean(keepdims=True) if apart else batched(some) for some in samples]
+        [run.mean(keepdims=True) if differing else batched(run) for run in samples]
     )
 
 
 def spread(runs: Sequence[Array]) -> Estimate | None:
-    """Standard deviation of cycles about the mean of their own run; None where none is left.
+    """Return the standard deviation of cycles about the mean of their run; None: too few.
 
-    Runs may have surfaces of their own: how far their means are apart is no matter of how one
-    repeats itself.  The interval is Student's of the logarithm of the variance by the jackknife
-    over batches of neighbours (Miller, The jackknife - a review, Biometrika 61, 1, 1974), which
-    holds where samples are not normal, and those of one batch hang together.
+    The distance between the means of runs on different surfaces does not count.  The interval is
+    Student's of the logarithm of the variance by the jackknife over batches of neighbours (Miller,
+    The jackknife - a review, Biometrika 61, 1, 1974), which holds for samples that are not normal,
+    and correlated within a batch.
 
     Parameters
     ----------
@@ -407,35 +380,34 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
         Start-up included.
     """
     samples = [after_startup(rows) for rows in runs]
-    centred = [some - some.mean() for some in samples if some.size > 1]
+    centred = [run - run.mean() for run in samples if run.size > 1]
     if not centred:
         return None
-    free = sum(own.size - 1 for own in centred)
-    squares = sum(float(own @ own) for own in centred)
+    free = sum(run.size - 1 for run in centred)
+    squares = sum(float(run @ run) for run in centred)
     value = math.sqrt(squares / free)
     without = []
-    for own in centred:
-        for part in np.array_split(own, min(own.size, MOST_BATCHES)):
-            # Those that stay have another mean: the sum of all is zero.
-            lost = float(part @ part) + float(part.sum()) ** 2 / (own.size - part.size)
+    for run in centred:
+        for part in np.array_split(run, min(run.size, MAX_BATCHES)):
+            # The remaining samples have another mean: the sum of all is zero.
+            lost = float(part @ part) + float(part.sum()) ** 2 / (run.size - part.size)
             without.append((squares - lost) / max(free - part.size, 1))
     left_out = np.array(without)
     groups = left_out.size
-    if groups < LEAST_SAMPLES or not np.all(left_out > 0.0):
+    if groups < MIN_SAMPLES or not np.all(left_out > 0.0):
         return Estimate(value, samples=groups)
     pseudo = 2.0 * groups * math.log(value) - (groups - 1) * np.log(left_out)
     centre, half = float(pseudo.mean()), half_width(pseudo)
-    assert half is not None, "there are several groups"
+    assert half is not None
     low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
     return Estimate(value, low, high, groups)
 
 
 def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Estimate | None, int]:
-    """Mean range over so many successive cycles of a run, and how many they are.
+    """Return the mean range over successive cycles of a run, and their number.
 
-    The range of a sample grows with its size, so that only those of one size compare: each run
-    is cut into pieces of ``most`` cycles, or of as many as the shortest run has.  Their ranges are
-    samples as those of ``pooled`` are.
+    The range of a sample grows with its size: each run is cut into pieces of ``most`` cycles, or of
+    as many as the shortest run has.
 
     Parameters
     ----------
@@ -443,32 +415,31 @@ def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Estima
         Start-up included.
     """
     samples = [after_startup(rows) for rows in runs]
-    count = min([most, *(some.size for some in samples)])
+    count = min([most, *(run.size for run in samples)])
     if count < 2:
         return None, count
     ranges = []
-    for some in samples:
-        pieces = some.size // count
-        # What does not fill a piece is left out, at the start.
-        whole = some[some.size - pieces * count :].reshape(pieces, count)
-        ranges.append(np.ptp(whole, axis=1))
+    for run in samples:
+        pieces = run.size // count
+        # Cycles that do not fill a piece are left out, at the start.
+        ranges.append(np.ptp(run[run.size - pieces * count :].reshape(pieces, count), axis=1))
     everything = np.concatenate(ranges)
-    mean, half = float(everything.mean()), half_width(_parts(ranges, differ(ranges)))
+    mean, half = float(everything.mean()), half_width(_independent(ranges, differ(ranges)))
     if half is None:
         return Estimate(mean, samples=everything.size), count
     return Estimate(mean, max(mean - half, 0.0), mean + half, everything.size), count
 
 
 def differ(samples: Sequence[Array]) -> bool:
-    """True where some groups of samples have means that differ (analysis of variance, 1 %)."""
-    groups = [some for some in samples if some.size >= LEAST_SAMPLES]
-    if len(groups) < 2 or all(np.ptp(some) == 0.0 for some in groups):
+    """Return whether the means of some groups differ (one-way analysis of variance, 1 %)."""
+    groups = [group for group in samples if group.size >= MIN_SAMPLES]
+    if len(groups) < 2 or all(np.ptp(group) == 0.0 for group in groups):
         return False
     from scipy.special import fdtrc  # slow to import
 
     everything = np.concatenate(groups)
-    means = np.concatenate([np.full(some.size, some.mean()) for some in groups])
+    means = np.concatenate([np.full(group.size, group.mean()) for group in groups])
     between, within = len(groups) - 1, everything.size - len(groups)
     scatter = float(((everything - means) ** 2).sum()) / within
-    apart = float(((means - everything.mean()) ** 2).sum()) / between
-    return scatter == 0.0 or bool(fdtrc(between, within, apart / scatter) < 0.01)
+    distance = float(((means - everything.mean()) ** 2).sum()) / between
+    return scatter == 0.0 or bool(fdtrc(between, within, distance / scatter) < 0.01)

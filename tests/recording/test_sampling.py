@@ -10,12 +10,13 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from presswear.recording.statistics import (
-    LEAST_SAMPLES,
-    MOST_BATCHES,
+    MAX_BATCHES,
+    MIN_SAMPLES,
     STARTUP_CYCLES,
     Estimate,
     MapBatches,
     after_startup,
+    angle_interval,
     basic_interval,
     batched,
     differ,
@@ -30,7 +31,6 @@ from presswear.recording.statistics import (
     pooled,
     resampled,
     spread,
-    turned_interval,
 )
 from presswear.tools.arrays import Array
 
@@ -49,8 +49,8 @@ def test_interval_of_a_mean_over_cycles() -> None:
 def test_batches_are_equal_and_nearly_all_samples(count: int) -> None:
     samples = np.arange(count, dtype=float)
     found = batched(samples)
-    size = -(-count // MOST_BATCHES)
-    assert len(found) == count // size <= MOST_BATCHES
+    size = -(-count // MAX_BATCHES)
+    assert len(found) == count // size <= MAX_BATCHES
     assert np.allclose(np.diff(found), size)
     assert found[-1] == pytest.approx(samples[-size:].mean())
 
@@ -185,13 +185,13 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
     assert np.array_equal(after_startup(maps), samples)
     assert found.samples == len(samples)
     assert np.allclose(mean_map([found]), samples.mean(axis=0))
-    if len(samples) < LEAST_SAMPLES:
+    if len(samples) < MIN_SAMPLES:
         assert np.all(np.isinf(map_errors(*map_batches([found]))))
         return
     whole = len(samples) // found.size
     expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
     assert np.allclose(found.batches(), expected)
-    assert whole <= MOST_BATCHES
+    assert whole <= MAX_BATCHES
     noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
     size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))
     assert np.allclose(map_errors(*map_batches([found])), np.sqrt(noise / size))
@@ -231,14 +231,14 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     for _ in range(draws):
         scale = 1.0 + 0.3 * generator.standard_normal((count, 1))
         maps = truth * scale * generator.gamma(11.0, 1.0 / 11.0, (count, 360))
-        peak = peak_of(maps.mean(axis=0), resampled(maps, np.ones(count)), count)
-        assert peak.depth.low is not None
-        assert peak.depth.high is not None
-        assert peak.angle.low is not None
-        assert peak.angle.high is not None
-        deep += peak.depth.low <= 1.0 <= peak.depth.high
-        turned += peak.angle.low <= math.radians(90.5) + 1e-9 <= peak.angle.high + 2e-9
-        bias += (peak.depth.mean - 1.0) / draws
+        depth, angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(count)), count)
+        assert depth.low is not None
+        assert depth.high is not None
+        assert angle.low is not None
+        assert angle.high is not None
+        deep += depth.low <= 1.0 <= depth.high
+        turned += angle.low <= math.radians(90.5) + 1e-9 <= angle.high + 2e-9
+        bias += (depth.mean - 1.0) / draws
     assert bias > 0.03
     assert deep / draws > 0.9
     assert turned / draws > 0.9
@@ -261,7 +261,7 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
     assert (low[0], high[0]) == pytest.approx(expected, rel=1e-9)
     bins, turn = 1_000_000, 2.0 * math.pi
     place = round(mean / turn * bins)
-    angle = turned_interval(place, np.rint(draws / turn * bins).astype(np.int64), bins, count)
+    angle = angle_interval(place, np.rint(draws / turn * bins).astype(np.int64), bins, count)
     assert (angle.low, angle.high) == pytest.approx(expected, abs=10.0 * turn / bins)
 
 
@@ -276,7 +276,7 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     generator = np.random.default_rng(5)
     around = (np.arange(360) + 180) % 360 - 180
     maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
-    angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(12)), 12).angle
+    _, angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(12)), 12)
     assert angle.low is not None
     assert angle.high is not None
     assert 0.0 < angle.high - angle.low < math.radians(40.0)
