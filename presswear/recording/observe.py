@@ -1,7 +1,7 @@
-"""Records that the kernels keep of a run, step by step: series, contacts, peaks and wear.
+"""Compiled recording of a run, step by step: series, contacts, peaks, drives and wear.
 
-Memory does not grow with the number of cycles: series and single contacts are kept for
-the first cycles only; everything else is one row a cycle or a running sum.
+Memory does not grow with the number of cycles: series and single contacts are recorded in the first
+cycles only; everything else is one row per cycle or a running sum.
 """
 
 import math
@@ -22,14 +22,12 @@ from presswear.tools.compile import Records, compiled, inlined
 Array = NDArray[np.float64]
 
 SERIES_NAMES = ("time", "displacement", "velocity", "acceleration")
-TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)
-"""Columns of a series row before the joints."""
+TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)  # columns of a series row
 SERIES_JOINT_NAMES = (
     *("eccentricity_x", "eccentricity_y", "penetration"),
     *("normal", "tangential", "sliding"),
 )
-ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)
-"""Columns of a series row for each joint."""
+ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)  # per joint
 SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
 CYCLE_FIXED = (
     *("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps"),
@@ -38,14 +36,13 @@ CYCLE_FIXED = (
 DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
 BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK = 6, 7, 8
 CYCLE_JOINT = ("force_max", "load_distance", "contacts")
-FORCE_MAX, WORK_DOSE, CONTACTS = range(3)
-"""Columns of a cycle's row: those of the linkage, then those of each joint."""
+FORCE_MAX, WORK_DOSE, CONTACTS = range(3)  # columns of a cycle for each joint, after the linkage's
 CYCLE_DRIVE = (
     *("torque_integral", "torque_square_integral", "power_square_integral"),
     *("work_given", "work_returned", "torque_peak", "power_peak"),
 )
 TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = range(7)
-"""... then those of each drive: integrals over time, SI units; peaks with their signs."""
+# Columns of a cycle for each drive: integrals over time, SI units; peaks with their signs.
 CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
 CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
 CYCLE_DRIVE_COUNT = len(CYCLE_DRIVE)
@@ -61,22 +58,15 @@ SECTION_JOINT_NAMES = (
     *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
     "normal",
 )
-"""Columns of a Poincare section: of the watched point, then of each joint; see RECORD and
-CONTACT."""
+# Columns of a Poincare section: of the output point, then of each joint; see RECORD and CONTACT.
 
-ROWS_AT_LEAST = 2000
-"""Series rows in one cycle without contact."""
-ROWS_AT_MOST = 40_000
-"""Room for series rows, per recorded cycle."""
-ROWS_IN_ALL = 4_000_000
-"""Room for series rows, of all recorded cycles."""
-CONTACTS_AT_MOST = 5000
-"""Room for single contacts, per joint and recorded cycle."""
-BOTTOM_STEPS = 60
-BOTTOM_NOISE = 1e-14
-"""Most steps towards the lowest place in a step, and the part of it that is round-off."""
-FORCE_STEP = 0.02
-"""A row is written when a force has changed by this part of its peak so far."""
+ROWS_AT_LEAST = 2000  # series rows in a cycle without contact
+ROWS_AT_MOST = 40_000  # room for series rows, per recorded cycle
+ROWS_IN_ALL = 4_000_000  # room for series rows, of all recorded cycles
+CONTACTS_AT_MOST = 5000  # room for single contacts, per joint and recorded cycle
+BOTTOM_STEPS = 60  # of Newton's method towards the lowest position in a step
+BOTTOM_NOISE = 1e-14  # part of a step that is round-off
+FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
 
 DOSE = np.dtype(
     [
@@ -84,7 +74,7 @@ DOSE = np.dtype(
         ("pressure", np.float64),  # p ds, N/m
     ]
 )
-"""Doses of wear of a joint in one step."""
+"""Wear integrals of a joint over one step."""
 
 DRIVE = np.dtype(
     [
@@ -124,11 +114,11 @@ RECORD = np.dtype(
         ("period", np.float64),  # from one stroke to the next, s
     ]
 )
-"""State of the recording."""
+"""Recorder state in numbers."""
 
 
 class Book(NamedTuple):
-    """The arrays that the kernels fill during one run.
+    """Recorder state: arrays that the kernels fill during one run.
 
     Attributes
     ----------
@@ -145,7 +135,7 @@ class Book(NamedTuple):
     record : one record of RECORD
     series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
         Without the torques of the drives where they are not asked for.
-    film, shutter : ndarray and one record of SHUTTER
+    film, sampler : ndarray and one record of FRAME_SAMPLER
         See ``presswear.recording.film``.
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
@@ -173,7 +163,7 @@ class Book(NamedTuple):
     record: Records
     series: Array
     film: Array
-    shutter: Records
+    sampler: Records
     cycle: Array
     depth: Array
     doses: Records
@@ -205,7 +195,7 @@ def deposit(book: Book, k: int) -> None:
 
 @compiled
 def settle_state(book: Book, t: float, needed: int) -> int:
-    """Settle an accepted state whose contacts are noted; see ``settle``."""
+    """Update contacts of an accepted state; see ``settle``."""
     joints = book.packed.joints
     events = settle(
         joints, book.onset, book.memory, book.tally, book.past, book.contacts, t, needed
@@ -216,7 +206,7 @@ def settle_state(book: Book, t: float, needed: int) -> int:
 
 @inlined
 def watched(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
-    """Place, m, velocity and acceleration of the watched point along its direction."""
+    """Return position, m, velocity and acceleration of the output along its direction."""
     i = state.probe
     along = state.probe_cos
     across = state.probe_sin
@@ -239,11 +229,11 @@ def lowest_between(
     before: tuple[float, float, float],
     after: tuple[float, float, float],
 ) -> tuple[float, float]:
-    """Lowest place inside a step in which a coordinate turns from falling to rising.
+    """Return the lowest position in a step in which a coordinate turns from falling to rising.
 
-    It is that of the quintic polynomial through both ends.  Where the motion has six derivatives
-    in the step, its place is off by h^6 / 46080 times the greatest sixth at most; where the
-    acceleration has jumped by J behind the first end, by 0.018 J h^2.
+    It is the minimum of the quintic polynomial through both ends.  If the motion has six
+    derivatives in the step, its place is off by h^6 / 46080 times the greatest sixth at most; if
+    the acceleration has jumped by J at the first end, by 0.018 J h^2.
 
     Parameters
     ----------
@@ -288,7 +278,7 @@ def lowest_between(
 def note_bottom(
     state: Records, cycle: Array, t: float, h: float, now: tuple[float, float, float]
 ) -> None:
-    """Seek the bottom of the present stroke in a step, and file it where the stroke has ended.
+    """Find the bottom of the present stroke in a step, and store it when the stroke has ended.
 
     Parameters
     ----------
@@ -366,9 +356,9 @@ def note_drives(book: Book, h: float, v: Array) -> None:
 
 @inlined
 def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
-    """Account for one accepted step of length ``h``, s, that ended in the given state.
+    """Record one accepted step of length ``h``, s, that ended in a state.
 
-    The state's contacts and loads are in the book, settled.
+    Contacts and loads of the state are in the book, settled.
     """
     memory, tally, series = book.memory, book.tally, book.series
     cycle = book.cycle
@@ -417,7 +407,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
                 change = abs(contact.normal - series[row - 1, column + NORMAL])
                 is_due = is_due or change > state.force_step * counts.peak_force
     is_due = is_due or last_change(book.packed.loads) == t
-    take_frame(book.film, book.shutter, book.contacts, memory, t, q)
+    take_frame(book.film, book.sampler, book.contacts, memory, t, q)
     if has_room and is_due:
         series[row, TIME] = t
         series[row, DISPLACEMENT] = displacement

@@ -1,8 +1,4 @@
-"""The recorder of a run: what was observed, cycle by cycle, and as a state of named arrays.
-
-Memory does not grow with the number of cycles: series and single contacts are kept for
-the first cycles only; everything else is one row a cycle or a running sum.
-"""
+"""Recorder of a run: observed quantities cycle by cycle, and its state as named arrays."""
 
 import math
 from dataclasses import dataclass, field
@@ -19,7 +15,7 @@ from presswear.physics.motion import motions_of
 from presswear.physics.packed import depths_of, pack, pack_surfaces
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.physics.wear import map_shape
-from presswear.recording.film import Film, empty_film, shutter_of
+from presswear.recording.film import Film, empty_film, frame_sampler
 from presswear.recording.observe import (
     CONTACTS_AT_MOST,
     CYCLE_FIXED,
@@ -50,8 +46,7 @@ from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
 
-STROKE_NOISE = 1e-9
-"""Part of a cycle by which a stroke ends earlier than it is told."""
+STROKE_NOISE = 1e-9  # of a cycle, by which a stroke ends earlier than planned
 
 _SMALL = (
     "contacts",
@@ -59,7 +54,7 @@ _SMALL = (
     "memory",
     "tally",
     "record",
-    "shutter",
+    "sampler",
     "cycle",
     "depth",
     "doses",
@@ -67,12 +62,11 @@ _SMALL = (
     "drives",
     "ledger",
 )
-"""Arrays of a book that change as a whole."""
 
 
 @dataclass
 class Recorder:
-    """Everything that one run has observed so far; made anew for every run.
+    """Quantities that one run has observed so far.
 
     Attributes
     ----------
@@ -108,13 +102,13 @@ class Recorder:
         rows_per_cycle: int = ROWS_AT_LEAST,
         sections: int = 0,
     ) -> "Recorder":
-        """An empty recorder for a linkage that starts in a position.
+        """Return an empty recorder for a linkage that starts in a position.
 
         Parameters
         ----------
         position : ndarray, shape (3 bodies,)
         recorded_cycles : int
-            Cycles whose series and single contacts are kept.
+            Cycles whose series and single contacts are recorded.
         cycle : float
             Duration of one cycle, s.
         torques : bool
@@ -124,9 +118,8 @@ class Recorder:
         run_up : float
             Time before the first cycle, s.
         stroke : (float, float) or None
-            Times, since the beginning of a cycle, between which the bottom of the stroke is
-            sought that is filed in that cycle, s; the first may lie before it, the second lies
-            in it, behind its beginning.  None: those of the cycle.
+            Times from the start of a cycle between which the bottom of its stroke is searched, s;
+            the first may be negative. None: start and end of the cycle.
         rows_per_cycle : int
             Series rows in a cycle without contact, at least.
         sections : int
@@ -144,13 +137,13 @@ class Recorder:
         record["probe_sin"] = math.sin(linkage.output.direction)
         record["probe_x"], record["probe_y"] = linkage.output.x, linkage.output.y
         record["start"] = watched(record[0], position, position, position)[0]
-        begin, end = stroke or (0.0, cycle)
+        first, end = stroke or (0.0, cycle)
         record["velocity"] = record["bottom"] = math.inf
-        record["period"], record["stroke_length"] = cycle, end - begin
+        record["period"], record["stroke_length"] = cycle, end - first
         # A cycle may end a rounding before its time.
         record["stroke_end"] = run_up + end - STROKE_NOISE * cycle
         # What is observed at the very start lies in the first stroke too.
-        record["stroke_begin"] = run_up + max(begin, 0.0) - STROKE_NOISE * cycle
+        record["stroke_begin"] = run_up + max(first, 0.0) - STROKE_NOISE * cycle
         rows = recorded_cycles + math.ceil(run_up / cycle)
         rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
@@ -166,7 +159,7 @@ class Recorder:
             series=np.zeros((rows, columns)),
             past=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), PAST_CONTACT),
             film=empty_film(len(linkage.bodies), count),
-            shutter=shutter_of(cycle),
+            sampler=frame_sampler(cycle),
             cycle=np.zeros(cycle_columns(count, len(linkage.drives))),
             depth=np.zeros(shape),
             doses=np.zeros(count, DOSE),
@@ -181,7 +174,7 @@ class Recorder:
 
     @property
     def cycles(self) -> Array:
-        """One row per finished cycle, columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE."""
+        """Rows of the finished cycles, columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE."""
         return self._rows[: self._finished]
 
     @property
@@ -190,7 +183,7 @@ class Recorder:
         return self.book.series[: int(self.book.record["rows"][0])]
 
     def series(self, name: str, joint: int | None = None) -> Array:
-        """A recorded series by its name, of the linkage or of a joint, shape (n,); SI units."""
+        """Return a recorded series of the linkage or of a joint, shape (n,); SI units."""
         if joint is None:
             return self.rows[:, SERIES_NAMES.index(name)]
         return self.rows[:, SERIES_FIXED + SERIES_JOINT * joint + SERIES_JOINT_NAMES.index(name)]
@@ -201,7 +194,7 @@ class Recorder:
         return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.book.memory.size :]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
-        """A number of each finished cycle by its name, shape (cycles,); SI units."""
+        """Return a quantity of each finished cycle by its name, shape (cycles,); SI units."""
         if joint is None:
             return self.cycles[:, CYCLE_FIXED.index(name)]
         first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * joint
@@ -211,34 +204,31 @@ class Recorder:
     def film(self) -> Film:
         """Frames kept so far."""
         book = self.book
-        rows = book.film[: int(book.shutter["frames"][0])]
+        rows = book.film[: int(book.sampler["frames"][0])]
         return Film.of(rows, book.memory.size)
 
     def last_frames(self, count: int) -> Array:
-        """Rows of so many frames up to now: of a film that is full, the one taken again and again.
-
-        ``Film.of`` makes frames of them.
-        """
+        """Return the rows of the last frames for ``Film.of``; of a full film the present frame."""
         book = self.book
-        frames = int(book.shutter["frames"][0])
+        frames = int(book.sampler["frames"][0])
         first = frames if frames == len(book.film) - 1 else max(frames - count, 0)
         return book.film[first : max(frames, first + 1)]
 
     def episodes(self, k: int) -> Array:
-        """Recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
+        """Return the recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
         rows = self.book.past[k, : int(self.book.tally["rows"][k])]
         return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
 
     def stop_recording(self) -> None:
-        """Keep no further series rows and contacts."""
+        """Record no further series rows and contacts."""
         self.book.record["room"] = 0
         self.book.tally["full"] = True
 
     def note_section(self) -> None:
-        """Keep the last accepted state as a Poincare section of the present cycle."""
-        own = [self.book.record[name] for name in SECTION_NAMES]
+        """Store the last accepted state as a Poincare section of the present cycle."""
+        output = [self.book.record[name] for name in SECTION_NAMES]
         joints = [self.book.contacts[name] for name in SECTION_JOINT_NAMES]
-        self._sections.append(np.concatenate([*own, np.transpose(joints).ravel()]))
+        self._sections.append(np.concatenate([*output, np.transpose(joints).ravel()]))
 
     @property
     def sections(self) -> Array:
@@ -265,7 +255,7 @@ class Recorder:
 
     @property
     def growth(self) -> Array:
-        """Greatest depth lost after each cycle, and deepest then, shape (cycles, 2, joints, 2), m.
+        """Largest depth added by each cycle, and depth after it, shape (cycles, 2, joints, 2), m.
 
         The last axis holds bearing and pin; no row where the surfaces stay.
         """
@@ -273,26 +263,19 @@ class Recorder:
 
     @property
     def worn(self) -> Array:
-        """Depth of bearings and pins as they are now, shape (joints, 2, m), m; m = 0: round.
-
-        Each joint's stands in its own bins, the first of the m.
-        """
+        """Present depth of bearings and pins, shape (joints, 2, bins), m; no bin: round."""
         return depths_of(self.book.packed)
 
     def _rebuild(self, depth: Array) -> None:
         packed = self.book.packed
-        for k, own in enumerate(depth):
-            bearing, pin = own[:, : packed.joints[k]["surface_bins"]]
+        for k, sides in enumerate(depth):
+            bearing, pin = sides[:, : packed.joints[k]["surface_bins"]]
             pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
 
     def wear(self, lost: Array, q: Array, v: Array) -> None:
-        """Rebuild the surfaces without a depth, m, in the state between two cycles.
+        """Update the surfaces by a depth, m, shape (joints, 2, bins), between two cycles.
 
-        Pins that rested on what is gone are open; a contact that goes on keeps its closing speed.
-
-        Parameters
-        ----------
-        lost : ndarray, shape (joints, 2, m)
+        Pins that rested on the lost material are open; a lasting contact keeps its closing speed.
         """
         book = self.book
         self._rebuild(self.worn + lost)
@@ -303,7 +286,7 @@ class Recorder:
         book.memory["step"] = step
 
     def end_cycle(self) -> Array:
-        """File the present cycle and start the next; returns the depth that it added, m."""
+        """Store the present cycle and start the next; return the depth that it added, m."""
         if self._finished == len(self._rows):
             # A new array each time it is full: views of the old one stay what they are.
             more = np.zeros((max(2 * self._finished, 64), self.book.cycle.size))
@@ -317,12 +300,12 @@ class Recorder:
         return depth
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Everything that is not in the linkage, the start and the plan.
+        """Return all that is not in the linkage, the start and the plan, as named arrays.
 
-        Rows of series, contacts, film and cycles are views: once written they stay.
+        Rows of series, contacts, film and cycles are views: once written they do not change.
         """
         book = self.book
-        frames = int(book.shutter["frames"][0])
+        frames = int(book.sampler["frames"][0])
         return {
             **{name: getattr(book, name).copy() for name in _SMALL},
             "series": self.rows,
@@ -338,7 +321,7 @@ class Recorder:
         }
 
     def restore(self, stored: State) -> None:
-        """Go on from the state of a recorder of the same linkage, start and plan."""
+        """Resume from the state of a recorder of the same linkage, start and plan."""
         book = self.book
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]

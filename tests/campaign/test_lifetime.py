@@ -179,7 +179,7 @@ def test_a_bush_that_is_seen_to_lasts_as_long_again(service: str, word: str, who
     settings: dict[str, Any] = {service: f"B@{at!r}"}
     result = lived(**settings)
     assert result.life is not None
-    assert result.life.services == (f"bush of B {word} after {at:.4g} strokes",)
+    assert result.life.services == (f"bushing of B {word} after {at:.4g} strokes",)
     assert result.life.strokes == pytest.approx(at + first.strokes, rel=0.05)
     strokes, depth = curve(result)
     k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])

@@ -152,5 +152,5 @@ def test_a_stored_law_is_trusted_where_the_same_text_is_given(tmp_path: Path) ->
     assert not UserFunction("soft", text + "\n").is_trusted
     data = pw.Scene().as_dict()
     data["bearings"] |= {"normal_law": f"{tmp_path}/laws.py:soft"}
-    with pytest.raises(pw.InputError, match="a stored law is a name or source code"):
+    with pytest.raises(pw.InputError, match="a stored law is source code"):
         pw.Scene.from_dict(data)
