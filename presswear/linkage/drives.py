@@ -377,7 +377,7 @@ class Drive:
     torque_limit: float | None = torque_limit()
 
     def __post_init__(self) -> None:
-        """Raise InputError where a repeating motion has no frequency, or two motions are given."""
+        """Raise InputError where a repeating motion has no frequency, or there are two motions."""
         _check_motion(self, self.body)
         names = [name for name in ("harmonics", "table", "rises") if getattr(self, name)]
         if self.follow is not None and names:

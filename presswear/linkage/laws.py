@@ -75,7 +75,7 @@ FRICTIONS: Mapping[str, str] = {
     "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
     "smooth": "tanh(v_t / v_1) of Coulomb's",
     "threlfall": "(1 - exp(-3 v_t / v_1)) of Coulomb's up to v_1, 1 - exp(-3) above (Threlfall)",
-    "lugre": "bristles that hold and slip, with a state of their own (Canudas de Wit and others)",
+    "lugre": "bristles that hold and slip, with a state (Canudas de Wit and others)",
 }
 """Friction laws by name."""
 LUGRE = "lugre"
@@ -288,7 +288,7 @@ class Materials:
 
     @property
     def name(self) -> str:
-        """Name of the pair, or ``own`` for one that has none."""
+        """Name of the pair, or ``custom`` for one that has none."""
         return next((name for name, preset in MATERIALS.items() if self == preset), "custom")
 
     @property

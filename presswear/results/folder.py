@@ -35,7 +35,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
 from presswear.tools.arrays import State, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.exudyn import wanted
+from presswear.tools.exudyn import requested
 from presswear.tools.files import PART, FolderLock, is_free
 from presswear.tools.processes import is_stopped
 from presswear.tools.serialize import plain, read_json, typed, write_json
@@ -80,7 +80,7 @@ def provenance() -> Provenance:
 
 def _version(package: str) -> str:
     """Return a version; of Exudyn also its module, since last digits differ between modules."""
-    return f"{version(package)}, {wanted()}" if package == "exudyn" else version(package)
+    return f"{version(package)}, {requested()}" if package == "exudyn" else version(package)
 
 
 def source_revision() -> str:

@@ -211,28 +211,28 @@ class Bearing:
 
     def normal(self, reading: StiffnessReading) -> NormalLaw:
         """Return the law of its normal force."""
-        own = self.normal_law if isinstance(self.normal_law, UserFunction) else None
-        damping = DAMPINGS["lankarani-nikravesh" if own else str(self.normal_law)]
+        function = self.normal_law if isinstance(self.normal_law, UserFunction) else None
+        damping = DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
         return NormalLaw(
             self.hertz(reading),
             self.exponent,
             damping.factor(self.restitution),
             self.viscous_damping,
             self.elasticity,
-            own,
+            function,
         )
 
     @property
     def rubbing(self) -> FrictionLaw:
         """Law of its friction."""
-        own = self.friction_law if isinstance(self.friction_law, UserFunction) else None
-        name = "ramp" if own else str(self.friction_law)
+        function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
+        name = "ramp" if function else str(self.friction_law)
         return FrictionLaw(
             self.friction,
             self.lower_speed,
             self.upper_speed,
             name,
-            own,
+            function,
             self.friction if self.static_friction is None else self.static_friction,
             self.stribeck_speed,
             self.bristle_stiffness,
@@ -371,7 +371,7 @@ def _check_depths(where: str, angle: Array, depth: Array, clearance: float) -> N
 
 
 def _check_angles(where: str, angle: Array) -> None:
-    """InputError unless angles in [0, 2 pi), in order, are apart and leave no gap."""
+    """Raise InputError unless angles in [0, 2 pi), in order, differ and leave no gap."""
     widest = _TURN / MIN_ANGLES
     gaps = np.diff(angle, append=angle[0] + _TURN)
     k = int(gaps.argmin())

@@ -45,7 +45,7 @@ class Numerics:
 
     def resolved(self, purpose: Purpose, accuracy: float = WEAR_ERROR) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
-        return Numerics(**{k: own.resolved(purpose, accuracy) for k, own in self._engines.items()})
+        return Numerics(**{k: one.resolved(purpose, accuracy) for k, one in self._engines.items()})
 
     def of(self, engine: Engine) -> "Numerics":
         """Return a copy with the settings of one engine."""

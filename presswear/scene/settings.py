@@ -16,7 +16,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
-from presswear.tools.numbers import given
+from presswear.tools.numbers import short_number
 from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, parse_quantity
 from presswear.tools.user_function import UserFunction, is_stored_function
 
@@ -350,7 +350,7 @@ def _change(setting: Setting, was: Any) -> Change:
 
 def _value_text(value: Any, factor: float) -> str:
     if isinstance(value, int | float):
-        return given(factor * value)
+        return short_number(factor * value)
     return NONE if value is None else f"{value}"
 
 

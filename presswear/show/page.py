@@ -18,10 +18,10 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, save
 from presswear.tools.numbers import (
-    given,
     large,
     quantity_text,
     readable,
+    short_number,
     unit_factor,
     whole,
     with_interval,
@@ -280,7 +280,7 @@ def render_page(
         "text": text_of,
         "number": lambda value, digits=3: readable(value, digits),
         "quantity": quantity_text,
-        "given": given,
+        "given": short_number,
         "whole": whole,
         "large": large,
         "degrees": math.degrees,

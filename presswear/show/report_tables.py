@@ -48,14 +48,14 @@ from presswear.show.figures.style import maps_turn, stage_names
 from presswear.show.page import NOTHING, Row, Table, column_table, row_table
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
-from presswear.tools.numbers import given, large, readable, unit_scale, whole, with_interval
+from presswear.tools.numbers import large, readable, short_number, unit_scale, whole, with_interval
 from presswear.tools.quantities import Choice
 
 Record = dict[str, Any]
 
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
-_AFTER_FRACTURE = f"within {given(1e3 * SNAP_THROUGH_S)} ms of the fracture"
+_AFTER_FRACTURE = f"within {short_number(1e3 * SNAP_THROUGH_S)} ms of the fracture"
 _CLEARANCE = "change of its height at bottom dead centre, drives held, under {pull} N up and down"
 _ENDINGS = {
     "completed": "all cycles completed",
@@ -138,8 +138,9 @@ DRIVE_ROWS = (
     Row("share of the energy supplied", "duty.{body}.share.energy", "%"),
 )
 _RESIDUALS = (
-    f"below {given(ENERGY_BOUND)} at the tolerances of a trajectory, about "
-    f"{given(10.0 * ENERGY_BOUND)} at those of a wear run; a run above {given(RESIDUAL)} fails"
+    f"below {short_number(ENERGY_BOUND)} at the tolerances of a trajectory, about "
+    f"{short_number(10.0 * ENERGY_BOUND)} at those of a wear run; a run above "
+    f"{short_number(RESIDUAL)} fails"
 )
 ENERGY_ROWS = (
     Row("net work of all drives", "work", "J", digits=4),
@@ -219,7 +220,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
     linkage = scene.mechanism.linkage()
     names = {
         "phase": linkage.phase,
-        "pull": given(pull_of(scene.linkage())),
+        "pull": short_number(pull_of(scene.linkage())),
         "output": scene.output,
     }
     bodies = [drive.body for drive in linkage.drives]
@@ -604,7 +605,7 @@ def _setting_record(setting: Setting) -> Record:
         one_of = "one of " if meaning.words else ""
         return record | {"origin": f"{one_of}{', '.join(meaning.allowed())}"}
     if isinstance(value, int | float):
-        record["value"] = given(value)
+        record["value"] = short_number(value)
     return record | {"unit": meaning.unit.replace("^2", "²"), "origin": meaning.origin}
 
 

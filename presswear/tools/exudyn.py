@@ -1,8 +1,8 @@
-"""Exudyn's compiled module: the one without range checks and with vector instructions.
+"""Choice of Exudyn's compiled module: by default without range checks, with vector instructions.
 
-A step of the open tree takes seven eighths of the time in it.  What is handed to Exudyn here is
-checked before; the environment's EXUDYN_MODULE=safe takes the module with range checks, whose
-numbers differ in their last digits.
+A step of the open tree spends seven eighths of its time in the module. Its input is checked before.
+The environment variable EXUDYN_MODULE=safe selects the module with range checks, whose numbers
+differ in their last digits.
 """
 
 import io
@@ -13,18 +13,18 @@ from importlib import import_module
 from typing import Any
 
 
-def wanted() -> str:
-    """The module that is asked for: ``fast`` or ``safe``."""
+def requested() -> str:
+    """Return the requested module: ``fast`` or ``safe``."""
     word = os.environ.get("EXUDYN_MODULE", "").strip().lower() or "fast"
     return "fast" if word == "fast" else "safe"
 
 
 def exudyn_module() -> Any:
-    """Exudyn, as it is loaded already or as it is wanted.
+    """Return Exudyn, imported as requested unless it is imported already.
 
-    It falls back on the safe module itself where the processor lacks the instructions.
+    Exudyn falls back on the safe module where the processor lacks the instructions.
     """
     if "exudyn" not in sys.modules:
-        vars(sys)["exudynFast"] = wanted() == "fast"
+        vars(sys)["exudynFast"] = requested() == "fast"
     with redirect_stdout(io.StringIO()):  # which would tell the choice on every start
         return import_module("exudyn")

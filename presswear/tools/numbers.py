@@ -1,21 +1,19 @@
-"""Numbers as people read them."""
+"""Texts of numbers."""
 
 import math
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_MOST_DECIMALS = 6
-"""Decimals beyond which a mean is no longer written out to the digits of its interval."""
-_NOTHING = 1e-300
-"""Below this the powers of ten that a number is divided by have no digits left."""
+_MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
+_MIN_VALUE = 1e-300  # below it the powers of ten that a number is divided by have no digits left
 
 
 def _decimals(value: float, digits: int) -> int:
-    """Decimals that leave a number its significant digits; negative left of the point."""
+    """Return the decimals of some significant digits; negative left of the point."""
     return digits - 1 - math.floor(math.log10(abs(value)))
 
 
 def _written(number: str, power: int = 0) -> str:
-    """A number's text with narrow spaces, a real minus sign and a power of ten."""
+    """Return the text of a number with narrow spaces, a minus sign and a power of ten."""
     text = number.replace(",", "\u202f").replace("-", "−")
     if power == 0:
         return text
@@ -23,15 +21,15 @@ def _written(number: str, power: int = 0) -> str:
 
 
 def superscript(power: int) -> str:
-    """A power as it stands above the line."""
+    """Return a power in superscript digits."""
     return str(power).translate(_SUPERSCRIPT)
 
 
 def readable(value: float | None, digits: int = 3) -> str:
-    """A number with some significant digits, as powers of a thousand where very large or small."""
+    """Return a number with significant digits, with a power of a thousand where large or small."""
     if value is None or not math.isfinite(value):
         return "–"
-    if abs(value) < _NOTHING:
+    if abs(value) < _MIN_VALUE:
         return "0"
     rounded = round(value, _decimals(value, digits))
     power = 0
@@ -42,7 +40,7 @@ def readable(value: float | None, digits: int = 3) -> str:
 
 
 def lasting(seconds: float) -> str:
-    """A time as people say it."""
+    """Return a time in words."""
     for size, unit in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
         if seconds >= 1.5 * size:
             return f"{seconds / size:.3g} {unit}"
@@ -50,7 +48,7 @@ def lasting(seconds: float) -> str:
 
 
 def count_scale(largest: float) -> tuple[float, str]:
-    """Factor and word by which a large count is told; no word below a million."""
+    """Return factor and word of a large count; no word below a million."""
     for factor, word in ((1e-9, "billion"), (1e-6, "million")):
         if largest * factor >= 1.0:
             return factor, word
@@ -58,7 +56,7 @@ def count_scale(largest: float) -> tuple[float, str]:
 
 
 def large(*values: float, digits: int = 3) -> str:
-    """Counts as they are said, several as a range in one word: ``8.7 to 9.5 million``."""
+    """Return counts in words, several as a range: ``8.7 to 9.5 million``."""
     largest = max(values)
     if largest <= 0.0:
         return "0"
@@ -66,31 +64,31 @@ def large(*values: float, digits: int = 3) -> str:
     factor, word = count_scale(largest)
     decimals = max(_decimals(factor * largest, digits), 0)
     texts = []
-    for own in values:
-        text = f"{round(factor * own, _decimals(factor * largest, digits)):,.{decimals}f}"
+    for value in values:
+        text = f"{round(factor * value, _decimals(factor * largest, digits)):,.{decimals}f}"
         texts.append(_written(text.rstrip("0").rstrip(".") if "." in text else text))
     return f"{' to '.join(texts)} {word}".rstrip()
 
 
-def given(value: float) -> str:
-    """A number that a person chose, as short as it was chosen."""
+def short_number(value: float) -> str:
+    """Return a number in at most six digits, without trailing zeros."""
     mantissa, _, power = f"{value:.6g}".partition("e")
     return _written(mantissa, int(power or 0))
 
 
 def whole(value: float | None) -> str:
-    """A count, its thousands set apart."""
+    """Return a count with its thousands separated."""
     return "–" if value is None else _written(f"{round(value):,}")
 
 
 def with_interval(mean: float | None, half_width: float | None) -> str:
-    """A mean with the half width of its interval, to two digits of the latter."""
+    """Return a mean with the half width of its interval, to two digits of the latter."""
     if mean is None or not math.isfinite(mean):
         return "–"
     if half_width is None or not math.isfinite(half_width):
         return f"{readable(mean)} (too few cycles)"
-    decimals = _decimals(half_width, 2) if half_width > 0.0 else _MOST_DECIMALS + 1
-    if decimals > _MOST_DECIMALS:
+    decimals = _decimals(half_width, 2) if half_width > 0.0 else _MAX_DECIMALS + 1
+    if decimals > _MAX_DECIMALS:
         return f"{readable(mean, 4)}\u00a0± {readable(half_width, 2)}"
     places = max(decimals, 0)
     pair = (f"{round(number, decimals):,.{places}f}" for number in (mean, half_width))

@@ -13,7 +13,7 @@ from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
-from presswear.tools.exudyn import exudyn_module, wanted
+from presswear.tools.exudyn import exudyn_module, requested
 
 Ran = tuple[Scene, Result, Result]
 """A scene, its result in memory, and its result on disk."""
@@ -121,7 +121,7 @@ def test_result_json_says_where_it_comes_from(
     campaign: Ran,
 ) -> None:
     document = json.loads((folder_of(campaign) / "result.json").read_text())
-    here = f"{exudyn_module().config.Version()}, {wanted()}"
+    here = f"{exudyn_module().config.Version()}, {requested()}"
     assert document["provenance"]["packages"]["exudyn"] == here
     assert document["provenance"]["python"].startswith("3.")
     assert document["wall_s"] > 0.0

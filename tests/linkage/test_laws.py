@@ -87,11 +87,6 @@ def test_friction_is_straight_up_to_its_next_corner(
         assert abs(before + behind - 2.0 * there) > 1e-3
 
 
-@pytest.mark.parametrize("law", [FrictionLaw(0.0, 1e-4, 1e-3), FrictionLaw(0.1, name="smooth")])
-def test_other_friction_has_no_corners(law: FrictionLaw) -> None:
-    assert math.isinf(corner_ahead(0.0, 1.0, friction_record(law)))
-
-
 @pytest.mark.parametrize(
     ("pin", "modulus", "poisson", "reading", "expected"),
     [

@@ -176,19 +176,6 @@ def test_what_a_servo_cannot_do_is_refused(make: Any, says: str) -> None:
     assert len(str(refusal.value).splitlines()) == 1
 
 
-def test_stored_scenes_with_a_damaged_servo_are_refused() -> None:
-    data = replace(IDEAL, mechanism=pw.Press(servo=pw.Dwell())).as_dict()
-    for servo in (
-        {"kind": "dwelling"},
-        {"kind": "dwell"},
-        {},
-        3,
-    ):
-        damaged = {**data, "mechanism": {**data["mechanism"], "servo": servo}}
-        with pytest.raises(InputError):
-            pw.Scene.from_dict(damaged)
-
-
 def test_the_torque_of_a_servo_is_limited_as_well() -> None:
     with pytest.raises(
         InputError, match=r"torque_limit of crank \d = 5 N m: the ideal motion needs"
@@ -197,16 +184,3 @@ def test_the_torque_of_a_servo_is_limited_as_well() -> None:
 
 
 SERVOS: list[Servo] = [pw.Dwell(), pw.Forming(), pw.Pendulum()]
-
-
-@pytest.mark.parametrize("servo", SERVOS, ids=lambda own: own.kind)
-def test_crank_7_swings_and_crank_2_turns_evenly(servo: Servo) -> None:
-    press = pw.Press(servo=servo)
-    linkage = press.linkage()
-    ideal = motion_of(press)
-    motion = ideal.at(ideal.times)
-    columns = {name: 3 * linkage.index(name) + 2 for name in ("crank 2", "crank 7")}
-    assert np.abs(motion.velocity[:, columns["crank 2"]] + W).max() < 1e-9 * W
-    angle = motion.position[:, columns["crank 7"]]
-    assert angle[-1] == pytest.approx(angle[0], abs=1e-9)
-    assert math.radians(-75.0) < angle.min() < angle.max() < math.radians(105.0)

@@ -14,7 +14,6 @@ from presswear.scene.catalog import (
     name_of,
     press_blanking,
     short_name_of,
-    slider_crank,
     title_of,
     wear_times,
 )
@@ -71,22 +70,11 @@ def test_nothing_is_told_that_follows_from_what_is_told(
     assert told(scene) == expected
 
 
-def test_surfaces_that_were_given_are_told() -> None:
-    scene = slider_crank(surfaces={"B": ([1e-5] * 360, None)})
-    assert told(scene) == {"surfaces": ("from a script", "round", "")}
-
-
 def test_a_long_title_counts_what_is_left_out() -> None:
     scene = wear_times(clearance="0.5 mm", friction=0.1, wear_updates=1, cycles=3, replicates=2)
     assert title_of(scene).endswith(
         ", changed: clearance 0.5 mm, friction 0.1, wear updates 1, 2 more"
     )
-
-
-def test_a_title_of_ones_own_is_kept() -> None:
-    scene = replace(wear_times(wear_updates=1), title="Mine")
-    assert title_of(scene) == "Mine"
-    assert name_of(scene) == "wear-times, changed: wear updates 1"
 
 
 def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(

@@ -1,6 +1,5 @@
 """Values of a quantity as they are typed, with the unit at each or once behind."""
 
-import numpy as np
 import pytest
 
 import presswear as pw
@@ -32,11 +31,6 @@ def read(text: str) -> list[float]:
 )
 def test_texts_give_values(text: str, values: list[float]) -> None:
     assert read(text) == values
-
-
-def test_turns_are_told_in_pi() -> None:
-    found = read("speed=2pi:12pi:200 rad/s")
-    np.testing.assert_allclose(found, np.linspace(2.0 * np.pi, 12.0 * np.pi, 200), rtol=1e-11)
 
 
 @pytest.mark.parametrize(

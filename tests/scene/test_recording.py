@@ -20,13 +20,6 @@ SCENE = pw.scenes.slider_crank(cycles=3, replicates=1)
 SECTIONS = {"sections": "4", "section_angle": "90 deg"}
 
 
-def test_sections_lie_at_their_angles() -> None:
-    plan = pw.Recording(sections=4, section_angle=0.5 * math.pi)
-    assert plan.phases == (0.25, 0.5, 0.75, 1.0)
-    assert pw.Recording(sections=1, section_angle=math.pi).phases == (0.5,)
-    assert pw.Recording().phases == ()
-
-
 @pytest.mark.parametrize("engine", ["dae", "exudyn"])
 def test_sections_are_states_of_the_series(engine: str) -> None:
     """The series counts the place from the start."""
@@ -117,18 +110,3 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     assert "What the motion is" not in write_report(read).read_text()
     room, whole = ((tmp_path / own / "stage-0.npz").stat().st_size for own in ("output", "full"))
     assert room < 0.6 * whole
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("sections", "361", "sections = 361"),
-        ("recorded_cycles", "0", "recorded_cycles = 0"),
-        ("rows_per_cycle", "50", "rows_per_cycle = 50"),
-        ("digits", "singel", "did you mean single"),
-        ("section_angle", "400 deg", "section_angle"),
-    ],
-)
-def test_what_is_out_of_range_is_refused(key: str, value: str, words: str) -> None:
-    with pytest.raises(pw.InputError, match=words):
-        changed(SCENE, {key: value})

@@ -54,15 +54,6 @@ def test_a_mechanism_may_be_named(tmp_path: Path) -> None:
     assert scene.clearance_joints == ("C",)
 
 
-@pytest.mark.parametrize("key", ["C.clearance", '"C.clearance"'])
-def test_one_joint_may_be_set_apart(key: str, tmp_path: Path) -> None:
-    file = tmp_path / "apart.toml"
-    file.write_text(f'mechanism = "press"\n[settings]\njoints = "AC"\n{key} = "0.2 mm"\n')
-    scene = scene_from(file)
-    gaps = [scene.bearing(joint).clearance for joint in scene.clearance_joints]
-    assert gaps == [0.8e-3, 0.2e-3]
-
-
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -84,11 +75,6 @@ def test_what_is_wrong_in_a_file_is_told_in_one_line(text: str, says: str, tmp_p
     with pytest.raises(InputError, match=f"^{re.escape(str(file))}: .*{says}") as refusal:
         scene_from(file)
     assert "\n" not in str(refusal.value)
-
-
-def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no such file"):
-        scene_from(tmp_path / "none.toml")
 
 
 LOADS = """

@@ -4,7 +4,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
-from scipy.interpolate import PchipInterpolator
 
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.catalog import wear_times
@@ -57,28 +54,6 @@ def test_the_worn_volume_of_equal_bins_stays(depth: list[float], angles: int) ->
     assert abs(found.mean() - np.mean(depth)) <= 1e-12 * max(depth)
 
 
-def test_a_measured_profile_is_the_mean_of_its_curve_over_each_bin() -> None:
-    generator = np.random.default_rng(5)
-    angle = np.sort(TURN * (np.arange(900) + generator.uniform(0.1, 0.9, 900)) / 900)
-    found = on(np.column_stack([angle, smooth(angle)])).surfaces["A"][0].depth
-    edges = np.linspace(0.0, TURN, 361)
-    exact = 1e-5 * (1.0 + np.diff(np.sin(edges - 0.4)) / np.diff(edges))
-    np.testing.assert_allclose(found, exact, rtol=0.0, atol=2e-10)
-
-
-def test_the_volume_of_uneven_points_is_that_of_their_curve() -> None:
-    angle = np.array([0.1, 0.3, 0.65, 0.7, 1.0, 1.35, 1.7, *np.arange(2.0, TURN, 0.3)])
-    depth = np.random.default_rng(7).uniform(0.0, 1e-5, angle.size)
-    found = on(np.column_stack([angle, depth])).surfaces["A"][0].depth
-    # Three turns in a row: the middle one does not see the ends.
-    curve = PchipInterpolator(
-        np.concatenate([angle - TURN, angle, angle + TURN]), np.tile(depth, 3)
-    )
-    breaks = sorted([0.0, *angle, TURN])
-    whole = sum(quad(curve, a, b)[0] for a, b in pairwise(breaks))
-    assert found.mean() * TURN == pytest.approx(whole, rel=1e-12)
-
-
 def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
     scene = on(smooth(bin_centres(100)), smooth(bin_centres(360)))
     again = Scene.from_dict(json.loads(json.dumps(scene.as_dict())))
@@ -120,13 +95,6 @@ def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, says: s
     with pytest.raises(InputError, match=re.escape(says)) as refused:
         wear_times(surfaces=surfaces)
     assert "\n" not in str(refused.value)
-
-
-def test_a_joint_without_clearance_has_no_surface() -> None:
-    with pytest.raises(InputError, match="surfaces of A: no joint of the scene has clearance"):
-        on(np.full(360, 1e-6), joints="none", wear_updates=0)
-    with pytest.raises(InputError, match="unknown joint in surfaces 'A'; known are C"):
-        on(np.full(360, 1e-6), joints="C")
 
 
 def test_a_law_of_ones_own_does_not_meet_given_surfaces_on_a_foundation() -> None:

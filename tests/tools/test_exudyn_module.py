@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from presswear.tools.exudyn import wanted
+from presswear.tools.exudyn import requested
 
 RUN = """
 import json
@@ -49,4 +49,4 @@ def test_both_modules_give_the_same_motion_through_the_first_touches() -> None:
 @pytest.mark.parametrize(("word", "module"), [("", "fast"), ("FAST ", "fast"), ("safe", "safe")])
 def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch, word: str, module: str) -> None:
     monkeypatch.setenv("EXUDYN_MODULE", word)
-    assert wanted() == module
+    assert requested() == module

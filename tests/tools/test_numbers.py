@@ -2,7 +2,7 @@
 
 import pytest
 
-from presswear.tools.numbers import given, large, lasting, readable, whole, with_interval
+from presswear.tools.numbers import large, lasting, readable, short_number, whole, with_interval
 
 
 def test_times_are_told_as_people_say_them() -> None:
@@ -50,4 +50,4 @@ def test_numbers_with_company() -> None:
     assert with_interval(None, None) == "–"
     assert with_interval(5.0, 0.0) == "5.000\u00a0± 0"
     assert (whole(258195), whole(None)) == ("258\u202f195", "–")
-    assert (given(2e11), given(0.0243)) == ("2·10¹¹", "0.0243")
+    assert (short_number(2e11), short_number(0.0243)) == ("2·10¹¹", "0.0243")

@@ -26,7 +26,7 @@ from presswear.show.figures.style import (
     panels,
     wrapped,
 )
-from presswear.tools.numbers import count_scale, given, large, unit_scale
+from presswear.tools.numbers import count_scale, large, short_number, unit_scale
 
 _COLUMNS = 3
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
@@ -171,7 +171,7 @@ def services_done(result: Result) -> list[Service]:
 def limit_text(limit: LimitResult) -> str:
     """Return the value of a limit in a unit that reads well."""
     factor, unit = unit_scale(limit.unit, limit.value)
-    return f"{given(factor * limit.value)} {unit}"
+    return f"{short_number(factor * limit.value)} {unit}"
 
 
 def _caption(result: Result, life: LifeResult) -> str:
