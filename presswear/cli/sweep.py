@@ -130,7 +130,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         def notify(line: str) -> None:
             print_lines(bar.console, line)
 
-        run_sweep(sweep, arguments.on, arguments.jobs, shard, report, notify)
+        sweep = run_sweep(sweep, arguments.on, arguments.jobs, shard, report, notify)
     _print(console, sweep.table)
     print_lines(console, sweep.summary)
     print_lines(console, f"for the report: presswear report {folder}")

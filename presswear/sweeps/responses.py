@@ -155,7 +155,7 @@ class Requested:
     columns: tuple[Column, ...]
     keys: tuple[str, ...]  # of the stored responses, with @last for the last stage
     optional: tuple[str, ...] = ()  # names of responses that are computed only if requested
-    functions: tuple[User, ...] = ()  # responses that are user functions
+    functions: tuple[Any, ...] = ()  # responses that are user functions
     extra: str = ""  # digest of what a row stores besides the usual responses
 
 

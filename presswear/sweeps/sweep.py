@@ -1,6 +1,7 @@
 """Sweeps: run a scene at many points or a list of scenes, and keep the responses in a folder."""
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, partial
@@ -14,7 +15,7 @@ from presswear.results.result import Result, load
 from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.sweeps.parameters import Column, texts_of
+from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
 from presswear.sweeps.responses import (
     Limit,
@@ -40,7 +41,7 @@ from presswear.tools.files import FolderLock, check_name, digest, inside, is_fre
 from presswear.tools.quantities import Choice
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
-FILE = "sweep.json"
+FILE, PARTS = "sweep.json", "parts"
 SCHEMA = 2
 Keep = Literal["responses", "results"]
 SHOWN_ROWS = 20
@@ -52,10 +53,7 @@ class StoredSweep:
     """Content of ``sweep.json``."""
 
     plan: dict[str, Any]
-    columns: tuple[Column, ...]
-    keys: tuple[str, ...]
-    optional: tuple[str, ...]
-    extra: str
+    requested: Requested
     limits: tuple[str, ...]
     keep: Keep
     program: str
@@ -166,12 +164,11 @@ def load_sweep(folder: Path) -> Sweep:
     file = folder / FILE
     data = read_json(file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA)
     stored = typed(data, StoredSweep, f"{file}")
-    requested = Requested(stored.columns, stored.keys, stored.optional, (), stored.extra)
     try:
         plan = Plan.from_dict(stored.plan)
     except (KeyError, TypeError) as error:
         raise InputError(f"{file}: the plan cannot be read: {error}") from None
-    return Sweep(plan, requested, folder, stored.keep, stored.limits, stored.program)
+    return Sweep(plan, stored.requested, folder, stored.keep, stored.limits, stored.program)
 
 
 def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
@@ -180,7 +177,8 @@ def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
     The folder may hold a sweep with `resume`, or with `is_part` this sweep, started by another
     part of it.
     """
-    if is_free(sweep.path):
+    is_starting = is_part and {item.name for item in sweep.path.glob("*")} <= {PARTS}
+    if is_starting or is_free(sweep.path):
         return
     if not (resume or is_part):
         raise InputError(f"--out {sweep.path}: the folder is not empty; use another or --resume")
@@ -224,8 +222,11 @@ def run_sweep(
     shard: tuple[int, int] = (1, 1),
     on_progress: Callable[[Progress], object] = lambda progress: None,
     notify: Notify = print,
-) -> None:
-    """Run the missing rows of part K of N of a sweep; see `sweep` for the options."""
+) -> Sweep:
+    """Run the missing rows of part K of N of a sweep by this program; see `sweep`.
+
+    Rows that another program computed do not count.
+    """
     for scene in sweep.plan.scenes or (sweep.plan.scene,):
         scene.check_trusted()
     requested = sweep.requested
@@ -238,32 +239,25 @@ def run_sweep(
     scenes = {sweep.name(row): partial(sweep.plan.scene_of, row) for row in rows}
     with open_executor(on, jobs, notify) as (executor, slots):
         # Parts of a sweep share its folder; one process at a time runs each part.
-        folder = sweep.path / "parts" / "-of-".join(map(str, shard))
-        lock = FolderLock(sweep.path if shard[1] == 1 else folder)
+        part = sweep.path / PARTS / "-of-".join(map(str, shard))
+        folder = sweep.path if shard[1] == 1 else part
+        lock = FolderLock(folder)
         try:
-            _write(sweep)
+            write_json(folder / FILE, asdict(_stored(sweep)))
+            os.replace(folder / FILE, sweep.path / FILE)
             keep_results = sweep.keep == "results"
             run_rows(
                 sweep.path, scenes, sweep.requested, executor, slots, keep_results, on_progress
             )
         finally:
             lock.release()
+    return sweep
 
 
-def _write(sweep: Sweep) -> None:
-    requested = sweep.requested
-    stored = StoredSweep(
-        plan=sweep.plan.as_dict(),
-        columns=requested.columns,
-        keys=requested.keys,
-        optional=requested.optional,
-        extra=requested.extra,
-        limits=sweep.limits,
-        keep=sweep.keep,
-        program=sweep.program,
-        provenance=provenance(),
-    )
-    write_json(sweep.path / FILE, asdict(stored))
+def _stored(sweep: Sweep) -> StoredSweep:
+    plan, requested = sweep.plan.as_dict(), replace(sweep.requested, functions=())
+    program, origin = sweep.program, provenance()
+    return StoredSweep(plan, requested, sweep.limits, sweep.keep, program, origin)
 
 
 def sweep(
@@ -350,8 +344,7 @@ def sweep(
     requested = request(plan.example, list(responses))
     made = Sweep(plan, requested, Path(folder), keep, tuple(limits))
     check_folder_of(made, resume=True)
-    run_sweep(made, on, jobs, parse_shard(shard), notify=notify)
-    return made
+    return run_sweep(made, on, jobs, parse_shard(shard), notify=notify)
 
 
 def function_of(

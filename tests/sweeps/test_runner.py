@@ -152,3 +152,11 @@ def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path)
     assert stored.items() <= rows_in(folder).items()
     assert np.isfinite(load_sweep(folder).table.values).all()
     assert json.loads((folder / "sweep.json").read_text())["schema"] == 2
+
+
+def test_parts_that_start_together_share_a_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    command = [sys.executable, "-m", "presswear", *WORDS, "--out", str(folder), "--jobs", "1"]
+    parts = [subprocess.Popen([*command, "--shard", f"{k}/2"]) for k in (1, 2)]
+    assert [part.wait() for part in parts] == [0, 0]
+    assert np.isfinite(load_sweep(folder).table.values).all()
