@@ -1,7 +1,6 @@
 """Several starts: they part, are pooled, end early together and are stored apart."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,18 +9,14 @@ from numpy.typing import NDArray
 from presswear.campaign.campaign import run_campaign, run_stage
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, start_of
-from presswear.campaign.stage_statistics import COLUMNS, deviation, whole_cycles
+from presswear.campaign.stage_statistics import COLUMNS, deviation
 from presswear.physics.constraints import constraints_of
-from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.folder import ResultFolder
-from presswear.results.result import load
 from presswear.results.stage import SIDES, StageResult
-from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError
 
 QUICK = changed(
     replace(wear_times(), wear_updates=0),
@@ -55,16 +50,6 @@ def test_replicates_start_within_a_part_of_the_clearance_and_diverge(
     assert abs(one[5] - other[5]) > 1e-3 * one[5] > 0.0
 
 
-def test_contacts_are_counted_cycle_by_cycle(two: tuple[StageResult, Ensemble]) -> None:
-    kept = 5
-    edges = QUICK.mechanism.period * np.arange(kept + 1)
-    for recorder in two[1].recorders:
-        separations = recorder.episodes(0)[:, CONTACT_COLUMNS.index("separation")]
-        found = recorder.each_cycle("contacts", 0)[:kept]
-        assert found.tolist() == np.histogram(separations, edges)[0].tolist()
-    assert two[0].joints["A"].each_cycle("contacts")[0] > 0
-
-
 def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None:
     recorders = two[1].recorders
     peaks = [own.each_cycle("force_max", 0)[STARTUP_CYCLES:] for own in recorders]
@@ -84,24 +69,6 @@ def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None
     assert depth.low is not None
     assert depth.high is not None
     assert depth.low < depth.mean < depth.high
-
-
-def test_rows_are_stored_with_their_start(
-    two: tuple[StageResult, Ensemble], tmp_path: Path
-) -> None:
-    scene = replace(QUICK, replicates=2, cycles=6)
-    folder = ResultFolder(tmp_path / "out", scene)
-    folder.on_stage(two[0])
-    folder.close("completed", "")
-    stored = load(tmp_path / "out")
-    arrays = stored.stages[0].arrays
-    assert arrays["cycle_start"].tolist() == [0.0] * 6 + [1.0] * 6
-    assert arrays["cycles"].shape[0] == 12
-    assert np.allclose(arrays["wear_batch_cycles"], 1.0)
-    assert arrays["deviation"].shape == (10, len(COLUMNS))
-    assert arrays["deviation_start"].tolist() == [0.0] * 5 + [1.0] * 5
-    assert np.all((arrays["A_flight"] >= 0.0) & (arrays["A_flight"] < 1.0))
-    assert stored.scene.replicates == 2
 
 
 def ends_early(replicates: int, tolerance: float) -> Ensemble:
@@ -142,11 +109,6 @@ def test_progress_goes_through_all_starts() -> None:
     assert parts[-1] > 0.95
 
 
-def test_starts_need_a_clearance_joint() -> None:
-    with pytest.raises(InputError, match=r"replicates = 2: .* allowed is 1"):
-        changed(ideal(), {"replicates": "2"})
-
-
 def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:
     """How far a run is off whose recorded slider follows the ideal one late."""
     ensemble = run_stage(replace(scene, cycles=2), 0)[1]
@@ -163,13 +125,3 @@ def test_a_late_slider_lags_by_its_delay() -> None:
     assert np.abs(exact[:, :3]).max() < 1e-12
     ideal_stroke = np.ptp(QUICK.ideal_slider(np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
     assert exact[:, COLUMNS.index("stroke")] == pytest.approx(ideal_stroke, rel=1e-5)
-
-
-def test_whole_cycles_leave_out_what_is_begun() -> None:
-    time = np.linspace(0.0, 2.5, 251)
-    found = whole_cycles(time, 1.0)
-    assert [(rows.start, rows.stop) for rows in found] == [(0, 100), (100, 200)]
-    assert whole_cycles(np.zeros(0), 1.0) == []
-    # Times before the first cycle are those of a run-up.
-    assert whole_cycles(time - 10.0, 1.0) == []
-    assert whole_cycles(time - 1.0, 1.0) == [slice(own.start, own.stop) for own in found[1:]]

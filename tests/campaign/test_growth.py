@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.replicates import worn_out
+from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_PASS, WearUpdate, wear_error, wear_per_cycle
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
@@ -24,10 +23,7 @@ from presswear.results.result import load
 from presswear.results.stage import SIDES, JointResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import REPLICATES, Scene
-from presswear.show.figures import drawings
-from presswear.show.report import render_report
-from presswear.show.report_tables import growth_table
+from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -230,17 +226,6 @@ def test_a_stage_runs_on_the_wear_before_it(campaign: Campaign) -> None:
             assert volume == pytest.approx(area * added.sum(), rel=1e-12, abs=0.0)
 
 
-def test_nothing_runs_for_the_wear_after_the_last_stage(campaign: Campaign) -> None:
-    engine = FakeEngine(constant)
-    seen = campaign(SCENE, engine)
-    # Of each start: three stages, and two passes for either wear.
-    assert engine.runs == 2 * (3 + 2 * 2)
-    last = seen.stages[-1]
-    assert last.wear_steps == ()
-    joint = last.joints["A"]
-    np.testing.assert_allclose(both(joint, joint.wear), REPRESENTED * RATE * SHAPE, rtol=1e-12)
-
-
 def test_failure_inside_a_wear_names_the_pass_and_keeps_the_stage(campaign: Campaign) -> None:
     """Stage 0 and two passes, stage 1, then the second pass of the second wear."""
     seen = campaign(SCENE, FakeEngine(constant, fails=12))
@@ -250,15 +235,6 @@ def test_failure_inside_a_wear_names_the_pass_and_keeps_the_stage(campaign: Camp
     # The half-way pass is what is known of it.
     assert [len(stage.wear_steps) for stage in seen.stages] == [6, 3]
     assert seen.stages[1].status == "completed"
-
-
-def test_failure_of_a_stage_is_told(campaign: Campaign) -> None:
-    seen = campaign(SCENE, FakeEngine(constant, fails=8))
-    assert (seen.status, seen.message) == (
-        "failed",
-        "stage 1: start 2: the solver found no step (t = 0.1 s)",
-    )
-    assert [stage.status for stage in seen.stages] == ["completed", "failed"]
 
 
 def test_a_set_that_fails_does_not_mix_with_the_other(campaign: Campaign) -> None:
@@ -291,17 +267,6 @@ def test_a_surface_worn_through_is_named(
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
 
 
-def test_wear_through_the_pin_is_named() -> None:
-    joints = wear_times().linkage().clearances
-    worn = np.zeros((2, 2, 360))
-    assert worn_out(joints, worn) is None
-    worn[1, 1] = 0.0143
-    found = worn_out(joints, worn)
-    assert found is not None
-    assert found[0] == "C"
-    assert "the pin would lose 0.0143 m, more than the clearance of 0.0008 m" in found[1]
-
-
 def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -> None:
     engine = FakeEngine(constant, stopped=5)
     use(engine, monkeypatch)
@@ -322,41 +287,6 @@ def test_progress_never_falls_and_names_the_pass(campaign: Campaign, cycles: int
     assert seen.wholes[-1] > 0.95
     words = [told.word for told in seen.told if told.stage == 1]
     assert any(word.startswith("second wear in ") for word in words)
-
-
-def test_progress_of_single_jumps_is_that_of_the_runs(campaign: Campaign) -> None:
-    seen = campaign(replace(SCENE, extrapolation="single", replicates=1), FakeEngine(uneven))
-    expected = (np.arange(3 * CYCLES) + 0.5) / CYCLES
-    np.testing.assert_allclose([told.stage + told.part for told in seen.told], expected)
-    np.testing.assert_allclose(seen.wholes, expected / 3.0)
-    assert not [told for told in seen.told if "step" in told.word]
-
-
-def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
-    engine = FakeEngine(constant)
-    use(engine, monkeypatch)
-    seen = Seen()
-    stage, _ = run_stage(SCENE, 0, observers=[seen])
-    assert (engine.runs, stage.wear_steps, seen.stages) == (2, (), [stage])
-    assert not [told for told in seen.told if "step" in told.word]
-
-
-@pytest.mark.parametrize(
-    ("conventions", "extrapolation", "in_steps"),
-    [
-        ("paper", "conventions", False),
-        ("refined", "conventions", True),
-        ("paper", "steps", True),
-        ("refined", "single", False),
-    ],
-)
-def test_conventions_decide_unless_the_scene_does(
-    conventions: str, extrapolation: str, in_steps: bool
-) -> None:
-    scene = replace(wear_times(), conventions=CONVENTIONS[conventions], extrapolation=extrapolation)
-    assert scene.wears_in_steps == in_steps
-    assert scene.draws == REPLICATES
-    assert replace(scene, wear_updates=0).draws == 1
 
 
 @pytest.fixture(scope="module")
@@ -390,26 +320,6 @@ def test_the_press_wears_in_steps(real: Path) -> None:
             deepest = [step.max_depth[joint][side] for step in steps]
             assert deepest == sorted(deepest)
     assert len({step.peak_force["A"] for step in steps}) == len(steps)
-
-
-def test_growth_is_a_table_and_a_figure(real: Path) -> None:
-    result = load(real)
-    table = growth_table(result)
-    assert table is not None
-    rows = {row[0]: row[1:] for _, group in table.groups for row in group}
-    assert rows["steps"] == (str(len(result.stages[0].wear_steps)),)
-    found = {drawing.file: drawing for drawing in drawings(result)}
-    panels = found["wear-growth.png"].sheet.get_axes()
-    assert [axes.get_xlabel() for axes in panels] == ["represented cycles (million)"] * 2
-    assert [axes.get_ylabel() for axes in panels] == ["deepest wear (µm)"] * 2
-    for axes, joint in zip(panels, "AC", strict=True):
-        for line, side in zip(axes.get_lines(), ("bearing", "pin"), strict=False):
-            x, y = (np.asarray(data, dtype=float) for data in line.get_data())
-            assert x[-1] == pytest.approx(1.0)
-            assert y[0] == 0.0
-            deepest = result.stages[0].wear_steps[-1].max_depth[joint][side]
-            assert y[-1] == pytest.approx(1e6 * deepest)
-    assert "Wear was applied in steps of one cycle each" in render_report(result)
 
 
 def test_a_wear_without_a_coarser_pass_is_not_known() -> None:

@@ -1,7 +1,5 @@
 """Lives of scenes: what is asked for them, and what stops, ends or spoils them."""
 
-import contextlib
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -80,35 +78,6 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
         [joint] if joint else list(JOINTS) if name in OF_JOINT else [""]
     )
     assert {own.value for own in found} == {value}
-
-
-@given(st.text(max_size=30) | st.from_regex(r"[AB.@>, a-z0-9_]{0,20}", fullmatch=True))
-def test_whatever_is_written_is_read_or_refused(text: str) -> None:
-    """Limits are above zero and finite, services within the life."""
-    for field, read in (("until", Life.limits), ("replaced", Life.services)):
-        given_life: dict[str, Any] = {field: text}
-        found: tuple[Any, ...] = ()
-        with contextlib.suppress(pw.InputError):
-            found = read(Life(**given_life), JOINTS)
-        for own in found:
-            if isinstance(own, Service):
-                assert 1.0 <= own.strokes < 5e7
-            else:
-                assert 0.0 < own.value < math.inf
-
-
-@given(st.lists(st.tuples(st.sampled_from(JOINTS), st.integers(1, 10**7), st.booleans())))
-def test_services_come_in_the_order_of_strokes(services: list[tuple[str, int, bool]]) -> None:
-    """Replaced and turned together."""
-    words: dict[str, Any] = {
-        key: ", ".join(f"{joint}@{strokes}" for joint, strokes, turned in services if turned is how)
-        for key, how in (("replaced", False), ("turned", True))
-    }
-    found = Life(**words).services(JOINTS)
-    assert [own.strokes for own in found] == sorted(strokes for _, strokes, _ in services)
-    assert sorted((own.joint, own.strokes, own.is_turned) for own in found) == sorted(
-        (joint, float(strokes), turned) for joint, strokes, turned in services
-    )
 
 
 def test_one_start_has_no_interval() -> None:

@@ -11,20 +11,15 @@ import pytest
 from endurance.sameness import folder_differences
 
 from presswear.campaign import ensemble
-from presswear.campaign.campaign import TURN, run, run_into, run_stage, workers_of
+from presswear.campaign.campaign import run, run_into, run_stage, workers_of
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import (
     FEWEST,
-    ROUND_FRACTION,
-    STEP_CHECK,
     Ensemble,
-    deal,
-    first_round,
-    next_round,
 )
-from presswear.campaign.replicates import RunSpec, RunState, StepCheck, WorkUnit
+from presswear.campaign.replicates import RunState, StepCheck, WorkUnit
 from presswear.recording.observer import Observer, Progress
-from presswear.recording.statistics import STARTUP_CYCLES, MapBatches
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
@@ -56,42 +51,6 @@ UNTIL_KNOWN = changed(replace(wear_times(), wear_updates=0, replicates=4, tolera
 STEPS = replace(JUMP, extrapolation="steps", cycles=3, replicates=2)
 
 SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
-
-
-def filed(cycles: int) -> MapBatches:
-    """Maps of so many cycles."""
-    maps = MapBatches((1, 2, 4))
-    for _ in range(cycles):
-        maps.add(np.ones((1, 2, 4)))
-    return maps
-
-
-def test_cycles_are_dealt_out_one_by_one() -> None:
-    assert deal(22, 3) == (8, 7, 7)
-    assert deal(24, 4) == (6, 6, 6, 6)
-    assert all(sum(deal(total, 7)) == total for total in range(50))
-
-
-@pytest.mark.parametrize("replicates", [1, 3, 4, 16, 40])
-def test_the_first_round_has_the_fewest_samples(replicates: int) -> None:
-    until = first_round(RunSpec(1000, 0.1), replicates)
-    samples = [own - STARTUP_CYCLES for own in until]
-    assert sum(samples) == max(FEWEST, 3 * replicates)
-    assert min(samples) >= 3
-    assert first_round(RunSpec(4, 0.1), replicates) == (4,) * replicates
-    assert first_round(RunSpec(50), replicates) == (50,) * replicates
-
-
-def test_a_round_takes_half_of_what_is_lacking() -> None:
-    """An error twice as large as asked lacks three times the samples."""
-    maps = [filed(6) for _ in range(4)]
-    until = next_round(RunSpec(1000, 0.1), maps, 0.2)
-    assert until is not None
-    assert sum(until) == 24 + ROUND_FRACTION * 3 * 16
-    assert next_round(RunSpec(1000, 0.1), maps, 0.1) is None
-    assert next_round(RunSpec(1000, 0.1), maps, 0.1001) == (7, 6, 6, 6)
-    assert next_round(RunSpec(7, 0.1), maps, 10.0) == (7, 7, 7, 7)
-    assert next_round(RunSpec(6, 0.1), maps, 10.0) is None
 
 
 def finished(scene: Scene, jobs: int, path: Path) -> Path:
@@ -137,46 +96,6 @@ class Reversed(InProcess):
                 waiting.pop(other, None)
                 if job is not None:
                     waiting[other] = job
-
-
-class Noting(InProcess):
-    """Notes the runs that have ended whenever a job is given besides them."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.ended: list[int] = []
-        self.beside: list[int] = []
-
-    def run(self, jobs: Mapping[int, Job], ended: OnResult, told: OnProgress) -> None:
-        def noted(given: Mapping[int, Job | None]) -> Mapping[int, Job | None]:
-            self.beside += [len(self.ended)] * (given.get(STEP_CHECK) is not None)
-            return given
-
-        def heard(key: int, outcome: object) -> Mapping[int, Job | None]:
-            self.ended += [key] * (key != STEP_CHECK)
-            return noted(ended(key, outcome))
-
-        noted(jobs)
-        super().run(jobs, heard, told)
-
-
-@pytest.mark.parametrize(("worth", "ended"), [(20, 0), (25, 4), (1000, None)])
-def test_finer_steps_are_taken_beside_the_runs(
-    worth: int, ended: int | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As soon as it is known that the runs are long enough: 24 cycles in the first round."""
-    monkeypatch.setattr(ensemble, "STEP_CHECK_CYCLES", worth)
-    workers = Noting()
-    stage = run_stage(UNTIL_KNOWN, 0, workers=workers)[0]
-    assert workers.beside == ([] if ended is None else [ended])
-    assert (stage.statistics.load_distance_step_error is None) == (ended is None)
-
-
-def test_runs_that_processes_share_take_turns() -> None:
-    """But for the one that a window shows, and where there is a single process."""
-    assert workers_of(JUMP, 2, interval=100.0).lasts == TURN
-    assert workers_of(JUMP, 2, [Watches()], interval=100.0).lasts == 25.0
-    assert workers_of(JUMP, 1, interval=100.0).lasts == 25.0
 
 
 def told(ran: Ensemble) -> list[bytes]:

@@ -13,7 +13,6 @@ from presswear.recording.statistics import (
     MAX_BATCHES,
     MIN_SAMPLES,
     STARTUP_CYCLES,
-    Estimate,
     MapBatches,
     after_startup,
     angle_interval,
@@ -43,16 +42,6 @@ def test_interval_of_a_mean_over_cycles() -> None:
     assert estimate(np.array([1.0])).half_width is None
     # Where no more ran, the last is the only sample.
     assert estimate(np.array([1.0, 3.0])).mean == 3.0
-
-
-@given(st.integers(1, 500))
-def test_batches_are_equal_and_nearly_all_samples(count: int) -> None:
-    samples = np.arange(count, dtype=float)
-    found = batched(samples)
-    size = -(-count // MAX_BATCHES)
-    assert len(found) == count // size <= MAX_BATCHES
-    assert np.allclose(np.diff(found), size)
-    assert found[-1] == pytest.approx(samples[-size:].mean())
 
 
 def test_batches_see_what_neighbours_share() -> None:
@@ -150,31 +139,6 @@ def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
     assert found.high == pytest.approx(math.exp(0.5 * high))
 
 
-def test_range_is_over_as_many_as_the_shortest_run_has() -> None:
-    generator = np.random.default_rng(2)
-    runs = [generator.normal(size=count + STARTUP_CYCLES) for count in (4, 9)]
-    span, size = mean_range(runs)
-    assert size == 4
-    parts = [runs[0][2:], runs[1][3:7], runs[1][7:]]
-    assert span is not None
-    assert span.mean == pytest.approx(np.mean([np.ptp(own) for own in parts]))
-
-
-def test_too_few_samples_have_no_scatter_and_no_interval() -> None:
-    assert spread([np.array([1.0])]) is None
-    assert mean_range([np.array([1.0, 2.0, 3.0])]) == (None, 1)
-    # Two cycles behind the start-up: one degree of freedom.
-    few = spread([np.array([0.0, 0.0, 1.0, 2.0])])
-    assert few is not None
-    assert (few.low, few.high) == (None, None)
-    assert few.mean == pytest.approx(math.sqrt(0.5))
-    still = spread([np.ones(8)])
-    assert still is not None
-    assert (still.mean, still.low) == (0.0, None)
-    span, size = mean_range([np.array([0.0, 0.0, 1.0, 2.0])])
-    assert (span, size) == (Estimate(1.0, samples=1), 2)
-
-
 @given(st.integers(1, 200), st.integers(0, 2**31))
 def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
     maps = np.random.default_rng(seed).gamma(1.0, size=(count, 2, 2, 5))
@@ -195,31 +159,6 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
     noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
     size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))
     assert np.allclose(map_errors(*map_batches([found])), np.sqrt(noise / size))
-
-
-def test_maps_of_several_starts_are_pooled_by_their_cycles() -> None:
-    generator = np.random.default_rng(4)
-    runs, samples = [], []
-    for count in (12, 80):
-        maps = generator.gamma(2.0, size=(count, 1, 2, 6))
-        run = MapBatches((1, 2, 6))
-        for depth in maps:
-            run.add(depth)
-        runs.append(run)
-        samples.append(maps[STARTUP_CYCLES:])
-    assert np.allclose(mean_map(runs), np.concatenate(samples).mean(axis=0))
-    batches, weights = map_batches(runs)
-    assert weights.tolist() == [1.0] * 10 + [4.0] * 19
-    plain = np.concatenate(samples).std(axis=0, ddof=1) / np.sqrt(88)
-    expected = np.sqrt((plain**2).sum() / (mean_map(runs) ** 2).sum())
-    assert map_errors(batches, weights)[0] == pytest.approx(expected, rel=0.25)
-
-
-def test_a_map_without_wear_has_no_error() -> None:
-    found = MapBatches((1, 2, 4))
-    for _ in range(6):
-        found.add(np.zeros((1, 2, 4)))
-    assert map_errors(*map_batches([found]))[0] == 0.0
 
 
 @pytest.mark.parametrize(("count", "width"), [(6, 10.0), (20, 10.0), (20, 40.0)])
@@ -306,11 +245,6 @@ def test_runs_that_differ_are_single_samples() -> None:
         half_width(np.array([rows[STARTUP_CYCLES:].mean() for rows in apart])) or 0.0
     )
     assert wide.half_width > 2.0
-
-
-def test_constant_groups_do_not_differ() -> None:
-    assert not differ([np.ones(5), np.ones(5)])
-    assert not differ([np.arange(5.0)])
 
 
 def test_quantiles_and_variances_are_those_of_scipy() -> None:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import pytest
 from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.engines.settings import ExudynJoints
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
@@ -162,21 +162,6 @@ def test_steep_surfaces_are_named_only_where_worn_ones_meet_radially(
     remedy = made_remedy(packed, "a smaller integration_tolerance may help")
     assert ("contact = foundation" in remedy) == is_steep
     assert "a smaller integration_tolerance may help" in remedy
-
-
-def test_a_coarse_tolerance_on_round_surfaces_is_blamed_on_the_tolerance() -> None:
-    plan = Plan(SCENE.mechanism.period, 1, recorded_cycles=1)
-    run = InHouse("dopri5", integration_tolerance=1e-3).simulate(LINKAGE, START, plan)
-    assert run.status == "failed"
-    assert "worn" not in run.message
-    assert "foundation" not in run.message
-    assert "integration_tolerance" in run.message
-
-
-def test_a_finding_is_kept_as_data() -> None:
-    found = Finding("steps", "too few", 0.25, "A", "shorter steps")
-    assert Finding(**json.loads(json.dumps(asdict(found)))) == found
-    assert found.words == "joint A: too few (t = 0.25 s); shorter steps"
 
 
 CASES = {

@@ -16,7 +16,6 @@ from presswear.results.export import table_of, unit_of
 from presswear.results.press_analysis import Share, drives_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.show.figures import drawings
 from presswear.show.report_tables import drive_table
 
 PENDULUM = assemble(
@@ -98,27 +97,6 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
     work = 0.5 * inertia * ((speed + part) ** 2 - (speed - part) ** 2)
     assert (duty.supplied, duty.returned) == pytest.approx((work, work), rel=exact)
     assert abs(duty.torque.peak) == pytest.approx(inertia * part * speed, rel=1e-4)
-
-
-def test_power_is_in_the_figures_and_in_the_report() -> None:
-    scene = Scene(mechanism=FOUR_BAR, joints="B", wear_updates=0, cycles=3, drive_torque="on")
-    result = run(scene)
-    (drawing,) = drawings(result, ["drives"])
-    assert [axes.get_ylabel() for axes in drawing.sheet.axes] == ["torque (N m)", "power (W)"]
-    # Its lines begin behind the start-up.
-    first = float(np.asarray(drawing.sheet.axes[1].lines[0].get_xdata())[0])
-    assert first == pytest.approx(2.0 * scene.mechanism.period, rel=1e-2)
-    table = drive_table(result)
-    assert table is not None
-    assert table.head == ("drives", "no wear", "ideal joints")
-    (rows,) = ({row[0]: row[1:] for row in own} for name, own in table.groups if "crank" in name)
-    own = drives_of(scene, result.stages[0])["crank"]
-    for told, duty in zip(rows["power, largest (W)"], (own.duty, own.ideal), strict=True):
-        plain = told.replace("\u2212", "-").replace("\u202f", "").replace(" ", "")
-        assert float(plain) == pytest.approx(duty.power.peak, rel=1e-2)
-    without = run(replace(scene, drive_torque="auto", cycles=1))
-    assert drive_table(without) is None
-    assert "drives.png" not in [own.file for own in drawings(without)]
 
 
 def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:

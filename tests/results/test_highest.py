@@ -14,7 +14,6 @@ import presswear as pw
 from presswear.campaign.campaign import run
 from presswear.results.stage import StageResult
 from presswear.scene.options import Numerics
-from presswear.show.report_tables import stage_tables
 
 CRANK = pw.SliderCrank(speed=30.0, gravity=0.0)
 SHEET = pw.Blanking(height=3e-3, force=50.0)
@@ -87,12 +86,3 @@ def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
     assert rise[0] == pytest.approx(rise[1], rel=1e-9)
     assert total[0] > 2e-4
     assert rise[0] > 2e-4
-
-
-def test_the_report_tells_both_alike(both: list[pw.Result]) -> None:
-    pages = [stage_tables(result)["overview"] for result in both]
-    assert pages[0] is not None
-    assert pages[1] is not None
-    told = [dict(page.groups)["Bottom dead centre"] for page in pages if page is not None]
-    assert told[0] == told[1]
-    assert len(told[0]) == 2

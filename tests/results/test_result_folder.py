@@ -19,18 +19,16 @@ from presswear.campaign.campaign import run_into
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observer import Observer
-from presswear.results.folder import INTERVAL, MIN_WAIT, ResultFolder, read_document
+from presswear.results.folder import ResultFolder, read_document
 from presswear.results.result import load, unfinished
 from presswear.results.stage import SIDES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import drawings
 from presswear.show.report import render_report
 from presswear.tools.arrays import write_arrays
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import FolderLock
 from presswear.tools.serialize import write_json
 
 SCENE = changed(
@@ -205,17 +203,6 @@ def test_another_program_is_refused(change: dict[str, Any], words: str, halted: 
         ResultFolder(halted, SCENE, resume=True)
 
 
-def test_the_same_source_is_the_same_program_where_git_does_not_know_it(halted: Path) -> None:
-    edit(halted, lambda document: document["provenance"].update(revision="unknown"))
-    resumed(halted)
-
-
-def test_another_machine_is_told(halted: Path) -> None:
-    edit(halted, lambda document: document["provenance"].update(machine="another"))
-    with ResultFolder(halted, SCENE, resume=True) as folder:
-        assert any("begun on another" in remark for remark in folder.remarks)
-
-
 def test_a_checkpoint_that_is_damaged_or_of_another_run_is_named_and_left(
     halted: Path, tmp_path: Path
 ) -> None:
@@ -293,47 +280,6 @@ def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
     assert not path.exists()
 
 
-def test_checkpoints_are_written_when_due(
-    halted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """At the interval, and no sooner than a hundred times what the last one took."""
-    checkpoint = resumed(halted)
-    now = 0.0
-    monkeypatch.setattr("time.perf_counter", lambda: now)
-    folder = ResultFolder(tmp_path / "out", SCENE)
-
-    def is_written(is_stage: bool = False) -> bool:
-        before = set(folder.path.glob("checkpoint-*.npz"))
-        folder.on_checkpoint(checkpoint, is_stage)
-        return set(folder.path.glob("checkpoint-*.npz")) != before
-
-    now = 0.9 * INTERVAL
-    assert not is_written()
-    assert is_written(is_stage=True)
-    now += 0.9 * INTERVAL
-    assert not is_written()
-    now += 0.2 * INTERVAL
-    assert is_written()
-    vars(folder)["_write_time"] = 2.0 * INTERVAL / MIN_WAIT
-    now += 1.5 * INTERVAL
-    assert not is_written()
-    now += 0.6 * INTERVAL
-    assert is_written()
-    folder.interrupt()
-
-
-def test_commands_work_on_what_is_there_and_say_so(
-    halted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["export", str(halted), str(tmp_path / "table.csv")]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "is unfinished (killed, or stopped by an error): 1 of 2 stages are stored" in said
-    lock = FolderLock(halted)
-    assert main(["export", str(halted), str(tmp_path / "again.csv")]) == 0
-    assert f"process {os.getpid()} on" in capsys.readouterr().out
-    lock.release()
-
-
 def test_a_run_without_a_finished_stage_is_nothing_to_report(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -363,13 +309,6 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     assert "has come to its end before" in capsys.readouterr().out
     assert (halted / "result.json").read_bytes() == before
     assert json.loads(before)["status"] == "completed"
-
-
-def test_the_scene_of_these_tests_is_of_every_kind(whole: Path) -> None:
-    scene: Scene = load(whole).scene
-    assert scene == SCENE
-    assert scene.draws > 1
-    assert scene.wears_in_steps
 
 
 def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:

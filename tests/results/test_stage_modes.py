@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.analysis.contact_modes import FREE, IMPACT, MODES
+from presswear.analysis.contact_modes import MODES
 from presswear.results.press_analysis import (
     impacts_of,
     period_of,
@@ -14,8 +14,6 @@ from presswear.results.press_analysis import (
     timeline_of,
 )
 from presswear.results.result import Result
-from presswear.show.report_tables import motion_table
-from presswear.tools.numbers import readable
 
 
 @pytest.fixture(scope="module")
@@ -71,39 +69,3 @@ def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> N
     np.testing.assert_allclose(phase, found[: len(phase)], rtol=0.0, atol=1e-4)
     rate = np.interp(moment, time, np.gradient(away, time))
     np.testing.assert_allclose(speed, rate[: len(phase)], rtol=0.05)
-
-
-def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> None:
-    scene, stage = result.scene, result.stages[0]
-    table = motion_table(result)
-    assert table is not None
-    cells = {name: {row[0]: row[1] for row in rows} for name, rows in table.groups}
-    own = timeline_of(scene, stage, "B")
-    for mode, share in own.shares.items():
-        assert cells["Joint B"][mode].startswith(f"{100.0 * share:.2f} %")
-    count = own.transitions[FREE, IMPACT]
-    assert count > 5
-    told = cells["Joint B, changes of mode per cycle"]["free flight to impact"]
-    assert float(told) == pytest.approx(count / 4.0, rel=1e-2)
-    assert cells["Repetition"]["period, tolerance relative to the clearance"] == str(
-        period_of(scene, stage)
-    )
-    waves = cells["Spectra"]
-    # Of four cycles noise cannot be told from harmonics.
-    assert "force at B (N), power at whole orders (%)" not in waves
-    assert waves["contact resonance of B (Hz)"] == readable(resonance(stage, "B"))
-
-
-def test_figures_are_drawn(result: Result) -> None:
-    axes = result.plot("phase", "poincare", "modes", "spectrum", "impacts")
-    assert len(axes) == 2 + 1 + 1 + 2 + 1
-    labels = [own.get_xlabel() for own in axes]
-    assert "|e| in joint B (µm)" in labels
-    assert "frequency in turns of the cycle (orders)" in labels
-    shares = timeline_of(result.scene, result.stages[0], "B").shares
-    assert f"free {100.0 * shares['free flight']:.2f}," in axes[3].get_title()
-    (dots,) = axes[-1].collections
-    phase, speed = impacts_of(result.scene, result.stages[0], "B")
-    np.testing.assert_array_equal(dots.get_offsets(), np.column_stack([360.0 * phase, speed]))
-    with pytest.raises(pw.InputError, match="nothing to draw as 'modes'"):
-        pw.run(pw.scenes.ideal(cycles=1), engine="dae").plot("modes")

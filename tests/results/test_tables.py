@@ -1,6 +1,5 @@
 """Tables that go to other programs and come back."""
 
-import io
 from dataclasses import replace
 from pathlib import Path
 
@@ -95,41 +94,6 @@ def test_a_wrong_table_is_refused_in_one_line(
     for word in ("theirs.csv", *words):
         assert word in str(refused.value)
     assert "\n" not in str(refused.value)
-
-
-def _npz(**columns: object) -> bytes:
-    file = io.BytesIO()
-    np.savez(
-        file, allow_pickle=True, **{name: np.asarray(values) for name, values in columns.items()}
-    )
-    return file.getvalue()
-
-
-def _npy() -> bytes:
-    file = io.BytesIO()
-    np.save(file, np.zeros(3))
-    return file.getvalue()
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"no archive",
-        b"PK\x03\x04 cut off",
-        _npy(),
-        _npz(time=[0.0, 1.0], velocity=[[0.0], [1.0]]),
-        _npz(time=[0.0, 1.0], velocity=["slow", "fast"]),
-        _npz(time=[0.0, 1.0], velocity=[{}, {}]),
-        _npz(time=[0.0, 1.0], velocity=[1j, 2j]),
-        _npz(time=[0.0, 1.0], velocity=[0.0, 1.0, 2.0]),
-    ],
-)
-def test_a_wrong_archive_is_refused(content: bytes, tmp_path: Path) -> None:
-    path = tmp_path / "theirs.npz"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=r"theirs\.npz"):
-        read_table(path)
 
 
 def test_every_column_has_a_unit() -> None:

@@ -30,7 +30,6 @@ from presswear.results.press_analysis import (
     phases_of,
     process_force,
     reversal,
-    rms,
     settled_strokes,
     strokes_of,
     tonnage_of,
@@ -279,36 +278,6 @@ def test_a_reversal_is_found_along_the_force_that_worked(
         assert delay - 1e-9 <= after <= delay + 1.1e-4
 
 
-@given(
-    parts=st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3, unique=True),
-    breaks=st.booleans(),
-)
-def test_phases_follow_each_other_and_leave_nothing_out(parts: list[float], breaks: bool) -> None:
-    contact, fracture, done = (1.0 + 0.9 * own for own in sorted(parts))
-    own = replace(STROKE, contact=contact, fracture=fracture if breaks else math.nan, done=done)
-    time = np.linspace(0.9, 2.1, 1201)
-    phase = phases_of(time, [own])
-    inside = (time >= own.begin) & (time < own.end)
-    assert (phase[~inside] == -1).all()
-    assert (np.diff(phase[inside]) >= 0).all()
-    expected = np.select(
-        [
-            time < contact,
-            time < (fracture if breaks else done),
-            breaks & (time < fracture + SNAP_THROUGH_S),
-        ],
-        [0, 1, 2],
-        3,
-    )
-    np.testing.assert_array_equal(phase[inside], expected[inside])
-
-
-def test_phases_without_work_part_at_the_bottom() -> None:
-    none = replace(STROKE, contact=math.nan, fracture=math.nan, done=math.nan)
-    time = np.array([0.99, 1.0, 1.49, 1.5, 1.99, 2.0])
-    assert phases_of(time, [none]).tolist() == [-1, 0, 0, 3, 3, -1]
-
-
 ZERO = Estimate(0.0)
 JOINT_STATISTICS = JointStatistics(0.0, ZERO, 0, ZERO, 0, None, 0.0, ZERO, ZERO, None, None, (), {})
 
@@ -344,13 +313,6 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     assert found.reversed_fraction is not None
     assert found.reversed_fraction.mean == 0.0
     assert found.reversal_time is None
-
-
-@given(amplitude=st.floats(1e-3, 1e6), turns=st.integers(1, 20))
-def test_the_rms_of_a_sine_is_that_of_whole_turns(amplitude: float, turns: int) -> None:
-    time = np.linspace(0.0, 0.02, 4001)
-    values = amplitude * np.sin(2.0 * math.pi * turns * time / 0.02)
-    assert rms(time, values) == pytest.approx(amplitude / math.sqrt(2.0), rel=1e-9)
 
 
 def test_ten_settled_strokes_are_kept_of_a_press_with_work() -> None:
