@@ -4,9 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.physics.links import place_links
-from presswear.physics.prescribed import place_prescribed
-from presswear.physics.tree import Tree, tree_of
+from presswear.physics.prescribed import Tree, place_prescribed, tree_of
+from presswear.physics.tree import place_links
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """The normal force of a law in a state, as the kernels put it together."""
 
 from presswear.linkage.laws import NormalLaw
-from presswear.physics.laws import elastic_of, normal_force, normal_record
+from presswear.physics.friction_and_normal import elastic_of, normal_force, normal_record
 from presswear.tools.compile import Records
 
 

@@ -19,8 +19,8 @@ from presswear.engines.dae.engine import prepare
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.physics.laws import ONSET_SPEED_FLOOR, elastic_of, normal_force
-from presswear.physics.tree import Tree, tree_of
+from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
+from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.observe import Book
 from presswear.recording.statistics import batched, half_width
 from presswear.tools.errors import InputError, RunFailed

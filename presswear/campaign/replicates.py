@@ -18,8 +18,8 @@ from presswear.engines.settings import Engine
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, Surface
-from presswear.physics.bottom import bottom_of
 from presswear.physics.constraints import constraints_of
+from presswear.physics.ideal import bottom_of
 from presswear.recording.observer import AdvanceObserver, Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding

@@ -37,7 +37,7 @@ from presswear.campaign.wear_update import (
     wear_per_cycle,
 )
 from presswear.linkage.elements import ClearanceJoint
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT

@@ -19,8 +19,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.physics.bottom import DWELL, bottom_of, dwell_of
-from presswear.physics.ideal import IdealMotion
+from presswear.physics.ideal import DWELL, IdealMotion, bottom_of, dwell_of
 from presswear.physics.wear import worn_volume
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
-from presswear.physics.load_modes import place_loads
+from presswear.physics.loads import place_loads
 from presswear.recording.observe import ROWS_AT_LEAST
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder

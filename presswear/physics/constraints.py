@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.physics.motion import drive_motion, motions_of
+from presswear.physics.drive_motion import drive_motion, motions_of
 from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 Array = NDArray[np.float64]

@@ -1,7 +1,7 @@
 """How pins meet their bearings: a state of the linkage in, a record of each contact out.
 
 e = pin centre - bearing centre, n = e / |e|, phi its direction, t = n turned by
-+90 degrees.  Round surfaces, and worn ones under ``radial`` contact, meet where e points;
++90 degrees. Round surfaces, and worn ones under ``radial`` contact, meet where e points;
 worn ones on a ``foundation`` over all of the arc.
 """
 
@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.foundation import BEARING, PIN, SURFACES, curvature, press, profile, turned
-from presswear.physics.laws import elastic_of
+from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
 
+# A pin in its bearing at one instant, open or closed
 CONTACT = np.dtype(
     [
         ("penetration", np.float64),  # greatest overlap of the surfaces, m; below zero if open
@@ -54,7 +55,6 @@ CONTACT = np.dtype(
         ("bristle_rate", np.float64),  # m/s
     ]
 )
-"""A pin in its bearing at one instant, open or closed."""
 
 
 class Pose(NamedTuple):
@@ -105,7 +105,7 @@ def joint_end(
 
 @compiled
 def direction_of(contact: Records) -> float:
-    """Direction phi of the eccentricity, rad."""
+    """Return the direction phi of the eccentricity, rad."""
     return math.atan2(contact.eccentricity_y, contact.eccentricity_x)
 
 
@@ -218,8 +218,8 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 
     Force and couples are the gradient of the elastic energy in e and in both bodies'
-    angles.  The pin's couple follows from the bearing's: turned together, nothing
-    changes.  Damping multiplies all of them, with the rate at which they are worked
+    angles. The pin's couple follows from the bearing's: turned together, nothing
+    changes. Damping multiplies all of them, with the rate at which they are worked
     against.
     """
     eccentricity = contact.eccentricity
@@ -287,7 +287,7 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
 def end_acceleration(
     body: int, lever_x: float, lever_y: float, spin: float, a: Array
 ) -> tuple[float, float, float]:
-    """Acceleration of a joint end, m/s^2, and angular acceleration of its body, rad/s^2."""
+    """Return the acceleration of a joint end, m/s^2, and of the angle of its body, rad/s^2."""
     if body < 0:
         return 0.0, 0.0, 0.0
     spin_t = a[body + 2]
@@ -301,7 +301,7 @@ def end_acceleration(
 
 @compiled
 def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, a: Array) -> float:
-    """Second time derivative of the penetration, m/s^2.
+    """Return the second time derivative of the penetration, m/s^2.
 
     Follows the worn profile: a pin that runs over a bump is thrown off by the
     profile's curvature times the square of the turning.

@@ -1,8 +1,8 @@
 """Powers and energies of a linkage in motion.
 
 The ledger that every engine keeps: drive work + load work = change of kinetic, potential and
-elastic contact energy + contact loss + friction loss + residual.  Load work is that of loads with
-a law, less what dampers of springs take; constant loads have a potential.  The normal force
+elastic contact energy + contact loss + friction loss + residual. Load work is that of loads with
+a law, less what dampers of springs take; constant loads have a potential. The normal force
 does its work along n, on the approach e_dot . n; what it does beyond loading the
 elastic law is the contact loss: the damping, less what the law makes of nothing where its
 force is not the gradient of an energy, as that of radial contact on a sloping profile.
@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.loads import spring_energy
 from presswear.physics.packed import Packed, depths_of
-from presswear.physics.springs import spring_energy
 from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]
 
+# Sums that an engine keeps step by step, and the powers they went on from
 LEDGER = np.dtype(
     [
         ("drive_work", np.float64),  # J
@@ -34,12 +35,11 @@ LEDGER = np.dtype(
         ("made_power", np.float64),
     ]
 )
-"""Sums that an engine keeps step by step, and the powers they went on from."""
 
 
 @inlined
 def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float, float]:
-    """Power lost in a contact and in its friction, and power that the normal law makes, W."""
+    """Return the powers lost in contact and friction, and made by the normal law, W."""
     if contact.penetration <= 0.0:
         return 0.0, 0.0, 0.0
     stored = contact.elastic * contact.closing
@@ -53,7 +53,7 @@ def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[flo
 
 
 def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
-    """Kinetic, potential and elastic energy of a state, J.
+    """Return the kinetic, potential and elastic energy of a state, J.
 
     Parameters
     ----------
@@ -68,10 +68,9 @@ def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
     return kinetic + potential + springs + float(np.sum(elastic))
 
 
+# Energy that contacts may make, part of what the drives exchanged, before a run is ended
 MADE = 0.5
-"""Energy that contacts may make, part of what the drives exchanged, before a run is ended."""
-SETTLED = 0.05
-"""Part of the first cycle before which that is not judged, nor in a run-up."""
+SETTLED = 0.05  # part of the first cycle before which that is not judged, nor in a run-up
 
 
 def has_worn_radial_contact(packed: Packed) -> bool:
@@ -139,7 +138,7 @@ class Ledger:
 
     @staticmethod
     def of(sums: Records, stored: float) -> "Ledger":
-        """The ledger from one record of LEDGER and the change of stored energy, J."""
+        """Return the ledger from one record of LEDGER and the change of stored energy, J."""
         return Ledger(
             drive_work=float(sums["drive_work"]),
             drive_exchange=float(sums["drive_exchange"]),
@@ -158,11 +157,11 @@ class Ledger:
     @property
     def residual(self) -> float:
         """Energy that does not add up, J: the integration's error."""
-        given = self.drive_work + self.load_work
-        return given - self.stored - self.contact_loss - self.friction_loss
+        supplied = self.drive_work + self.load_work
+        return supplied - self.stored - self.contact_loss - self.friction_loss
 
     def as_dict(self) -> dict[str, float]:
-        """The balance with the names of ``result.json``."""
+        """Return the balance with the names of ``result.json``."""
         return {
             "drive_work_J": self.drive_work,
             "drive_exchange_J": self.drive_exchange,

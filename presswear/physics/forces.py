@@ -10,23 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.energy import loss_powers
-from presswear.physics.laws import (
+from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     bristle_force,
     bristle_rate,
     friction_force,
     normal_force,
 )
-from presswear.physics.wear import dose_rates
+from presswear.physics.wear import wear_rates
 from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]
 
+# Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
+# its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s
 CONTACT_LOSS, FRICTION_LOSS, MADE, WORK, PRESSURE, BRISTLE = range(6)
-"""Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
-its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s."""
-JOINT_RATES = 6
-"""Their number."""
+JOINT_RATES = 6  # their number
 
 
 class JointLoad(NamedTuple):
@@ -45,11 +44,11 @@ class JointLoad(NamedTuple):
 
 @inlined
 def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tuple[float, float]:
-    """Normal and tangential force of the contact, N; zero when open.
+    """Return the normal and tangential force of the contact, N; zero when open.
 
     ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint
     counts as open: a state that penetrates within its first step closes at its
-    present rate.  Below 0 it is held open, whatever a trial state penetrates.  Fills in the rate of
+    present rate. Below 0 it is held open, whatever a trial state penetrates. Fills in the rate of
     the bristles, whose deflection the contact holds.
     """
     is_closed = contact.penetration > 0.0
@@ -84,7 +83,7 @@ def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
 
 @inlined
 def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
-    """Forces of a contact and their moments; ``onset_speed`` as in ``contact_forces``."""
+    """Return forces and moments of a contact; ``onset_speed`` as in ``contact_forces``."""
     normal, tangential = contact_forces(joint, onset_speed, contact)
     if normal == 0.0:
         return JointLoad(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -127,7 +126,7 @@ def add_contacts(
         lost = rubbed = made = 0.0
         if onset[k] >= 0.0:
             lost, rubbed, made = loss_powers(contact, load.normal, load.tangential)
-        work, pressure = dose_rates(joint, contact, load.normal)
+        work, pressure = wear_rates(joint, contact, load.normal)
         rates[base + CONTACT_LOSS] = lost
         rates[base + FRICTION_LOSS] = rubbed
         rates[base + MADE] = made

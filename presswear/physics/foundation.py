@@ -608,10 +608,10 @@ def press(
         cell = arc.start + i * arc.width
         cube = surfaces[BEARING + CUBE, b]
         for j in range(arc.before + arc.behind):
-            begin, half = segment_of(arc, j)
+            offset, half = segment_of(arc, j)
             if j == arc.before:
                 p = p + 1 if p + 1 < count else 0
-            end = begin + 2.0 * half
+            end = offset + 2.0 * half
             pin_x = end - arc.node if j >= arc.before else end + x
             right = place_at(surfaces, eccentricity, clearance, b, p, end, pin_x, cell + end)
             quartic = C4 * eccentricity * half * half * half * half
@@ -619,10 +619,10 @@ def press(
             if high > 0.0 or high > sums.overlap:
                 g = segment_between(left, right, half, quartic, cube)
                 if high > sums.overlap:
-                    sums = with_peak(g, cell + begin + half, sums)
+                    sums = with_peak(g, cell + offset + half, sums)
                 sums = add_whole(g, sums) if low > 0.0 else add_pressed(g, sums)
                 if shares.shape[1] > 0 and high > 0.0:
-                    at = cell + begin
+                    at = cell + offset
                     _share_segment(g, low > 0.0, bearing_place + at, pin_place + at, shares)
             left = right
         b = b + 1 if b + 1 < count else 0

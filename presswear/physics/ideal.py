@@ -1,40 +1,38 @@
-"""The ideal motion of a linkage, all its joints closed, over its cycle.
+"""Ideal motion of a linkage, all its joints closed, over its cycle; its bottom dead centre.
 
-A linkage is followed around its cycle and kept as a table of instants.  Between them its motion
-is predicted by the quintic polynomials through position, velocity and acceleration; where those
-do not close to round-off, Newton's method makes them.
+A linkage is followed around its cycle and stored as a table of instants. Between them its motion
+is predicted by the quintic polynomials through position, velocity and acceleration; where those do
+not close to round-off, Newton's method makes them. Inverse kinematics finds the motion of a drive
+that makes a point follow a curve.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import run_up_motion
+from presswear.linkage.drives import MAX_PIECES, MIN_PIECE, run_up_motion
 from presswear.linkage.linkage import Linkage
-from presswear.physics.assembly import ROUND_OFF, Levels, assembled, closed, stuck
-from presswear.physics.rows import Rows
+from presswear.linkage.mechanisms import Mechanism
+from presswear.physics.assembly import ROUND_OFF, Levels, Rows, assembled, closed, stuck
 from presswear.tools.errors import AssemblyError
 
 Array = NDArray[np.float64]
 
+# Least measure of how far the joints are from a dead point; of two links in line it is some
+# half of the sine of the angle between them
 NEAREST_DEAD_POINT = 5e-3
-"""Least measure of how far the joints are from a dead point; of two links in line it is some
-half of the sine of the angle between them."""
+# Instants of a cycle at which it is followed, and at which its motion is kept
 _COARSE, _NODES = 36, 1440
-"""Instants of a cycle at which it is followed, and at which its motion is kept."""
-_JUMP = 0.05
-"""Largest turn, rad, between where a body is expected and where it is found."""
-_KINK = 0.05
-"""Change of a speed over a short step, part of the greatest speed, that is a jump."""
+_JUMP = 0.05  # largest turn, rad, between where a body is expected and where it is found
+_KINK = 0.05  # change of a speed over a short step, part of the greatest speed, that is a jump
+# Round-off of an angle near a place where its drive does not move its point, rad
 _ANGLE_NOISE = 1e-9
-"""Round-off of an angle near a place where its drive does not move its point, rad."""
-_HALVINGS = 14
-"""How often an interval is halved before the linkage is said to stop in it."""
+_HALVINGS = 14  # how often an interval is halved before the linkage is said to stop in it
 
 
 @dataclass(frozen=True)
@@ -47,11 +45,11 @@ class Motion:
     acceleration: Array
 
     def output(self, linkage: Linkage) -> Array:
-        """Place, velocity and acceleration of what a linkage watches, shape (n, 3), m, s."""
+        """Return position, velocity and acceleration of the output point, shape (n, 3), m, s."""
         probe = linkage.output
         column = 3 * linkage.index(probe.body)
-        own = slice(column, column + 3)
-        q, v, a = (level[:, own] for level in (self.position, self.velocity, self.acceleration))
+        item = slice(column, column + 3)
+        q, v, a = (level[:, item] for level in (self.position, self.velocity, self.acceleration))
         cosine, sine = np.cos(q[:, 2] - probe.direction), np.sin(q[:, 2] - probe.direction)
         # The point relative to the mass centre, along the direction and across.
         along, across = probe.x * cosine - probe.y * sine, probe.x * sine + probe.y * cosine
@@ -91,11 +89,11 @@ class IdealMotion:
         return np.linspace(0.0, self.period, len(self.position))
 
     def at(self, time: Array) -> Motion:
-        """Motion of every body at some instants, s, to round-off."""
+        """Return the motion of every body at some instants, s, to round-off."""
         return self._moved(time, self._closed)
 
     def interpolated(self, time: Array) -> Motion:
-        """Motion of every body at some instants, s, by the polynomials through the nodes.
+        """Return the motion of every body at instants, s, by the polynomials through the nodes.
 
         Where what drives it is smooth, positions are known to round-off, velocities to 1e-11 of
         the greatest and accelerations to 1e-8, in a tenth of the time.
@@ -103,7 +101,7 @@ class IdealMotion:
         return self._moved(time, lambda time, levels: levels)
 
     def _moved(self, time: Array, closer: Callable[[Array, Levels], Levels]) -> Motion:
-        """Motion at some instants, made better by ``closer``."""
+        """Return the motion at some instants, made better by ``closer``."""
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 2.0 * self.rows.linkage.run_up * self.period
         time, rate, rise = run_up_motion(now, duration)
@@ -125,23 +123,22 @@ class IdealMotion:
         """Close the linkage wherever round-off can be seen."""
         q, v, a = levels
         for some in np.array_split(np.arange(time.size), 1 + time.size // 2000):
-            own = (time[some], q[some], v[some], a[some])
-            off = [np.abs(level).max(axis=1) for level in self.rows.errors(*own)]
+            item = (time[some], q[some], v[some], a[some])
+            off = [np.abs(level).max(axis=1) for level in self.rows.errors(*item)]
             scale = self.rows.size * np.array([1.0, 1.0 / self.period, 1.0 / self.period**2])
-            far = [own > 1e2 * ROUND_OFF * unit for own, unit in zip(off, scale, strict=True)]
+            far = [item > 1e2 * ROUND_OFF * unit for item, unit in zip(off, scale, strict=True)]
             rough = some[np.any(far, axis=0)]
             if rough.size:
                 q[rough], v[rough], a[rough] = closed(self.rows, time[rough], q[rough])
         return levels
 
     def _ahead(self, nodes: int) -> Array:
-        """Positions predicted at equal intervals of the cycle, shape (nodes + 1, bodies, 3)."""
         part = np.linspace(0.0, len(self.position) - 1, nodes + 1)
         place = np.minimum(part.astype(int), len(self.position) - 2)
         return self._between(place, part - place)[0]
 
     def _between(self, place: NDArray[np.int64], part: Array) -> Levels:
-        """The quintic polynomials through two nodes, a part of the way from one to the next."""
+        """Return the quintic polynomials through two nodes, between these nodes."""
         h = self.period / (len(self.position) - 1)
         x = part[:, None, None]
         q0, v0, a0 = (level[place] for level in (self.position, self.velocity, self.acceleration))
@@ -163,7 +160,7 @@ class IdealMotion:
 
 @lru_cache(maxsize=256)
 def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
-    """The motion of a linkage over a cycle.
+    """Return the motion of a linkage over a cycle.
 
     Parameters
     ----------
@@ -175,9 +172,9 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     AssemblyError
         Where it does not close, is at a dead point or does not come back.
     """
-    begun = assembled(linkage)
-    rows = Rows(linkage, begun)
-    start = closed(rows, np.zeros(1), begun[np.newaxis])
+    initial = assembled(linkage)
+    rows = Rows(linkage, initial)
+    start = closed(rows, np.zeros(1), initial[np.newaxis])
     coarse = _followed(rows, start, np.linspace(0.0, period, _COARSE + 1))
     ahead = coarse._ahead(_NODES)
     times = np.linspace(0.0, period, _NODES + 1)
@@ -193,8 +190,8 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     return motion
 
 
-def _near(found: Array, expected: Array) -> bool:
-    return bool(np.abs(found - expected)[..., 2].max() < _JUMP)
+def _near(result: Array, expected: Array) -> bool:
+    return bool(np.abs(result - expected)[..., 2].max() < _JUMP)
 
 
 def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
@@ -202,10 +199,10 @@ def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
 
     A step is halved where it fails, and doubled behind one that succeeds.
     """
-    found = [start]
+    result = [start]
     side = rows.side(start.q)
     for before, time in pairwise(map(float, times)):
-        levels, now, step = found[-1], before, time - before
+        levels, now, step = result[-1], before, time - before
         while now < time:
             ahead = levels.q + step * (levels.v + 0.5 * step * levels.a)
             there = min(now + step, time)
@@ -222,22 +219,22 @@ def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
                 raise stuck(rows, np.array([now]), levels.q)
             else:
                 step *= 0.5
-        found.append(levels)
+        result.append(levels)
     return IdealMotion(
-        rows, float(times[-1]), *(np.concatenate(own) for own in zip(*found, strict=True))
+        rows, float(times[-1]), *(np.concatenate(item) for item in zip(*result, strict=True))
     )
 
 
-def _is_smooth(one: Levels, other: Levels, step: float) -> bool:
-    """True where each of two states, a step apart, foretells the other.
+def _is_smooth(before: Levels, after: Levels, step: float) -> bool:
+    """Return whether each of two states, a step apart, foretells the other.
 
     At a position in which a drive does not move its point two motions meet, and only one goes on
     at the same speed.
     """
-    allowed = _KINK * abs(step) * float(np.abs(one.v[..., 2]).max()) + _ANGLE_NOISE
-    ahead = one.q + step * (one.v + 0.5 * step * one.a)
-    back = other.q - step * (other.v - 0.5 * step * other.a)
-    off = np.maximum(np.abs(other.q - ahead), np.abs(one.q - back))
+    allowed = _KINK * abs(step) * float(np.abs(before.v[..., 2]).max()) + _ANGLE_NOISE
+    ahead = before.q + step * (before.v + 0.5 * step * before.a)
+    back = after.q - step * (after.v - 0.5 * step * after.a)
+    off = np.maximum(np.abs(after.q - ahead), np.abs(before.q - back))
     return bool(off[..., 2].max() < allowed)
 
 
@@ -261,3 +258,240 @@ def _check(motion: IdealMotion) -> None:
             f"the linkage does not come back: after a cycle of {motion.period:.6g} s {body} is "
             "elsewhere; the speeds of the drives, or the cycle, do not fit"
         )
+
+
+# Part of a cycle for which an ideal motion stays at its bottom that has no instant there
+DWELL = 0.02
+_STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
+
+
+@dataclass(frozen=True)
+class Bottom:
+    """Bottom dead centre of an ideal motion, and the stroke to it.
+
+    Attributes
+    ----------
+    time : float
+        Since the beginning of the cycle in which the stroke ends, s; below zero where it lies in
+        the cycle before.
+    height : float
+        Of the watched coordinate there, m, in the axes of the frame.
+    stroke : float
+        Between its lowest and highest place, m.
+    top : float
+        Time of the highest place before it, at which the stroke begins, s, as ``time`` is counted.
+    window : tuple of float
+        Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
+        no bottom dead centre falls between two windows, whatever a clearance does to it.
+    period : float
+        Of a cycle, s.
+    """
+
+    time: float
+    height: float
+    stroke: float
+    top: float
+    window: tuple[float, float]
+    period: float
+
+    @property
+    def first(self) -> int:
+        """Cycle in which the first whole stroke ends."""
+        return 1 if self.time < 0.0 else 0
+
+    def delay(self, time: Array) -> Array:
+        """Return the delay of instants against the nearest ideal bottom dead centre, s.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            Since the start, s.
+        """
+        # A run-up takes whole cycles.
+        late = time - self.time
+        return np.asarray(late - self.period * np.round(late / self.period))
+
+
+@lru_cache(maxsize=64)
+def bottom_of(ideal: IdealMotion) -> Bottom | None:
+    """Return the bottom dead centre of an ideal motion; None where the watched coordinate stands.
+
+    Of several bottoms in a cycle the lowest, and of those that are alike the first.
+    """
+    place, period = _places(ideal), ideal.period
+    nodes = place.size
+    if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
+        return None
+    time, height = _turning(ideal, place, 1.0)
+    top, negative = _turning(ideal, -place, -1.0)
+    top -= period * math.ceil((top - time) / period)
+    step = period / nodes
+    lowest = round(time / step)
+    above = np.flatnonzero(np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place)))
+    end = (lowest + int(above[0])) * step
+    # The stroke is filed in the cycle in which its window ends.
+    back = period * math.ceil(end / period - 1.0)
+    window_start = (lowest + int(above[-1]) - nodes) * step
+    window = window_start - back, end - back
+    return Bottom(time - back, height, -negative - height, top - back, window, period)
+
+
+def dwell_of(ideal: IdealMotion, within: float) -> float:
+    """Return the duration of the dwell at bottom dead centre, s, to a 1440th of the cycle.
+
+    Parameters
+    ----------
+    within : float
+        Height over it up to which it does, m.
+    """
+    place = _places(ideal)
+    is_above = np.roll(place, -int(place.argmin())) > place.min() + within
+    above = np.flatnonzero(is_above)
+    stays = place.size if not above.size else int(above[0]) + place.size - 1 - int(above[-1])
+    return (stays - 1) * ideal.period / place.size
+
+
+def _places(ideal: IdealMotion) -> Array:
+    nodes = len(ideal.position) - 1
+    levels = (ideal.position, ideal.velocity, ideal.acceleration)
+    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
+    return Motion(ideal.times[:nodes], *flat).output(ideal.rows.linkage)[:, 0]
+
+
+def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
+    """Return time, s, and place, m, at which a coordinate is lowest, from its nodes.
+
+    Parameters
+    ----------
+    sign : float
+        With which the watched coordinate is taken, 1 or -1.
+    """
+    linkage, period = ideal.rows.linkage, ideal.period
+    started = linkage.run_up_time
+    step = period / len(place)
+    lowest = int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
+    low, high = (lowest - 1) * step, (lowest + 1) * step
+    time = lowest * step
+
+    def moved(time: float) -> tuple[float, float, float]:
+        # Behind a run-up, and a cycle on: a time may lie before the first.
+        result = sign * ideal.at(np.array([started + period + time])).output(linkage)[0]
+        return float(result[0]), float(result[1]), float(result[2])
+
+    for _ in range(_STEPS):
+        _, speed, faster = moved(time)
+        if speed < 0.0:
+            low = time
+        else:
+            high = time
+        nearer = time - speed / faster if faster > 0.0 else low
+        nearer = nearer if low < nearer < high else 0.5 * (low + high)
+        if abs(nearer - time) < 1e-15 * period:
+            break
+        time = nearer
+    return time, moved(time)[0]
+
+
+FOLLOWED = 1e-9  # how near a point keeps to the curve that it follows, part of its stroke
+# Of the motion of a drive whose point follows a curve; at last as many as there may be
+_PIECES = 32, 64, 128
+
+
+def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
+    """Return the ideal motion of a mechanism; AssemblyError where it has none."""
+    return ideal_motion(followed(mechanism.linkage()), mechanism.period)
+
+
+@lru_cache(maxsize=64)
+def followed(linkage: Linkage) -> Linkage:
+    """Return a linkage in which the motion is found of each drive whose point follows a curve.
+
+    The linkage is followed around its cycle with the points on their curves; the angles of
+    the drives become tables of degree 5, fine enough for ``FOLLOWED``.
+
+    Raises
+    ------
+    AssemblyError
+        Where a point cannot follow, or not by a drive with the mean speed that is given.
+    """
+    following = [k for k, drive in enumerate(linkage.drives) if drive.follow is not None]
+    if not following:
+        return linkage
+    period = linkage.period
+    inverse = ideal_motion(replace(linkage, run_up=0), period)
+    base = 2.0 * math.pi / period
+    columns = [linkage.index(linkage.drives[k].body) for k in following]
+    turned = (inverse.position[-1] - inverse.position[0])[columns, 2]
+    for k, turn in zip(following, turned, strict=True):
+        drive, speed = linkage.drives[k], base * round(turn / (2.0 * math.pi))
+        if abs(speed - drive.speed) > 1e-9 * max(base, abs(speed)):
+            raise AssemblyError(
+                f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
+                f"a mean speed of {speed:g} rad/s"
+            )
+    breaks = _breaks(linkage, period)
+    curves = inverse.rows.coordinates(inverse.position)
+    size = inverse.rows.size
+    allowed = max(FOLLOWED * (np.ptp(curves, axis=0).max() or size), ROUND_OFF * size)
+    off = math.inf
+    for parts in (*_PIECES, MAX_PIECES - len(breaks)):
+        counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)
+        if np.maximum(counts, 1).sum() > MAX_PIECES:
+            continue
+        ends = [
+            np.linspace(*pair, max(n, 1) + 1)
+            for pair, n in zip(pairwise(breaks), counts, strict=True)
+        ]
+        nodes = np.concatenate([item[:-1] for item in ends])
+        result = _through(linkage, inverse, nodes)
+        length = np.diff(nodes, append=period)
+        between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
+        near = inverse.at(between).position.reshape(between.size, -1, 3)
+        reached = closed(Rows(result), between, near).q
+        off = float(np.abs(inverse.rows.off_curves(between, reached)).max())
+        if off <= allowed:
+            return result
+    name = linkage.drives[following[0]].name
+    if math.isinf(off):
+        raise AssemblyError(
+            f"{name}: the curve has {len(breaks) - 1} pieces in the cycle of the linkage; allowed "
+            f"are {MAX_PIECES}"
+        )
+    raise AssemblyError(
+        f"{name}: with {MAX_PIECES} pieces its point is {off:.3g} m off the curve; allowed is "
+        f"{allowed:.3g} m, {FOLLOWED:g} of its stroke"
+    )
+
+
+def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
+    """Return the linkage with tables in place of curves, through its motion at instants, s."""
+    motion, base = inverse.at(nodes), 2.0 * math.pi / inverse.period
+    drives = list(linkage.drives)
+    for k, drive in enumerate(linkage.drives):
+        if drive.follow is not None:
+            place = 3 * linkage.index(drive.body) + 2
+            table = np.column_stack(
+                [
+                    base * nodes,
+                    motion.position[:, place] - drive.speed * nodes,
+                    (motion.velocity[:, place] - drive.speed) / base,
+                    motion.acceleration[:, place] / base**2,
+                ]
+            )
+            drives[k] = replace(drive, frequency=base, table=table.tolist(), follow=None)
+    return linkage.changed(drives=drives)
+
+
+def _breaks(linkage: Linkage, period: float) -> Array:
+    """Return the times of a cycle at which a motion is not smooth, s, and the end of the cycle."""
+    result = [0.0]
+    for drive in linkage.drives:
+        law = drive.follow or drive
+        starts = law.pieces.start
+        for turn in range(round(period * drive.base / (2.0 * math.pi)) if starts.size else 0):
+            result += ((starts + 2.0 * math.pi * turn) / drive.base).tolist()
+    least = MIN_PIECE * period
+    separate = [
+        time for before, time in pairwise([-period, *sorted(result)]) if time - before > least
+    ]
+    return np.array([*(time for time in separate if period - time > least), period])

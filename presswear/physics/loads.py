@@ -1,26 +1,49 @@
-"""Loads with a law of their own as generalized forces.
+"""Loads with a law, springs and dampers as generalized forces on the bodies.
 
-Within a step every law is smooth: which piece of it holds is a mode that changes between
-steps only; see ``load_modes``.
+Within a step every law is smooth: the piece of the law that holds is a mode that changes between
+steps only. Switching functions rise through zero where the next piece begins; an engine ends a
+step there, and at ``next_break`` where a table over time bends.
 """
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import GROUND
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.loads import (
+    LOAD_PARAMETERS,
+    Force,
+    Harmonics,
+    Moment,
+    OverPosition,
+    OverTime,
+    Table,
+)
 from presswear.physics.constraints import lever
-from presswear.tools.compile import Records, call, compiled, inlined
+from presswear.tools.compile import (
+    Records,
+    address_of,
+    call,
+    compile_function,
+    compiled,
+    inlined,
+    lazily_compiled,
+)
+from presswear.tools.user_function import UserFunction
 
 Array = NDArray[np.float64]
 
-SERIES, TIME, POSITION, OWN = range(4)
-"""Kinds of laws."""
+SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
+# Gate of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
+# line back from the deepest place, of one that unloads, whose OFF is behind the end of that
+# line
 OFF, RISING, WHOLE, ELASTIC = range(4)
-"""Gate of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
-line back from the deepest place, of one that unloads, whose OFF is behind the end of that line."""
 
+# A load as the kernels see it
 LOAD = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
@@ -41,11 +64,11 @@ LOAD = np.dtype(
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
         ("mean", np.float64),  # of a series, N or N m
         ("frequency", np.float64),  # rad/s
-        ("own", np.int64),  # address of a function of one's own
+        ("address", np.int64),  # of a user function
     ]
 )
-"""A load as the kernels see it."""
 
+# Mode of a load through a step, and its motion at the start of the step
 MODE = np.dtype(
     [
         ("piece", np.int64),  # of the table: 0 before its first node, count behind its last
@@ -63,7 +86,6 @@ MODE = np.dtype(
         ("changed", np.float64),  # time at which the mode has changed last, s
     ]
 )
-"""What holds of a load through a step, and its motion at the start of it."""
 
 
 class Loads(NamedTuple):
@@ -87,7 +109,7 @@ class Loads(NamedTuple):
 
 @inlined
 def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v: float) -> float:
-    """Size of a load, N or N m, in its present mode, at a position and speed."""
+    """Return the size of a load, N or N m, in its present mode, at a position and speed."""
     if load.kind == SERIES:
         total: float = load.mean
         for k in range(load.count):
@@ -95,8 +117,8 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
             row = load.first + k
             total += nodes[row, 0] * math.cos(phase) + nodes[row, 1] * math.sin(phase)
         return total
-    if load.kind == OWN:
-        return call(load.own, (t, s, v))
+    if load.kind == USER:
+        return call(load.address, (t, s, v))
     if mode.released or mode.gate == OFF:
         return 0.0
     if mode.gate == ELASTIC:
@@ -121,7 +143,7 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
 
 @compiled
 def arm(load: Records, q: Array) -> tuple[float, float]:
-    """From the mass centre to the point at which a load acts, m."""
+    """Return the from the mass centre to the point at which a load acts, m."""
     if load.x == 0.0 and load.y == 0.0:
         return 0.0, 0.0
     return lever(load.body, load.x, load.y, q)
@@ -129,7 +151,7 @@ def arm(load: Records, q: Array) -> tuple[float, float]:
 
 @inlined
 def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
-    """Position in the table, m or rad, speed and acceleration of what a load acts on."""
+    """Return the position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
     if load.turns:
         return q[b + 2] - load.zero, v[b + 2], a[b + 2]
@@ -171,7 +193,7 @@ def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array)
 
 @compiled
 def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> float:
-    """Work of tables over position in a step, J, less that of their power by the trapezoidal rule.
+    """Return the work of tables over position in a step, J, less that by the trapezoidal rule.
 
     Within a piece a load is linear over the way, so that its work is known from both ends, however
     few steps an elastic load gets: what the trapezoidal rule moves keeps that energy.
@@ -196,3 +218,476 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
         total += 0.5 * (before + after) * (s - mode.place)
         total -= half * (before * mode.speed + after * speed)
     return total
+
+
+# Ways out of a mode: up over position, down, gate further open, and shut. Over position they
+# lead to the next piece of the table, or along the elastic line and off its ends; what unloads
+# has one gate alone, which shuts where the motion turns back.
+WAYS = 4
+MOST_WAYS = 8  # taken one by one after a step
+TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, s
+
+
+@compiled
+def switching(
+    load: Records, nodes: Array, mode: Records, way: int, s: float, v: float, a: float, j: float
+) -> tuple[float, float, float, float]:
+    """Return the switching function of a way out of a mode, and three time derivatives.
+
+    It is below zero until the way is to be taken; minus infinity where there is none.
+
+    Parameters
+    ----------
+    s, v, a, j : float
+        Position and three derivatives; see ``load_motion``.
+    """
+    none = (-math.inf, 0.0, 0.0, 0.0)
+    if load.kind != POSITION:
+        return none
+    if way < 2:
+        sign = 1.0 if way == 0 else -1.0
+        inwards = sign * load.sense > 0.0
+        unloads = load.unloading > 0.0
+        if mode.released or (unloads and mode.gate == OFF and not inwards):
+            # Back where the table begins.
+            row = 0 if load.sense > 0.0 else load.count - 1
+            if inwards:
+                return none
+        elif unloads and mode.gate != WHOLE:
+            # The deepest place, or where the elastic line comes to zero.
+            end = mode.deepest
+            if inwards == (mode.gate == OFF):
+                end += mode.borne / load.unloading
+            return sign * (s - end), sign * v, sign * a, sign * j
+        else:
+            row = mode.piece if way == 0 else mode.piece - 1
+            is_shut = mode.gate == OFF or (unloads and not inwards)
+            if is_shut or row < 0 or row == load.count:
+                return none
+        end = mode.turn * load.period + nodes[load.first + row, 0]
+        return sign * (s - end), sign * v, sign * a, sign * j
+    if mode.released or load.sense == 0.0:
+        return none
+    sign = load.sense
+    if load.unloading > 0.0:
+        if way == 2 or mode.gate != WHOLE or mode.piece == beginning(load):
+            return none
+        return -sign * v, -sign * a, -sign * j, 0.0
+    if way == 2 and mode.gate != WHOLE:
+        return sign * v - (load.rise if mode.gate == RISING else 0.0), sign * a, sign * j, 0.0
+    if way == 3 and mode.gate != OFF:
+        return (load.rise if mode.gate == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
+    return none
+
+
+@inlined
+def beginning(load: Records) -> int:
+    """Return the piece before that in which the table of a load in one sense begins."""
+    return 0 if load.sense > 0.0 else load.count
+
+
+@compiled
+def place_mode(load: Records, nodes: Array, mode: Records, at: float) -> None:
+    """Find the piece of a table at a position or time."""
+    mode.turn = 0
+    if load.period > 0.0:
+        mode.turn = math.floor(at / load.period)
+        at -= mode.turn * load.period
+    mode.piece = 0
+    while mode.piece < load.count and nodes[load.first + mode.piece, 0] <= at:
+        mode.piece += 1
+    if load.period > 0.0:
+        mode.piece = min(max(mode.piece, 1), load.count - 1)
+    mode.released = load.release and mode.piece == load.count - beginning(load)
+
+
+@compiled
+def open_gate(load: Records, mode: Records, v: float) -> None:
+    """Set the gate of a load as a speed asks for."""
+    mode.gate = WHOLE
+    if load.sense != 0.0 and load.unloading == 0.0 and load.sense * v <= load.rise:
+        mode.gate = RISING if load.sense * v > 0.0 else OFF
+
+
+@compiled
+def take_way(load: Records, nodes: Array, mode: Records, way: int, s: float, v: float) -> None:
+    """Go into the next mode."""
+    if load.unloading > 0.0 and not mode.released:
+        inwards = (load.sense > 0.0) == (way == 0)
+        if way > 1:
+            # A step may have gone back over a node since it turned.
+            place_mode(load, nodes, mode, s)
+            mode.borne = load_size(load, nodes, mode, 0.0, s, v)
+            mode.deepest = s
+            mode.gate = ELASTIC
+            return
+        if mode.gate == ELASTIC:
+            mode.gate = WHOLE if inwards else OFF
+            return
+        if mode.gate == OFF:
+            mode.gate = ELASTIC if inwards else WHOLE
+            if not inwards:
+                mode.piece = beginning(load)
+            return
+    if way > 1:
+        mode.gate += 1 if way == 2 else -1
+        if way == 2 and mode.gate == RISING:
+            place_mode(load, nodes, mode, s)  # it was not followed while the gate was shut
+        return
+    if mode.released:
+        mode.released = False
+        mode.piece = beginning(load)
+        open_gate(load, mode, v)
+        return
+    mode.piece += 1 if way == 0 else -1
+    last = load.count if way == 0 else 0
+    if mode.piece == last:
+        if load.period > 0.0:
+            mode.turn += 1 if way == 0 else -1
+            mode.piece = 1 if way == 0 else load.count - 1
+        elif load.release and (load.sense > 0.0) == (way == 0):
+            mode.released = True
+
+
+@compiled
+def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) -> int:
+    """Bring the modes up to an accepted state; returns how many have changed."""
+    if loads is None:
+        return 0
+    changes = 0
+    nodes = loads.nodes
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
+        mode = loads.modes[k]
+        changes_before = changes
+        s, speed, faster = load_motion(load, q, v, a)
+        before = load_size(load, nodes, mode, t, s, speed)
+        if load.kind == TIME:
+            while break_of(load, nodes, mode) <= t + TIME_NOISE:
+                take_way(load, nodes, mode, 0, t, 0.0)
+                changes += 1
+        mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
+        mode.time = t
+        mode.place = s
+        mode.speed = speed
+        mode.faster = faster
+        for _ in range(MOST_WAYS):
+            chosen = -1
+            for way in range(WAYS):
+                value, rate, _, _ = switching(load, nodes, mode, way, s, speed, faster, 0.0)
+                if value > 0.0 or (value == 0.0 and rate > 0.0):
+                    chosen = way
+            if chosen < 0:
+                break
+            take_way(load, nodes, mode, chosen, s, speed)
+            changes += 1
+        else:
+            place_mode(load, nodes, mode, s)  # a step went over many pieces
+            open_gate(load, mode, speed)
+        after = load_size(load, nodes, mode, t, s, speed)
+        if changes > changes_before:
+            mode.changed = t
+        greater = max(abs(before), abs(after))
+        mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
+    return changes
+
+
+@compiled
+def break_of(load: Records, nodes: Array, mode: Records) -> float:
+    """Return the time at which a table over time bends next, s."""
+    if load.kind != TIME or mode.piece == load.count:
+        return math.inf
+    return mode.turn * load.period + nodes[load.first + mode.piece, 0]
+
+
+@compiled
+def next_break(loads: Loads | None) -> float:
+    """Return the time of the next bend or jump over time of any load, s."""
+    if loads is None:
+        return math.inf
+    earliest = math.inf
+    for k in range(loads.records.shape[0]):
+        earliest = min(earliest, break_of(loads.records[k], loads.nodes, loads.modes[k]))
+    return earliest
+
+
+@compiled
+def count_ways(loads: Loads | None) -> int:
+    """Return the number of ways out of the modes of all loads."""
+    if loads is None:
+        return 0
+    return WAYS * loads.records.shape[0]
+
+
+@compiled
+def way_out(loads: Loads | None, k: int, q: Array, v: Array, a: Array) -> tuple[float, float]:
+    """Return the switching function of a way out of a mode in a state, and its rate."""
+    if loads is None:
+        return -math.inf, 0.0
+    load = loads.records[k // WAYS]
+    s, speed, faster = load_motion(load, q, v, a)
+    mode = loads.modes[k // WAYS]
+    value, rate, _, _ = switching(load, loads.nodes, mode, k % WAYS, s, speed, faster, 0.0)
+    return value, rate
+
+
+@compiled
+def way_at_start(loads: Loads | None, k: int, change: float) -> tuple[float, float, float, float]:
+    """Return a switching function in the last accepted state, and its derivatives.
+
+    Parameters
+    ----------
+    change : float
+        Part of the change of the acceleration that is counted on.
+    """
+    if loads is None:
+        return -math.inf, 0.0, 0.0, 0.0
+    mode = loads.modes[k // WAYS]
+    return switching(
+        loads.records[k // WAYS],
+        loads.nodes,
+        mode,
+        k % WAYS,
+        mode.place,
+        mode.speed,
+        mode.faster,
+        change * mode.change,
+    )
+
+
+@compiled
+def last_change(loads: Loads | None) -> float:
+    """Return the time at which the mode of any load has changed last, s."""
+    last = -math.inf
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            last = max(last, loads.modes[k].changed)
+    return last
+
+
+@compiled
+def greatest_jump(loads: Loads | None) -> float:
+    """Return the greatest jump of a load that settled last, part of the greater size."""
+    jump = 0.0
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            jump = max(jump, loads.modes[k].jump)
+    return jump
+
+
+def place_loads(loads: Loads, q: Array, v: Array) -> None:
+    """Set all modes in an initial state, at t = 0."""
+    for load, mode in zip(loads.records, loads.modes, strict=True):
+        s, speed, _ = load_motion(load, q, v, v)
+        mode["place"], mode["speed"] = s, speed
+        place_mode(load, loads.nodes, mode, 0.0 if load["kind"] == TIME else s)
+        open_gate(load, mode, speed)
+        turned = load["unloading"] > 0.0 and load["sense"] * speed < 0.0
+        if turned and not mode["released"] and mode["piece"] != beginning(load):
+            take_way(load, loads.nodes, mode, WAYS - 1, s, speed)
+
+
+@compiled
+def _follow_sizes(loads: Loads, motion: Array, sizes: Array, work: Array) -> None:
+    """Fill sizes, shape (n, loads), of loads over a coordinate; see ``sizes_over``.
+
+    Parameters
+    ----------
+    motion : ndarray, shape (n, 4)
+    work : ndarray, shape (3, 3)
+        Room for coordinates, rates and accelerations of one body.
+    """
+    q, v, a = work
+    for i in range(motion.shape[0]):
+        t = motion[i, 0]
+        q[0], v[0], a[0] = motion[i, 1], motion[i, 2], motion[i, 3]
+        settle_loads(loads, t, q, v, a)
+        for k in range(loads.records.shape[0]):
+            load = loads.records[k]
+            s, speed, _ = load_motion(load, q, v, a)
+            sizes[i, k] = load_size(load, loads.nodes, loads.modes[k], t, s, speed)
+
+
+def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) -> Array:
+    """Return the sizes of loads over one coordinate in a recorded motion, shape (n, loads), N.
+
+    They are in the modes of the run that recorded it: a row stands at every change of them.
+
+    Parameters
+    ----------
+    linkage : Linkage
+        What they act on.
+    motion : ndarray, shape (n, 4)
+        Time, s, place, m, velocity and acceleration along the direction in which they act.
+    """
+    chosen = tuple(laws)
+    records = np.zeros(len(chosen), LOAD)
+    records["cosine"] = 1.0
+    loads = pack_laws(records, chosen, linkage)
+    sizes, work = np.zeros((len(motion), len(chosen))), np.zeros((3, 3))
+    if sizes.size:
+        work[:, 0] = motion[0, 1:]
+        place_loads(loads, work[0], work[1])
+        _follow_sizes(loads, np.ascontiguousarray(motion), sizes, work)
+    return sizes
+
+
+_RISE = 1e-3  # speed from which a load in one sense is whole, m/s or rad/s
+
+
+def pack_loads(linkage: Linkage) -> Loads | None:
+    """Return the loads of a linkage that have a law."""
+    if not linkage.live_loads:
+        return None
+    loads = np.zeros(len(linkage.live_loads), LOAD)
+    for record, load in zip(loads, linkage.live_loads, strict=True):
+        record["body"] = 3 * linkage.index(load.body)
+        record["turns"] = isinstance(load, Moment)
+        if isinstance(load, Force):
+            point = load.attachment
+            record["x"], record["y"] = point.x, point.y
+            record["cosine"], record["sine"] = math.cos(load.direction), math.sin(load.direction)
+    return pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
+
+
+def pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Loads:
+    """Return loads from their laws and from records of where they act, which are filled."""
+    nodes: list[tuple[float, float]] = []
+    for record, law in zip(records, laws, strict=True):
+        law_nodes = _pack_law(record, law, linkage)
+        record["first"], record["count"] = len(nodes), len(law_nodes)
+        nodes += law_nodes
+    table = np.array(nodes, dtype=np.float64).reshape(-1, 2)
+    return Loads(records, table, np.zeros(len(records), MODE))
+
+
+def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[float, float]]:
+    """Fill the law of a record; returns its nodes."""
+    if isinstance(law, OverTime):
+        period = linkage.period if law.period is None else law.period
+        record["kind"], record["held"], record["period"] = TIME, True, period
+        return _whole_period(law.table, period)
+    if isinstance(law, OverPosition):
+        record["kind"], record["held"] = POSITION, law.outside == "hold"
+        record["period"], record["zero"] = 0.0, law.zero
+        record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
+        record["rise"], record["release"] = _RISE, law.release
+        record["unloading"] = law.unloading
+        return list(law.table)
+    if isinstance(law, UserFunction):
+        record["kind"] = USER
+        record["address"] = address_of(compile_function(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))
+        return []
+    record["kind"] = SERIES
+    if isinstance(law, Harmonics):
+        record["mean"], record["frequency"] = law.mean, law.frequency
+        return list(law.harmonics)
+    record["mean"] = law
+    return []
+
+
+def _whole_period(table: Table, period: float) -> list[tuple[float, float]]:
+    """Return a table from 0 to its period, with what lies between its last node and its first."""
+    nodes = list(table)
+    if period == 0.0:
+        return nodes
+    (x0, y0), (x1, y1) = nodes[0], nodes[-1]
+    gap = x0 + period - x1
+    edge = y1 + (y0 - y1) * (period - x1) / gap if gap > 0.0 else y1
+    if x0 > 0.0:
+        nodes.insert(0, (0.0, edge))
+    if x1 < period:
+        nodes.append((period, edge))
+    return nodes
+
+
+# A spring as the kernels see it
+SPRING = np.dtype(
+    [
+        ("first", np.int64),
+        ("second", np.int64),
+        ("x1", np.float64),
+        ("y1", np.float64),
+        ("x2", np.float64),
+        ("y2", np.float64),
+        ("stiffness", np.float64),
+        ("damping", np.float64),
+        ("length", np.float64),
+    ]
+)
+
+
+@compiled
+def reach(
+    spring: Records, x1: float, y1: float, x2: float, y2: float, q: Array
+) -> tuple[float, float]:
+    """Return the vector between both ends, m, from their places relative to their bodies."""
+    dx, dy = x2 - x1, y2 - y1
+    if spring.first >= 0:
+        dx -= q[spring.first]
+        dy -= q[spring.first + 1]
+    if spring.second >= 0:
+        dx += q[spring.second]
+        dy += q[spring.second + 1]
+    return dx, dy
+
+
+@compiled
+def spring_energy(springs: Records, q: Array) -> float:
+    """Return the energy of all springs, J."""
+    energy = 0.0
+    for i in range(springs.shape[0]):
+        spring = springs[i]
+        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
+        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
+        dx, dy = reach(spring, x1, y1, x2, y2, q)
+        stretch = math.sqrt(dx * dx + dy * dy) - spring.length
+        energy += 0.5 * spring.stiffness * stretch * stretch
+    return energy
+
+
+@lazily_compiled(0, np.zeros(0, SPRING), 1, 1, 1)
+def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
+    """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
+    power = 0.0
+    for i in range(springs.shape[0]):
+        spring = springs[i]
+        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
+        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
+        dx, dy = reach(spring, x1, y1, x2, y2, q)
+        dvx = dvy = 0.0
+        if spring.first >= 0:
+            dvx -= v[spring.first] - v[spring.first + 2] * y1
+            dvy -= v[spring.first + 1] + v[spring.first + 2] * x1
+        if spring.second >= 0:
+            dvx += v[spring.second] - v[spring.second + 2] * y2
+            dvy += v[spring.second + 1] + v[spring.second + 2] * x2
+        length = math.sqrt(dx * dx + dy * dy)
+        rate = (dx * dvx + dy * dvy) / length
+        pull = spring.stiffness * (length - spring.length) + spring.damping * rate
+        power -= spring.damping * rate * rate
+        fx = pull * dx / length
+        fy = pull * dy / length
+        if spring.first >= 0:
+            force[spring.first] += fx
+            force[spring.first + 1] += fy
+            force[spring.first + 2] += x1 * fy - y1 * fx
+        if spring.second >= 0:
+            force[spring.second] -= fx
+            force[spring.second + 1] -= fy
+            force[spring.second + 2] -= x2 * fy - y2 * fx
+    return power
+
+
+def pack_springs(linkage: Linkage) -> Records:
+    """Return the springs of a linkage as records of SPRING."""
+    springs = np.zeros(len(linkage.springs), SPRING)
+    for record, spring in zip(springs, linkage.springs, strict=True):
+        for end, point in zip("12", spring.ends, strict=True):
+            record["first" if end == "1" else "second"] = (
+                -1 if point.body == GROUND else 3 * linkage.index(point.body)
+            )
+            record["x" + end], record["y" + end] = point.x, point.y
+        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
+        record["length"] = spring.length
+    return springs

@@ -10,14 +10,20 @@ from presswear.linkage.elements import GROUND, ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import BEARING, PIN, ROWS, foundation_stiffness, packed_rows
-from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
-from presswear.physics.load_packing import pack_loads
-from presswear.physics.loads import Loads
-from presswear.physics.springs import pack_springs
-from presswear.tools.compile import Records
+from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
+from presswear.physics.loads import (
+    Loads,
+    load_forces,
+    pack_loads,
+    pack_springs,
+    settle_loads,
+    spring_forces,
+)
+from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 Array = NDArray[np.float64]
 
+# A clearance joint as the kernels see it; SI units
 JOINT = np.dtype(
     [
         ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
@@ -45,7 +51,6 @@ JOINT = np.dtype(
         ("over_arc", np.bool_),
     ]
 )
-"""A clearance joint as the kernels see it; SI units."""
 
 
 class Packed(NamedTuple):
@@ -86,7 +91,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
     for record, joint, pair in zip(joints, linkage.clearances, pairs, strict=True):
         later = joint.bins if wearing and joint.wear else 0
-        sizes = (own.depth.size for own in pair if own.is_worn)
+        sizes = (surface.depth.size for surface in pair if surface.is_worn)
         record["surface_bins"] = max(sizes, default=later)
     most = int(joints["surface_bins"].max(initial=0))
     packed = Packed(
@@ -104,14 +109,14 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
 
 
 def mass_of(linkage: Linkage) -> Array:
-    """Diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
+    """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
     return np.array(
         [x for body in linkage.bodies for x in (body.mass, body.mass, body.effective_inertia)]
     )
 
 
 def weight_of(linkage: Linkage) -> Array:
-    """Constant generalized forces, shape (3 bodies,): gravity and dead loads."""
+    """Return the constant generalized forces, shape (3 bodies,): gravity and dead loads."""
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
     for load in linkage.dead_loads:
@@ -121,7 +126,7 @@ def weight_of(linkage: Linkage) -> Array:
 
 
 def pack_joints(linkage: Linkage) -> Records:
-    """The clearance joints of a linkage as records of JOINT, shape (joints,)."""
+    """Return the clearance joints of a linkage as records of JOINT, shape (joints,)."""
     joints = np.zeros(len(linkage.clearances), JOINT)
 
     def offset(body: str) -> int:
@@ -150,9 +155,9 @@ def pack_joints(linkage: Linkage) -> Records:
 
 
 def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
-    """Lower bound of the mass that meets in a clearance joint, kg.
+    """Return the lower bound of the mass that meets in a clearance joint, kg.
 
-    Both bodies taken as free: 1/m = sum of 1/m + r^2/I.  Constraints only add mass.
+    Both bodies taken as free: 1/m = sum of 1/m + r^2/I. Constraints only add mass.
     A driven body and the frame do not give way.
     """
     driven = {drive.body for drive in linkage.drives}
@@ -165,7 +170,7 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
 
 
 def depths_of(packed: Packed) -> Array:
-    """Depths of bearings and pins, shape (joints, 2, m), m; m = 0 while all are round."""
+    """Return depths of bearings and pins, m, shape (joints, 2, n); n = 0 while all are round."""
     return packed.surfaces[:, (BEARING, PIN)]
 
 
@@ -179,3 +184,30 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     depths = [surface.depth for surface in surfaces if surface.is_worn]
     packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)
+
+
+@inlined
+def applied_forces(packed: Packed, t: float, q: Array, v: Array, force: Array) -> float:
+    """Fill the generalized forces, shape (3 bodies,), before those of contacts.
+
+    Returns
+    -------
+    float
+        Power that no stored energy stands for, of loads with a law and of dampers, W.
+    """
+    copy_to(force, packed.weight)
+    power = 0.0
+    if packed.springs.shape[0] > 0:
+        power = spring_forces(packed.springs, q, v, force)
+    return power + load_forces(packed.loads, t, q, v, force)
+
+
+@compiled
+def settle_modes(packed: Packed, t: float, q: Array, v: Array, a: Array) -> int:
+    """Bring the modes of the loads up to an accepted state; returns how many have changed."""
+    return settle_loads(packed.loads, t, q, v, a)
+
+
+def has_work(packed: Packed) -> bool:
+    """Return whether ``applied_forces`` may return a power."""
+    return packed.loads is not None or bool(np.any(packed.springs["damping"] != 0.0))

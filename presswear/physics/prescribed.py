@@ -1,26 +1,29 @@
-"""Bodies whose motion is known beforehand: what drives hold without freedom.
+"""Bodies whose motion drives and joints prescribe, and the open tree that hangs from them.
 
-They hang from the frame as a tree whose coordinates are absolute angles and ways along guides.
-Drives give some of these; the pins that close the loops give the others, by Newton's method
-from where the bodies were last, and their rates and accelerations by linear equations.  Any law
-of motion will do.  No equation of motion has to be solved for them; what their drives have to
-do follows from the forces on them, by virtual work.
+Prescribed bodies form a tree on the frame whose coordinates are absolute angles and positions along
+guides. Drives prescribe some of these coordinates. The others follow from the pins that close the
+loops, by Newton's method from the last position; rates and accelerations by linear equations. No
+equation of motion is solved for them. The torques of their drives follow from the forces on them
+by virtual work.
 """
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
-from presswear.linkage.linkage import Linkage, chain_of
-from presswear.physics.links import GUIDED, LINK, arm, pack_links
-from presswear.physics.motion import MOTION, drive_motion, pack_motion
+from presswear.linkage.linkage import Linkage, branches_of, chain_of, prescribed_of
+from presswear.physics.drive_motion import MOTION, drive_motion, pack_motion
+from presswear.physics.tree import COORDINATES, GUIDED, LINK, LOOSE, arm, pack_links
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
 
+# A prescribed body as the kernels see it; one hinged to the frame has its inertia about the
+# hinge, and no mass
 PART = np.dtype(
     [
         *((name, LINK[name]) for name in LINK.names or ()),
@@ -29,9 +32,8 @@ PART = np.dtype(
         ("motion", MOTION),  # of that drive
     ]
 )
-"""A prescribed body as the kernels see it; one hinged to the frame has its inertia about the hinge,
-and no mass."""
 
+# A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
 CLOSING = np.dtype(
     [
         ("first", np.int64),  # part; -1 for the frame
@@ -42,20 +44,17 @@ CLOSING = np.dtype(
         ("y2", np.float64),
     ]
 )
-"""A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought."""
 
 PLACE, RATE, FASTER, BORNE, TURNS, RIGHT, LAST, HEAD = range(8)
+# Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their turns
+# with a drive, a right-hand side, and one of the last evaluation's time, s, and determinant;
+# then the closing rows by all coordinates, those by the coordinates sought, and their inverse
 TIME, DETERMINANT = 0, 1
-"""Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their turns with
-a drive, a right-hand side, and one of the last evaluation's time, s, and determinant; then the
-closing rows by all coordinates, those by the coordinates sought, and their inverse."""
 
-MOST_NEWTON = 30
-"""Newton steps after which loops do not close; two are usual."""
+MOST_NEWTON = 30  # newton steps after which loops do not close; two are usual
+# Newton's way from where bodies are expected to where links could be on other sides, rad or m
 JUMP = 0.05
-"""Newton's way from where bodies are expected to where links could be on other sides, rad or m."""
-CLOSED = 1e-12
-"""Newton step behind which the rows are those of the place found, rad or m."""
+CLOSED = 1e-12  # newton step behind which the rows are those of the place found, rad or m
 
 
 class Prescribed(NamedTuple):
@@ -74,8 +73,8 @@ class Prescribed(NamedTuple):
     work: Array
 
 
+# Tells the types of what is prescribed
 SOME = Prescribed(np.zeros(0, PART), np.zeros(0, CLOSING), np.zeros((0, 0)))
-"""Tells the types of what is prescribed."""
 
 
 @compiled
@@ -301,7 +300,7 @@ def _follow(prescribed: Prescribed) -> None:
 
 @lazily_compiled(0, SOME, np.int64(0), 0)
 def _with_turned(prescribed: Prescribed, i: int, needed: float) -> float:
-    """A torque, N m, with what the parts bear that turn with part ``i`` without a drive."""
+    """Return a torque, N m, with the share of the parts without a drive that part ``i`` turns."""
     parts, closings, work = prescribed
     borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
     for r in range(2 * closings.shape[0]):
@@ -319,7 +318,7 @@ def drive_torques(
 ) -> None:
     """Fill the torques, N m, that drives must give against the generalized forces on all parts.
 
-    Those of inertia are among the forces.  By virtual work: what a part bears about its hinge,
+    Those of inertia are among the forces. By virtual work: what a part bears about its hinge,
     times its turn with the drive.
 
     Parameters
@@ -357,7 +356,7 @@ def drive_torques(
 
 @inlined
 def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> float:
-    """Power, W, of the generalized forces on the prescribed bodies, less what speeds them up."""
+    """Return the power, W, of the forces on prescribed bodies, less the power of their inertia."""
     power = 0.0
     for i in range(prescribed.parts.shape[0]):
         part = prescribed.parts[i]
@@ -372,7 +371,7 @@ def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> fl
 
 @inlined
 def subtract_inertia(parts: Records, a: Array, force: Array) -> None:
-    """Take from generalized forces on prescribed bodies, or on links, what speeds these up."""
+    """Subtract the inertia of prescribed bodies, or of links, from generalized forces."""
     for i in range(parts.shape[0]):
         part = parts[i]
         b = part.body
@@ -382,7 +381,7 @@ def subtract_inertia(parts: Records, a: Array, force: Array) -> None:
 
 
 def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
-    """Bodies that drives hold without freedom, for the kernels; see ``begin_motion``."""
+    """Return the bodies that drives hold without freedom, for the kernels; see ``begin_motion``."""
     branches, pins = chain_of(linkage, bodies)
     links = pack_links(linkage, branches)
     parts = np.zeros(len(links), PART)
@@ -394,9 +393,9 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     places = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
     for number, drive in enumerate(linkage.drives):
         if drive.body in bodies:
-            own = parts[places[drive.body]]
-            own["drive"] = number
-            pack_motion(linkage, drive, own["motion"])
+            record = parts[places[drive.body]]
+            record["drive"] = number
+            pack_motion(linkage, drive, record["motion"])
     for part, branch in zip(parts, branches, strict=True):
         if part["before"] < 0 and part["kind"] != GUIDED:
             part["inertia"] += part["mass"] * (branch.end.x**2 + branch.end.y**2)
@@ -407,3 +406,57 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
     return Prescribed(parts, closings, np.zeros((HEAD + 6 * len(pins), max(len(parts), 2))))
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A linkage as an open tree.
+
+    Attributes
+    ----------
+    links : records of LINK
+    names : tuple of str
+        Body of each link.
+    prescribed : Prescribed
+        Bodies from which it hangs.
+    """
+
+    links: Records
+    names: tuple[str, ...]
+    prescribed: Prescribed
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return sum(COORDINATES[kind] for kind in self.links["kind"])
+
+    def coordinates(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return the coordinates and rates of the tree in a state of all bodies, each (size,)."""
+        x, u = np.zeros(self.size), np.zeros(self.size)
+        for link in self.links:
+            b, c = link["body"], link["place"]
+            if link["kind"] == GUIDED:
+                along = np.array([link["cosine"], link["sine"]])
+                x[c] = along @ (q[b : b + 2] - [link["before_x"], link["before_y"]])
+                u[c] = along @ v[b : b + 2]
+                continue
+            if link["kind"] == LOOSE:
+                x[c : c + 2], u[c : c + 2] = q[b : b + 2], v[b : b + 2]
+                c += 2
+            x[c], u[c] = q[b + 2], v[b + 2]
+            if link["parent"] >= 0:
+                x[c] -= q[link["before"] + 2]
+                u[c] -= v[link["before"] + 2]
+        return x, u
+
+
+def tree_of(linkage: Linkage) -> Tree | str:
+    """Return a linkage as an open tree, or the reason why it is none."""
+    branches = branches_of(linkage)
+    if isinstance(branches, str):
+        return branches
+    return Tree(
+        pack_links(linkage, branches),
+        tuple(branch.end.body for branch in branches),
+        pack_prescribed(linkage, prescribed_of(linkage)),
+    )

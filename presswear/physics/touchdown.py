@@ -1,9 +1,10 @@
-"""Touchdown and separation of pins: the state of contact between accepted steps.
+"""Touchdown and separation of pins: the state of contact between steps, and the length of steps.
 
-The force law needs the closing speed at touchdown.  Taken from the first penetrated
-state it is wrong by parts in a thousand; here the penetration between two accepted
-states is the cubic through both values and both rates, and its root is the moment of
-touchdown.
+The force law needs the closing speed at touchdown. Taken from the first penetrated state it is
+wrong by parts in a thousand. Here the penetration between two accepted states is the cubic through
+both values and both rates, and its root is the moment of touchdown. In free flight the time to the
+next touchdown is predicted and the step ends just after it; in contact a step is a set part of the
+expected duration of the contact.
 """
 
 import math
@@ -11,17 +12,20 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.laws import (
+from presswear.physics.contact import note_contact, penetration_acceleration
+from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     bristle_in_contact,
     bristle_in_flight,
     elastic_at,
     normal_force,
 )
+from presswear.physics.packed import Packed
 from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 
+# Memory of a joint between accepted steps: its last state and its present contact
 MEMORY = np.dtype(
     [
         ("time", np.float64),  # of the last accepted state, s
@@ -44,8 +48,8 @@ MEMORY = np.dtype(
         ("sliding", np.float64),  # m/s, where its friction has bristles
     ]
 )
-"""Memory of a joint between accepted steps: its last state and its present contact."""
 
+# Counts of one joint
 TALLY = np.dtype(
     [
         ("contacts", np.int64),  # that have ended
@@ -59,8 +63,8 @@ TALLY = np.dtype(
         ("closed_time", np.float64),  # s
     ]
 )
-"""Counts of one joint."""
 
+# A contact that has ended
 PAST_CONTACT = np.dtype(
     [
         ("touchdown", np.float64),  # s
@@ -71,26 +75,22 @@ PAST_CONTACT = np.dtype(
         ("steps", np.float64),
     ]
 )
-"""A contact that has ended."""
+# Its numbers, where they are stored as columns
 CONTACT_COLUMNS: tuple[str, ...] = PAST_CONTACT.names or ()
-"""Its numbers, where they are stored as columns."""
 
-POSITION_NOISE = 1e-14
-"""Round-off of a penetration, some times over, m."""
+POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
 
-FORCE_SLOPE = 1e-3
-"""Part of a step over which the slope of the force is taken."""
+FORCE_SLOPE = 1e-3  # part of a step over which the slope of the force is taken
 
+# Halvings that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
 PEAK_HALVINGS = 12
-"""Halvings that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force."""
 
-LEAST_STEPS = 20
-"""Steps that every contact gets, unless it is shorter than so many shortest steps."""
+LEAST_STEPS = 20  # steps that every contact gets, unless it is shorter than so many shortest steps
 
 
 @compiled
 def hermite(p0: float, r0: float, p1: float, r1: float, h: float, s: float) -> tuple[float, float]:
-    """Value and time derivative at s in 0 .. 1 of the cubic through two states."""
+    """Return the value and time derivative at s in 0 .. 1 of the cubic through two states."""
     a = r0 * h
     b = r1 * h
     rise = p1 - p0
@@ -107,7 +107,7 @@ def hermite(p0: float, r0: float, p1: float, r1: float, h: float, s: float) -> t
 
 @compiled
 def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
-    """Part s of a step at which the penetration first becomes positive; 2 if it does not.
+    """Return the part of a step at which the penetration becomes positive; 2 if it does not.
 
     A contact that has ended again within the step is found where the cubic shows it.
     """
@@ -122,10 +122,10 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
     discriminant = linear * linear - 4.0 * quadratic * a
     if discriminant >= 0.0:
         half = -0.5 * (linear + math.copysign(math.sqrt(discriminant), linear))
-        one = half / quadratic if quadratic != 0.0 else 1.0
-        other = a / half if half != 0.0 else 1.0
-        first = min(max(min(one, other), 0.0), 1.0)
-        second = min(max(max(one, other), 0.0), 1.0)
+        root = half / quadratic if quadratic != 0.0 else 1.0
+        second_root = a / half if half != 0.0 else 1.0
+        first = min(max(min(root, second_root), 0.0), 1.0)
+        second = min(max(max(root, second_root), 0.0), 1.0)
     low = 0.0
     for high in (first, second, 1.0):
         value = p1 if high == 1.0 else hermite(p0, r0, p1, r1, h, high)[0]
@@ -196,7 +196,7 @@ def force_within(
 ) -> float:
     """Return the normal force, N, at the part ``s`` of a step between two closed states.
 
-    The law is evaluated on a polynomial through both penetrations and rates.  On a foundation the
+    The law is evaluated on a polynomial through both penetrations and rates. On a foundation the
     elastic force follows the power of the penetration that force and energy of each state give.
 
     Parameters
@@ -229,7 +229,7 @@ def peak_within(
 ) -> float:
     """Return the maximum of the normal force, N, within a step of a contact; 0 if there is none.
 
-    There is one if the force rises at the beginning of the step and falls at its end.  The
+    There is one if the force rises at the beginning of the step and falls at its end. The
     polynomial of ``force_within`` also passes through the state before, if that was closed.
     """
     start, end = last.penetration, contact.penetration
@@ -375,3 +375,239 @@ def settle(
             last.steps += 1
         remember(last, joints[k], onset[k], contact, t)
     return events
+
+
+# Step lengths of a fixed-order integrator
+STEPS = np.dtype(
+    [
+        ("free", np.float64),  # longest step in free flight, s
+        ("per_contact", np.float64),  # steps in one free impact
+        ("sustained", np.float64),  # steps in half a period of a pin at rest on its bearing
+        ("least", np.float64),  # shortest step, s
+    ]
+)
+
+LANDING = 0.02  # A step towards a touchdown ends this part of a contact step behind it
+
+# Steps in which a pin that skims a worn surface crosses one bin of its map
+FLIGHT_STEPS_PER_BIN = 4.0
+
+# Steps of an error-controlled method in a free impact, at least: enough to show its peak
+LEAST_PARTS = 15
+
+# Steps in the time in which a pin would cross the clearance from rest, at least
+STEPS_PER_FLIGHT = 20.0
+
+# Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least
+SKIM_STEPS = 2.0
+
+# A step that ends more than this part of a contact step behind a touchdown is redone
+OVERSHOOT = 0.2
+
+
+@compiled
+def contact_step(joint: Records, penetration: float, rate: float, parts: float) -> float:
+    """Return the step, s, that divides a contact into equal parts.
+
+    The duration is half a period of the oscillation at the deepest penetration
+    that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touchdown
+    of an elastic Hertz impact, which lasts 2.94 delta_max / v.
+    """
+    mass = joint.effective_mass
+    stiffness = joint.normal.estimated_stiffness
+    exponent = joint.normal.estimated_exponent
+    if math.isinf(mass):
+        return math.inf
+    depth = max(penetration, 0.0)
+    energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
+    reach = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
+    if reach <= 0.0:
+        return math.inf
+    tangent = exponent * stiffness * reach ** (exponent - 1.0)
+    return math.pi * math.sqrt(mass / tangent) / parts
+
+
+@compiled
+def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
+    """Return the next step, s, while a joint is closed.
+
+    A free impact is divided into equal parts. A pin that has come to rest on its
+    bearing oscillates less than the deepest possible penetration suggests: there
+    the step grows until its error, h^2 / 12 times the change of acceleration for
+    the trapezoidal rule, is the part of the penetration that the equal parts of
+    a free impact would make, but no further than ``sustained`` parts.
+    """
+    parts = steps.per_contact
+    if last.steps <= 1:
+        # A contact that the surrounding motion pulls open again may be far shorter
+        # than a free impact.
+        if last.rate > 0.0 and acceleration < 0.0:
+            last.longest_step = min(last.longest_step, 2.0 * last.rate / -acceleration / parts)
+    elif last.steps > parts:
+        last.longest_step *= 1.2
+        error = last.step * last.step / 12.0 * abs(acceleration - last.acceleration)
+        allowed = last.penetration * (math.pi / parts) ** 3 / 12.0
+        growth = 0.9 * (allowed / error) ** (1.0 / 3.0) if error > 0.0 else 1.3
+        calm = last.step * min(max(growth, 0.5), 1.3)
+        part = min(max(calm, part), part * max(parts / steps.sustained, 1.0))
+    return min(part, last.longest_step)
+
+
+@compiled
+def late_touchdown(
+    joint: Records, last: Records, steps: Records, contact: Records, h: float
+) -> float:
+    """Return the step, s, that ends just after a touchdown that was overshot; else -1.
+
+    Where the law begins with a jump, the touchdown is put into a short step of its own.
+    """
+    s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
+    if s > 1.0:
+        return -1.0
+    closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
+    part = contact_step(joint, 0.0, closing, steps.per_contact)
+    behind = min(LANDING * part, 0.1 * h)
+    if joint.normal.abrupt:
+        near = LANDING * part
+        if h <= 4.0 * near:
+            return -1.0
+        return max(s * h - near if s * h > 2.0 * near else s * h + near, steps.least)
+    if contact.penetration > 0.0:
+        if (1.0 - s) * h <= OVERSHOOT * part:
+            return -1.0
+    elif contact.rate < 0.0:
+        # Touched and gone: land while the pin is still in, well before its deepest point.
+        behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
+    return max(s * h + behind, steps.least)
+
+
+@compiled
+def early_separation(last: Records, steps: Records, contact: Records, h: float) -> float:
+    """Return the step, s, that divides a contact finely which the trial state has ended; else -1.
+
+    A pin that skims a bump can leave sooner than the state at its touchdown let expect.
+    The shorter step holds for the rest of the contact.
+    """
+    missing = LEAST_STEPS - last.steps
+    if contact.penetration > 0.0 or missing <= 0 or last.started_closed:
+        return -1.0
+    s = crossing(-last.penetration, -last.rate, -contact.penetration, -contact.rate, h)
+    wanted = max(min(s, 1.0) * h / (missing + 1), steps.least)
+    if wanted > 0.7 * h:
+        return -1.0
+    last.longest_step = wanted
+    return wanted
+
+
+@compiled
+def shorter_step(
+    packed: Packed,
+    onset: Array,
+    memory: Records,
+    steps: Records,
+    contacts: Records,
+    t: float,
+    q: Array,
+    v: Array,
+) -> float:
+    """Return the step, s, with which a trial step has to be repeated; -1 if it is acceptable.
+
+    ``contacts`` is working space.
+    """
+    joints = packed.joints
+    shortest = -1.0
+    for k in range(joints.shape[0]):
+        last = memory[k]
+        h = t - last.time
+        if h <= steps[0].least:
+            continue
+        contact = contacts[k]
+        note_contact(packed, k, q, v, contact)
+        if onset[k] > 0.0:
+            wanted = early_separation(last, steps[0], contact, h)
+        else:
+            wanted = late_touchdown(joints[k], last, steps[0], contact, h)
+        if wanted > 0.0 and (shortest < 0.0 or wanted < shortest):
+            shortest = wanted
+    return shortest
+
+
+@compiled
+def step_after_touchdown(joints: Records, onset: Array, memory: Records, longest: float) -> float:
+    """Return the step limit, s, of an error-controlled method just after a touchdown.
+
+    A contact that the surrounding motion pulls open again may be far shorter than a free
+    impact; its ``longest_step`` tells how short.
+    """
+    for k in range(joints.shape[0]):
+        if onset[k] > 0.0 and memory[k].steps < 2 * LEAST_PARTS:
+            part = contact_step(joints[k], 0.0, onset[k], LEAST_PARTS)
+            longest = min(longest, part, memory[k].longest_step)
+    return longest
+
+
+@compiled
+def skim_step(packed: Packed, memory: Records, longest: float) -> float:
+    """Return the step limit, s, of an error-controlled method from the bumps that a pin runs over.
+
+    Its error estimate sees a bump only where a stage happens to fall on it.
+    """
+    if packed.surfaces.shape[2] == 0:
+        return longest
+    for k in range(memory.shape[0]):
+        last = memory[k]
+        joint = packed.joints[k]
+        worn = joint.surface_bins > 0
+        if worn and last.sweep > 0.0 and last.penetration > -joint.relief:
+            bins = 2.0 * math.pi / joint.surface_bins / last.sweep
+            longest = min(longest, bins / SKIM_STEPS)
+    return longest
+
+
+@compiled
+def next_step(
+    packed: Packed,
+    onset: Array,
+    memory: Records,
+    steps: Records,
+    contacts: Records,
+    a: Array,
+) -> float:
+    """Return the length of the next step, s, from the state just settled."""
+    chosen = steps[0].free
+    for k in range(memory.shape[0]):
+        joint = packed.joints[k]
+        last = memory[k]
+        depth = last.penetration
+        rate = last.rate
+        part = contact_step(joint, depth, rate, steps[0].per_contact)
+        acceleration = penetration_acceleration(
+            joint, packed.surfaces[k, :, : joint.surface_bins], contacts[k], a
+        )
+        if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
+            # A bump of the profile is a contact of its own and gets as many steps.
+            bins = 2.0 * math.pi / joint.surface_bins / last.sweep
+            share = 0.5 * steps[0].per_contact if onset[k] > 0.0 else FLIGHT_STEPS_PER_BIN
+            chosen = min(chosen, max(bins / share, steps[0].least))
+        if onset[k] > 0.0:
+            wanted = step_in_contact(last, steps[0], part, acceleration)
+            chosen = min(chosen, max(wanted, steps[0].least))
+            last.acceleration = acceleration
+            continue
+        # Free flight: part of the time in which the present acceleration crosses the clearance,
+        # and the time at which the present motion closes the gap.
+        if acceleration != 0.0:
+            flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
+            chosen = min(chosen, max(flight / STEPS_PER_FLIGHT, steps[0].least))
+        root = rate * rate - 2.0 * acceleration * depth
+        if root >= 0.0:
+            denominator = rate + math.sqrt(root)
+            arrival = -2.0 * depth / denominator if denominator > 0.0 else -1.0
+            if 0.0 <= arrival < chosen:
+                closing = rate + acceleration * arrival
+                part = contact_step(joint, 0.0, closing, steps[0].per_contact)
+                behind = min(LANDING * part, steps[0].free)
+                if joint.normal.abrupt and arrival > 2.0 * behind:
+                    behind = -behind
+                chosen = min(chosen, max(arrival + behind, steps[0].least))
+    return chosen

@@ -1,67 +1,359 @@
-"""Open trees: linkages without a closed loop that has a freedom, in the fewest coordinates."""
+"""Open trees: linkages without a closed loop that has a freedom, in the fewest coordinates.
 
-from dataclasses import dataclass
+Each body has one coordinate: its angle relative to its parent, or its position along a guide; a
+free body has three. A branch that hangs from a prescribed body is described in axes that translate
+with its hinge, so that the motion of the hinge enters as a force -m a and is exact.
+
+Accelerations under forces follow from articulated bodies: from the leaves inwards the inertia and
+force of each link as its parent feels them, then outwards the accelerations (Featherstone, Rigid
+Body Dynamics Algorithms, 2008, 7.3).
+"""
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage, branches_of, prescribed_of
-from presswear.physics.links import COORDINATES, GUIDED, LOOSE, pack_links
-from presswear.physics.prescribed import Prescribed, pack_prescribed
-from presswear.tools.compile import Records
+from presswear.linkage.elements import GROUND, Guide
+from presswear.linkage.linkage import Branch, Linkage
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 
+# A body of a tree as the kernels see it; parents come before children
+LINK = np.dtype(
+    [
+        ("body", np.int64),  # index of its x in q
+        ("kind", np.int64),  # HINGED, GUIDED or LOOSE
+        ("place", np.int64),  # of its coordinate, or the first of three, in those of the tree
+        ("parent", np.int64),  # link it hangs from; -1 for the frame or a prescribed body
+        ("before", np.int64),  # index in q of the body it hangs from; -1 for the frame
+        ("before_x", np.float64),  # joint in the frame of the body before, m
+        ("before_y", np.float64),
+        ("own_x", np.float64),  # joint in the body's own frame, m
+        ("own_y", np.float64),
+        ("cosine", np.float64),  # of the guide's direction
+        ("sine", np.float64),
+        ("angle", np.float64),  # of a sliding body, rad
+        ("axis_x", np.float64),  # cosine and sine of that
+        ("axis_y", np.float64),
+        ("mass", np.float64),
+        ("inertia", np.float64),  # kg m^2
+    ]
+)
 
-@dataclass(frozen=True)
-class Tree:
-    """A linkage as an open tree.
+HINGED, GUIDED, LOOSE = 0, 1, 2
+COORDINATES = (1, 1, 3)  # number of coordinates of each kind of link
 
-    Attributes
+CARRIED = 4  # transport velocity and acceleration of a branch: v_x, v_y, a_x, a_y of its hinge
+
+
+@inlined
+def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
+    """Return a vector of the frame of the body whose x is ``q[body]``, in global directions."""
+    cosine = axes[body]
+    sine = axes[body + 1]
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+@inlined
+def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Array) -> None:
+    """Fill coordinates and rates of the bodies of a tree from those of the tree.
+
+    Parameters
     ----------
-    links : records of LINK
-    names : tuple of str
-        Body of each link.
-    prescribed : Prescribed
-        What it hangs from.
+    x, u : ndarray, shape (coordinates,)
+        Angles relative to the parent, or ways along guides, rad or m, and rates; of a loose
+        body x, y and angle.
+    q, v : ndarray, shape (3 bodies,)
+    axes : ndarray, shape (3 bodies,)
+        Cosine and sine of each body's angle, in the places of its x and y. Those of the
+        prescribed bodies must be there already, like their coordinates and rates.
     """
+    for i in range(links.shape[0]):
+        link = links[i]
+        b = link.body
+        c = link.place
+        if link.kind == GUIDED:
+            q[b] = link.before_x + x[c] * link.cosine
+            q[b + 1] = link.before_y + x[c] * link.sine
+            q[b + 2] = link.angle
+            v[b] = u[c] * link.cosine
+            v[b + 1] = u[c] * link.sine
+            v[b + 2] = 0.0
+            axes[b] = link.axis_x
+            axes[b + 1] = link.axis_y
+            continue
+        p = link.before
+        jx, jy, jvx, jvy, angle, spin = link.before_x, link.before_y, 0.0, 0.0, 0.0, 0.0
+        if p >= 0:
+            rx, ry = arm(link.before_x, link.before_y, axes, p)
+            jx = q[p] + rx
+            jy = q[p + 1] + ry
+            jvx = v[p] - v[p + 2] * ry
+            jvy = v[p + 1] + v[p + 2] * rx
+            if link.parent >= 0:
+                angle = q[p + 2]
+                spin = v[p + 2]
+        elif link.kind == LOOSE:
+            jx, jy, jvx, jvy = x[c], x[c + 1], u[c], u[c + 1]
+            c += 2
+        angle += x[c]
+        spin += u[c]
+        axes[b] = math.cos(angle)
+        axes[b + 1] = math.sin(angle)
+        rx, ry = arm(link.own_x, link.own_y, axes, b)
+        q[b] = jx - rx
+        q[b + 1] = jy - ry
+        q[b + 2] = angle
+        v[b] = jvx + spin * ry
+        v[b + 1] = jvy - spin * rx
+        v[b + 2] = spin
 
-    links: Records
-    names: tuple[str, ...]
-    prescribed: Prescribed
 
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return sum(COORDINATES[kind] for kind in self.links["kind"])
+@inlined
+def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array) -> None:
+    """Fill the accelerations of a tree; those of prescribed bodies must be there already."""
+    for i in range(links.shape[0]):
+        link = links[i]
+        b = link.body
+        c = link.place
+        if link.kind == GUIDED:
+            a[b] = u_t[c] * link.cosine
+            a[b + 1] = u_t[c] * link.sine
+            a[b + 2] = 0.0
+            continue
+        p = link.before
+        jax, jay, spin_t = 0.0, 0.0, 0.0
+        if p >= 0:
+            rx, ry = arm(link.before_x, link.before_y, axes, p)
+            square = v[p + 2] * v[p + 2]
+            jax = a[p] - a[p + 2] * ry - square * rx
+            jay = a[p + 1] + a[p + 2] * rx - square * ry
+            if link.parent >= 0:
+                spin_t = a[p + 2]
+        elif link.kind == LOOSE:
+            jax, jay = u_t[c], u_t[c + 1]
+            c += 2
+        spin_t += u_t[c]
+        rx, ry = arm(link.own_x, link.own_y, axes, b)
+        square = v[b + 2] * v[b + 2]
+        a[b] = jax + spin_t * ry + square * rx
+        a[b + 1] = jay - spin_t * rx + square * ry
+        a[b + 2] = spin_t
 
-    def coordinates(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Coordinates and rates of the tree in a state of all bodies, each (size,)."""
-        x, u = np.zeros(self.size), np.zeros(self.size)
-        for link in self.links:
-            b, c = link["body"], link["place"]
-            if link["kind"] == GUIDED:
-                along = np.array([link["cosine"], link["sine"]])
-                x[c] = along @ (q[b : b + 2] - [link["before_x"], link["before_y"]])
-                u[c] = along @ v[b : b + 2]
-                continue
-            if link["kind"] == LOOSE:
-                x[c : c + 2], u[c : c + 2] = q[b : b + 2], v[b : b + 2]
-                c += 2
-            x[c], u[c] = q[b + 2], v[b + 2]
-            if link["parent"] >= 0:
-                x[c] -= q[link["before"] + 2]
-                u[c] -= v[link["before"] + 2]
-        return x, u
+
+@inlined
+def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Array) -> None:
+    """Fill velocity and acceleration of what each branch hangs from, shape (links, CARRIED)."""
+    for i in range(links.shape[0]):
+        link = links[i]
+        p = link.before
+        if link.parent >= 0 or p < 0:
+            # Numba copies single numbers faster than short rows.
+            for c in range(CARRIED):
+                carried[i, c] = carried[link.parent, c] if link.parent >= 0 else 0.0
+            continue
+        rx, ry = arm(link.before_x, link.before_y, axes, p)
+        spin = v[p + 2]
+        carried[i, 0] = v[p] - spin * ry
+        carried[i, 1] = v[p + 1] + spin * rx
+        faster = a[p + 2]
+        carried[i, 2] = a[p] - faster * ry - spin * spin * rx
+        carried[i, 3] = a[p + 1] + faster * rx - spin * spin * ry
 
 
-def tree_of(linkage: Linkage) -> Tree | str:
-    """Describe a linkage as an open tree, or say in words why it is none."""
-    branches = branches_of(linkage)
-    if isinstance(branches, str):
-        return branches
-    return Tree(
-        pack_links(linkage, branches),
-        tuple(branch.end.body for branch in branches),
-        pack_prescribed(linkage, prescribed_of(linkage)),
-    )
+@inlined
+def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Array) -> None:
+    """Turn forces on the bodies into forces on the coordinates of the tree, J^T f.
+
+    Parameters
+    ----------
+    force : ndarray, shape (3 bodies,)
+        On the mass centres. Passed down the branches: at the end each body holds what
+        it and all that hangs from it bear, prescribed bodies included.
+    out : ndarray, shape (coordinates,)
+    """
+    for i in range(links.shape[0] - 1, -1, -1):
+        link = links[i]
+        b = link.body
+        c = link.place
+        fx = force[b]
+        fy = force[b + 1]
+        if link.kind == GUIDED:
+            out[c] = fx * link.cosine + fy * link.sine
+            continue
+        rx, ry = arm(link.own_x, link.own_y, axes, b)
+        moment = force[b + 2] - rx * fy + ry * fx
+        if link.kind == LOOSE:
+            out[c], out[c + 1] = fx, fy
+            c += 2
+        out[c] = moment
+        p = link.before
+        if p >= 0:
+            sx = q[b] + rx - q[p]
+            sy = q[b + 1] + ry - q[p + 1]
+            force[p] += fx
+            force[p + 1] += fy
+            force[p + 2] += sx * fy - sy * fx
+            if link.parent >= 0:
+                force[p + 2] += moment
+
+
+def pack_links(linkage: Linkage, branches: Sequence[Branch]) -> Records:
+    """Return the bodies of a tree as records of LINK."""
+    links = np.zeros(len(branches), LINK)
+    place = 0
+    for link, (joint, before, child, parent) in zip(links, branches, strict=True):
+        link["body"] = 3 * linkage.index(child.body)
+        link["kind"] = LOOSE if joint is None else HINGED
+        link["parent"] = parent
+        link["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
+        link["before_x"], link["before_y"] = before.x, before.y
+        link["own_x"], link["own_y"] = child.x, child.y
+        body = linkage.bodies[linkage.index(child.body)]
+        link["mass"], link["inertia"] = body.mass, body.effective_inertia
+        if isinstance(joint, Guide):
+            link["kind"] = GUIDED
+            link["cosine"], link["sine"] = math.cos(joint.direction), math.sin(joint.direction)
+            link["angle"] = joint.angle
+            link["axis_x"], link["axis_y"] = math.cos(joint.angle), math.sin(joint.angle)
+        link["place"] = place
+        place += COORDINATES[link["kind"]]
+    return links
+
+
+# A link with all that hangs from it, about its mass centre; SI units, global directions
+ARTICULATED = np.dtype(
+    [
+        *((name, np.float64) for name in ("xx", "xy", "yy", "xt", "yt", "tt")),  # its inertia
+        *((name, np.float64) for name in ("fx", "fy", "ft")),  # force and moment on it
+        *((name, np.float64) for name in ("sx", "sy", "st")),  # its motion with its coordinate
+        *((name, np.float64) for name in ("ux", "uy", "ut")),  # inertia times that motion
+        *((name, np.float64) for name in ("cx", "cy")),  # acceleration that no coordinate gives
+        *((name, np.float64) for name in ("dx", "dy")),  # from the parent's mass centre to its own
+        ("mobility", np.float64),  # of its coordinate
+        ("force", np.float64),  # on its coordinate
+    ]
+)
+
+
+@inlined
+def articulate(
+    links: Records, v: Array, axes: Array, carried: Array, force: Array, bodies: Records
+) -> None:
+    """Fill the articulated bodies of a tree, from the leaves inwards.
+
+    Parameters
+    ----------
+    carried : ndarray, shape (links, CARRIED)
+        See ``carry_branches``.
+    force : ndarray, shape (3 bodies,)
+        On the mass centres.
+    bodies : records of ARTICULATED, shape (links,)
+    """
+    for i in range(links.shape[0]):
+        link, child = links[i], bodies[i]
+        b = link.body
+        child.xx = child.yy = link.mass
+        child.tt = link.inertia
+        child.xy = child.xt = child.yt = 0.0
+        child.fx, child.fy, child.ft = force[b], force[b + 1], force[b + 2]
+    for i in range(links.shape[0] - 1, -1, -1):
+        link, child = links[i], bodies[i]
+        if link.kind == LOOSE:
+            continue
+        b = link.body
+        if link.kind == GUIDED:
+            rx, ry, square = 0.0, 0.0, 0.0
+            child.sx, child.sy, child.st = link.cosine, link.sine, 0.0
+        else:
+            rx, ry = arm(link.own_x, link.own_y, axes, b)
+            square = v[b + 2] * v[b + 2]
+            child.sx, child.sy, child.st = ry, -rx, 1.0
+        child.ux = child.xx * child.sx + child.xy * child.sy + child.xt * child.st
+        child.uy = child.xy * child.sx + child.yy * child.sy + child.yt * child.st
+        child.ut = child.xt * child.sx + child.yt * child.sy + child.tt * child.st
+        child.mobility = 1.0 / (child.sx * child.ux + child.sy * child.uy + child.st * child.ut)
+        child.force = child.sx * child.fx + child.sy * child.fy + child.st * child.ft
+        if link.parent < 0:
+            child.cx, child.cy = carried[i, 2] + square * rx, carried[i, 3] + square * ry
+            continue
+        p = link.before
+        px, py = arm(link.before_x, link.before_y, axes, p)
+        before = v[p + 2] * v[p + 2]
+        child.cx, child.cy = square * rx - before * px, square * ry - before * py
+        child.dx, child.dy = px - rx, py - ry
+        _add_to_parent(child, bodies[link.parent])
+
+
+@inlined
+def _add_to_parent(child: Records, parent: Records) -> None:
+    """Add to a link what it feels of one that hangs from it."""
+    # Along its coordinate it gives way.
+    part = child.mobility
+    xx = child.xx - part * child.ux * child.ux
+    xy = child.xy - part * child.ux * child.uy
+    yy = child.yy - part * child.uy * child.uy
+    xt = child.xt - part * child.ux * child.ut
+    yt = child.yt - part * child.uy * child.ut
+    tt = child.tt - part * child.ut * child.ut
+    part *= child.force
+    fx = child.fx - part * child.ux - xx * child.cx - xy * child.cy
+    fy = child.fy - part * child.uy - xy * child.cx - yy * child.cy
+    ft = child.ft - part * child.ut - xt * child.cx - yt * child.cy
+    turned_x = child.dx * xy - child.dy * xx
+    turned_y = child.dx * yy - child.dy * xy
+    parent.xx += xx
+    parent.xy += xy
+    parent.yy += yy
+    parent.xt += turned_x + xt
+    parent.yt += turned_y + yt
+    parent.tt += child.dx * (turned_y + 2.0 * yt) - child.dy * (turned_x + 2.0 * xt) + tt
+    parent.fx += fx
+    parent.fy += fy
+    parent.ft += child.dx * fy - child.dy * fx + ft
+
+
+@inlined
+def release(links: Records, bodies: Records, u_t: Array, a: Array) -> None:
+    """Fill the accelerations of a tree whose articulated bodies are known, outwards.
+
+    Parameters
+    ----------
+    u_t : ndarray, shape (coordinates,)
+    a : ndarray, shape (3 bodies,)
+        Those of the bodies of the tree.
+    """
+    for i in range(links.shape[0]):
+        link, child = links[i], bodies[i]
+        b, c = link.body, link.place
+        if link.kind == LOOSE:
+            _let_go(child, a[b : b + 3])
+            u_t[c], u_t[c + 1], u_t[c + 2] = a[b], a[b + 1], a[b + 2]
+            continue
+        ax, ay, at = child.cx, child.cy, 0.0
+        if link.parent >= 0:
+            p = link.before
+            at = a[p + 2]
+            ax += a[p] - at * child.dy
+            ay += a[p + 1] + at * child.dx
+        own_t = child.mobility * (child.force - child.ux * ax - child.uy * ay - child.ut * at)
+        u_t[c] = own_t
+        a[b] = ax + child.sx * own_t
+        a[b + 1] = ay + child.sy * own_t
+        a[b + 2] = at + child.st * own_t
+
+
+@compiled
+def _let_go(child: Records, a: Array) -> None:
+    """Fill the acceleration of a body that nothing holds: its inertia's three equations."""
+    xx, xy, yy, xt, yt, tt = child.xx, child.xy, child.yy, child.xt, child.yt, child.tt
+    fx, fy, ft = child.fx, child.fy, child.ft
+    # Without its turn first: what hangs from it never makes these two equations singular.
+    part = 1.0 / (xx * yy - xy * xy)
+    free_x, free_y = part * (yy * fx - xy * fy), part * (xx * fy - xy * fx)
+    turn_x, turn_y = part * (yy * xt - xy * yt), part * (xx * yt - xy * xt)
+    turn = (ft - xt * free_x - yt * free_y) / (tt - xt * turn_x - yt * turn_y)
+    a[0], a[1], a[2] = free_x - turn * turn_x, free_y - turn * turn_y, turn

@@ -1,8 +1,8 @@
 """Archard wear of a clearance joint: dh = K_d p ds.
 
-Two accounts (see ``WearLaw``).  ``bin`` is the paper's: the mean pressure over
+Two accounts (see ``WearLaw``). ``bin`` is the paper's: the mean pressure over
 the contact chord (equations 25 to 28), all of it into the one bin of the contact,
-which makes worn volume and depth depend on the width of the bins.  ``arc`` spreads
+which makes worn volume and depth depend on the width of the bins. ``arc`` spreads
 the depth over the contact arc in proportion to the pressure of a linear elastic
 foundation, and the worn volume is K_d times the integral of F_n ds to round-off.
 """
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @inlined
 def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
-    """Rate of slip ds/dt, m/s: (R_j + delta) |phi_dot| (equation 24) or |v_t|."""
+    """Return the rate of slip ds/dt, m/s: (R_j + delta) |phi_dot| (equation 24) or |v_t|."""
     if by_angle:
         return (pin_radius + contact.penetration) * abs(contact.turning)
     return abs(contact.sliding)
@@ -38,7 +38,7 @@ def contact_area(
     pin_radius: float,
     width: float,
 ) -> float:
-    """Contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27).
+    """Return the contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27).
 
     cos beta + 1 is formed from the penetration itself; equation 25 as printed loses
     ten digits to cancellation.
@@ -54,8 +54,8 @@ def contact_area(
 
 
 @inlined
-def dose_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
-    """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
+def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
+    """Return the rates of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
 
     Zero where no account is kept.
     """
@@ -155,7 +155,7 @@ def deposit_over_arc(
 
 
 def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
-    """Shape (joints, 2, m) of the wear maps of some joints.
+    """Return the shape (joints, 2, m) of the wear maps of joints.
 
     They have room for the finest; each joint's maps are in the first of the m, its own ``bins``,
     and nothing behind.
@@ -164,7 +164,7 @@ def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
 
 
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
-    """Volume lost by both surfaces, m^3: the integral of depth times b R over angle.
+    """Return the volume lost by both surfaces, m^3: the integral of depth times b R over angle.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
 from presswear.physics.forces import note_forces
-from presswear.physics.load_modes import last_change
+from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc

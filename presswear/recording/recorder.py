@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.drive_motion import motions_of
 from presswear.physics.energy import LEDGER
-from presswear.physics.motion import motions_of
 from presswear.physics.packed import depths_of, pack, pack_surfaces
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.physics.wear import map_shape

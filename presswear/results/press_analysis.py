@@ -17,10 +17,10 @@ from presswear.analysis.contact_modes import Timeline, resonance_frequency, time
 from presswear.analysis.periods import Periodicity, periodicity, section, times_at_phase
 from presswear.analysis.spectra import Spectrum, power_spectrum
 from presswear.linkage.laws import Elasticity
-from presswear.physics.bottom import bottom_of
-from presswear.physics.inverse import needed_torques
-from presswear.physics.laws import elastic_force, foundation_force, liu_force
-from presswear.physics.load_modes import sizes_over
+from presswear.physics.friction_and_normal import elastic_force, foundation_force, liu_force
+from presswear.physics.ideal import bottom_of
+from presswear.physics.loads import sizes_over
+from presswear.physics.statics import needed_torques
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording.observe import CYCLE_DRIVE
 from presswear.recording.statistics import (

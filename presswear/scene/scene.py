@@ -21,9 +21,7 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface
-from presswear.physics.bottom import bottom_of
-from presswear.physics.following import followed
-from presswear.physics.ideal import IdealMotion, Motion, ideal_motion
+from presswear.physics.ideal import IdealMotion, Motion, bottom_of, followed, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.tools.arrays import Array
@@ -206,7 +204,7 @@ class Scene:
         loaded = self.loaded
         is_limited = any(drive.torque_limit is not None for drive in loaded.drives)
         if is_limited and not self.has_untrusted_loads:
-            from presswear.physics.inverse import check_drives  # only where something is computed
+            from presswear.physics.statics import check_drives  # slow import
 
             check_drives(loaded, self.ideal)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""

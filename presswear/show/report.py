@@ -11,7 +11,7 @@ from typing import Any
 
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.results.folder import FINISHED
 from presswear.results.life import LimitResult, span_of, words_of
 from presswear.results.press_analysis import deep_contacts

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from presswear.analysis.contact_modes import MODES, Timeline, combine
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
 from presswear.recording.statistics import STARTUP_CYCLES

@@ -19,7 +19,7 @@ from presswear.engines.base import Run, Start
 from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.following import motion_of
+from presswear.physics.ideal import motion_of
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.scene.bearing import CONVENTIONS

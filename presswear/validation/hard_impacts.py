@@ -17,7 +17,7 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.laws import ONSET_SPEED_FLOOR
+from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR
 from presswear.physics.packed import mass_of
 from presswear.validation.cases import Case, Check, first_contact, guarded, run_sound
 from presswear.validation.reference_checks import FRICTION, GRAVITY, TIGHT, delivered, on_incline

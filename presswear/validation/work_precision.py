@@ -28,8 +28,8 @@ from presswear.linkage.elements import Guide
 from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.physics.following import followed
-from presswear.physics.tree import Tree, tree_of
+from presswear.physics.ideal import followed
+from presswear.physics.prescribed import Tree, tree_of
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet

@@ -13,7 +13,7 @@ from presswear.linkage.drives import Drive, Dwell
 from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.press_analysis import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times

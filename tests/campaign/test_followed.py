@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from presswear.campaign.service_life import levels_of, samples_of
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.physics.wear import map_shape
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.life import WORDS

@@ -9,7 +9,7 @@ from closed_form import press_motion
 from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.linkage.mechanisms import GEOMETRIES, Press
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array

@@ -10,7 +10,7 @@ from scipy.interpolate import BPoly
 import presswear as pw
 from presswear.linkage.drives import Servo
 from presswear.linkage.loads import Process
-from presswear.physics.inverse import needed_torques
+from presswear.physics.statics import needed_torques
 from presswear.tools.arrays import Array
 
 W = pw.Press().speed

@@ -15,7 +15,7 @@ from presswear.linkage.laws import (
     delivered_restitution,
     hertz_stiffness,
 )
-from presswear.physics.laws import corner_ahead, friction_force, friction_record
+from presswear.physics.friction_and_normal import corner_ahead, friction_force, friction_record
 
 
 @given(

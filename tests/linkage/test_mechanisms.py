@@ -25,8 +25,7 @@ from presswear.linkage.mechanisms import (
     SliderCrank,
 )
 from presswear.physics.constraints import constraints_of
-from presswear.physics.following import motion_of
-from presswear.physics.ideal import Motion
+from presswear.physics.ideal import Motion, motion_of
 from presswear.scene.catalog import slider_crank
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError, InputError

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import presswear as pw
 from presswear.linkage.drives import Servo
-from presswear.physics.following import motion_of
+from presswear.physics.ideal import motion_of
 from presswear.scene.files import scene_from
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError

@@ -13,7 +13,7 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.loads import Force, OverTime
-from presswear.physics.laws import bristle_in_contact, friction_record
+from presswear.physics.friction_and_normal import bristle_in_contact, friction_record
 from presswear.validation import reference_problems as references
 
 PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4

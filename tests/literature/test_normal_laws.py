@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
-from presswear.physics.laws import elastic_of, normal_record
+from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
 from presswear.validation.reference_checks import delivered

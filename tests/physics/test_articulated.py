@@ -10,12 +10,18 @@ from hypothesis import strategies as st
 
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Press
-from presswear.physics.articulated import ARTICULATED, articulate, release
 from presswear.physics.constraints import constraints_of
-from presswear.physics.following import motion_of
-from presswear.physics.links import CARRIED, accelerate_links, carry_branches
+from presswear.physics.ideal import motion_of
 from presswear.physics.packed import mass_of
 from presswear.physics.prescribed import begin_motion
+from presswear.physics.tree import (
+    ARTICULATED,
+    CARRIED,
+    accelerate_links,
+    articulate,
+    carry_branches,
+    release,
+)
 
 
 def without(linkage: Linkage, *names: str) -> Linkage:

@@ -14,11 +14,9 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
-from presswear.physics.assembly import assembled
+from presswear.physics.assembly import Rows, assembled
 from presswear.physics.constraints import constraints_of
-from presswear.physics.following import motion_of
-from presswear.physics.ideal import Motion, ideal_motion
-from presswear.physics.rows import Rows
+from presswear.physics.ideal import Motion, ideal_motion, motion_of
 from presswear.tools.errors import AssemblyError
 
 Array = NDArray[np.float64]

@@ -12,8 +12,7 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, OutputPoint, Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
-from presswear.physics.bottom import bottom_of
-from presswear.physics.ideal import ideal_motion
+from presswear.physics.ideal import bottom_of, ideal_motion
 
 
 def bar(speed: float = 10.0, angle: float = 0.0, **changes: Any) -> Linkage:

@@ -14,7 +14,7 @@ from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
 from presswear.physics.contact import direction_of, joint_end
-from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, friction_record
+from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, friction_force, friction_record
 
 Array = NDArray[np.float64]
 

@@ -18,9 +18,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.physics import ideal
 from presswear.physics.assembly import closed
-from presswear.physics.following import FOLLOWED, followed, motion_of
-from presswear.physics.ideal import ideal_motion
-from presswear.physics.motion import motions_of
+from presswear.physics.drive_motion import motions_of
+from presswear.physics.ideal import FOLLOWED, followed, ideal_motion, motion_of
 from presswear.scene.files import scene_from
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError

@@ -6,8 +6,8 @@ from closed_form import needed_by_virtual_work, press_motion
 
 import presswear as pw
 from presswear.linkage.loads import OverPosition
-from presswear.physics.following import motion_of
-from presswear.physics.inverse import check_drives, needed_torques
+from presswear.physics.ideal import motion_of
+from presswear.physics.statics import check_drives, needed_torques
 from presswear.tools.errors import InputError
 
 

@@ -20,8 +20,17 @@ from presswear.linkage.loads import (
     Sense,
     Table,
 )
-from presswear.physics.load_modes import next_break, place_loads, settle_loads
-from presswear.physics.loads import OFF, RISING, Loads, load_forces, load_motion, load_size
+from presswear.physics.loads import (
+    OFF,
+    RISING,
+    Loads,
+    load_forces,
+    load_motion,
+    load_size,
+    next_break,
+    place_loads,
+    settle_loads,
+)
 from presswear.physics.packed import pack
 
 BODY = Body("body", 1.0, 1.0, {"tip": (0.2, -0.1)})

@@ -17,14 +17,14 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.drives import RISES, Drive, Rise, run_up_motion
 from presswear.linkage.linkage import Linkage, linkage_from, toml_of
 from presswear.linkage.mechanisms import FOUR_BAR, SliderCrank
-from presswear.physics.following import motion_of as ideal_of
-from presswear.physics.motion import (
+from presswear.physics.drive_motion import (
     break_after,
     drive_motion,
     is_steady,
     motions_of,
     step_to_break,
 )
+from presswear.physics.ideal import motion_of as ideal_of
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.scene.catalog import slider_crank, wear_times

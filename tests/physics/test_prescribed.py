@@ -16,8 +16,7 @@ from presswear.linkage.elements import Attachment, Guide, Pin
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
 from presswear.physics.constraints import constraints_of
-from presswear.physics.following import motion_of
-from presswear.physics.ideal import Motion
+from presswear.physics.ideal import Motion, motion_of
 from presswear.physics.packed import mass_of
 from presswear.physics.prescribed import (
     Prescribed,

@@ -15,7 +15,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanisms import GEOMETRIES
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import LEAST_PULL, equilibrium, heights_at_bottom, pull_of
 from presswear.tools.arrays import Array
 

@@ -16,15 +16,20 @@ from presswear.linkage.elements import GROUND, Attachment, Body
 from presswear.linkage.laws import delivered_restitution
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
-from presswear.physics.steps import LANDING, OVERSHOOT, STEPS, contact_step, next_step, shorter_step
 from presswear.physics.touchdown import (
+    LANDING,
     LEAST_STEPS,
     MEMORY,
+    OVERSHOOT,
     PAST_CONTACT,
+    STEPS,
     TALLY,
+    contact_step,
     crossing,
     hermite,
+    next_step,
     settle,
+    shorter_step,
 )
 from presswear.tools.compile import Records
 

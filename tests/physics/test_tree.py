@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import GEOMETRIES, Press
-from presswear.physics.following import motion_of
-from presswear.physics.links import CARRIED, accelerate_links, carry_branches, gather_forces
-from presswear.physics.prescribed import begin_motion, forced_power
-from presswear.physics.tree import tree_of
+from presswear.physics.ideal import motion_of
+from presswear.physics.prescribed import begin_motion, forced_power, tree_of
+from presswear.physics.tree import CARRIED, accelerate_links, carry_branches, gather_forces
 
 Array = NDArray[np.float64]
 

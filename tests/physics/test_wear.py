@@ -20,8 +20,8 @@ from presswear.physics.wear import (
     contact_area,
     deposit_in_bin,
     deposit_over_arc,
-    dose_rates,
     slip_speed,
+    wear_rates,
     worn_volume,
 )
 
@@ -55,7 +55,7 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
     else:
         # The force that makes the dose at the contact's own slip.
         slip = slip_speed(bool(packed["slip_by_angle"]), JOINT.pin_radius, contact)
-        work, pressure = dose_rates(packed, contact, load_distance / slip)
+        work, pressure = wear_rates(packed, contact, load_distance / slip)
         assert work == pytest.approx(load_distance, rel=1e-14)
         deposit_in_bin(depth, packed, contact, pressure)
     return depth
@@ -141,21 +141,21 @@ def test_bins_accumulate() -> None:
     assert np.count_nonzero(depth) == 2
 
 
-def test_dose_rates_follow_the_law_of_slip() -> None:
+def test_wear_rates_follow_the_law_of_slip() -> None:
     pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
     contact = pair.contact()
     packed = pair.packed.joints[0]
-    work, pressure = dose_rates(packed, contact, 50.0)
+    work, pressure = wear_rates(packed, contact, 50.0)
     by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
     assert work == pytest.approx(50.0 * by_angle, rel=1e-14)
     area = contact_area(1e-5, JOINT.clearance + 1e-5, 0.015, JOINT.pin_radius, 0.02)
     assert pressure == pytest.approx(work / area, rel=1e-9)
-    assert dose_rates(packed, contact, 0.0) == (0.0, 0.0)
+    assert wear_rates(packed, contact, 0.0) == (0.0, 0.0)
     packed["slip_by_angle"] = False
-    work, _ = dose_rates(packed, contact, 50.0)
+    work, _ = wear_rates(packed, contact, 50.0)
     assert work == pytest.approx(50.0 * abs(contact.sliding), rel=1e-14)
     open_one = placed(pair.joint, -1e-6, 0.8, rates=SLIDING)
-    assert dose_rates(open_one.packed.joints[0], open_one.contact(), 0.0) == (0.0, 0.0)
+    assert wear_rates(open_one.packed.joints[0], open_one.contact(), 0.0) == (0.0, 0.0)
 
 
 def _foundation(joint: ClearanceJoint) -> ClearanceJoint:

@@ -141,8 +141,8 @@ def test_compiling_is_reported_with_its_duration_and_loading_is_not() -> None:
 COUNTED = """
 from numba.core import event
 import presswear as pw
-from presswear.physics.contact import note_foundation
-from presswear.physics.wear import deposit_over_arc
+from presswear.physics.contact import (note_foundation)
+from presswear.physics.wear import (deposit_over_arc)
 
 class Count(event.Listener):
     compiled = 0

@@ -14,8 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.applied import applied_forces, has_work
-from presswear.physics.articulated import ARTICULATED, articulate, release
 from presswear.physics.constraints import (
     DRIVE,
     Constraints,
@@ -25,25 +23,28 @@ from presswear.physics.constraints import (
     solve,
 )
 from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.drive_motion import drive_motion
 from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
-from presswear.physics.links import (
-    CARRIED,
-    accelerate_links,
-    arm,
-    carry_branches,
-    place_links,
-)
-from presswear.physics.motion import drive_motion
-from presswear.physics.packed import Packed
+from presswear.physics.packed import Packed, applied_forces, has_work
 from presswear.physics.prescribed import (
     Prescribed,
+    Tree,
     begin_motion,
     drive_torques,
     forced_power,
     place_prescribed,
     subtract_inertia,
 )
-from presswear.physics.tree import Tree
+from presswear.physics.tree import (
+    ARTICULATED,
+    CARRIED,
+    accelerate_links,
+    arm,
+    articulate,
+    carry_branches,
+    place_links,
+    release,
+)
 from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 Array = NDArray[np.float64]

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from presswear.engines.dae.dynamics import System, accelerate, place
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
-from presswear.physics.laws import corner_ahead
-from presswear.physics.load_modes import count_ways, way_at_start, way_out
-from presswear.physics.loads import Loads
+from presswear.physics.friction_and_normal import corner_ahead
+from presswear.physics.loads import Loads, count_ways, way_at_start, way_out
 from presswear.physics.touchdown import crossing, separate, touch_down
 from presswear.recording.observe import Book
 from presswear.tools.compile import Records, compiled, inlined

@@ -33,13 +33,18 @@ from presswear.engines.dae.events import (
 )
 from presswear.engines.dae.runge_kutta import POSITION_SCALE, Integration, embedded_step
 from presswear.engines.dormand_prince import Tableau
-from presswear.physics.applied import settle_modes
 from presswear.physics.contact import note_contacts
+from presswear.physics.drive_motion import step_to_break
 from presswear.physics.forces import PRESSURE, WORK, note_forces
-from presswear.physics.load_modes import count_ways, next_break
-from presswear.physics.motion import step_to_break
-from presswear.physics.steps import contact_step, skim_step, step_after_touchdown
-from presswear.physics.touchdown import LEAST_STEPS, remember
+from presswear.physics.loads import count_ways, next_break
+from presswear.physics.packed import settle_modes
+from presswear.physics.touchdown import (
+    LEAST_STEPS,
+    contact_step,
+    remember,
+    skim_step,
+    step_after_touchdown,
+)
 from presswear.recording.observe import Book, observe, settle_state
 from presswear.tools.compile import Records, compiled, copy_to, inlined
 

@@ -31,10 +31,10 @@ from presswear.engines.settings import ExudynJoints
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
+from presswear.physics.drive_motion import is_steady
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
-from presswear.physics.motion import is_steady
-from presswear.physics.steps import STEPS
+from presswear.physics.touchdown import STEPS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.compile import Records, bind

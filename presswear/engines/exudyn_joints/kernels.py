@@ -6,29 +6,36 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.constraints import DRIVE, Held, project, project_acceleration
 from presswear.physics.contact import note_contacts
+from presswear.physics.drive_motion import drive_motion, step_to_break
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
-from presswear.physics.load_modes import (
+from presswear.physics.loads import (
+    Loads,
     count_ways,
     greatest_jump,
+    load_forces,
     next_break,
     way_at_start,
     way_out,
+    work_beyond_trapezoid,
 )
-from presswear.physics.loads import Loads, load_forces, work_beyond_trapezoid
-from presswear.physics.motion import drive_motion, step_to_break
+from presswear.physics.packed import applied_forces, settle_modes
 from presswear.physics.prescribed import (
     Prescribed,
     drive_torques,
     place_prescribed,
     subtract_inertia,
 )
-from presswear.physics.steps import next_step, shorter_step
-from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, crossing
-from presswear.physics.wear import dose_rates
+from presswear.physics.touchdown import (
+    LEAST_STEPS,
+    advance_bristles,
+    crossing,
+    next_step,
+    shorter_step,
+)
+from presswear.physics.wear import wear_rates
 from presswear.recording.observe import Book, observe, settle_state, sum_drives
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, unpack
 
@@ -224,7 +231,7 @@ def sum_step(book: Book, drive_power: float, load_power: float, t: float, h: flo
     made_power = 0.0
     for k in range(book.memory.shape[0]):
         contact = book.contacts[k]
-        work, pressure = dose_rates(book.packed.joints[k], contact, contact.normal)
+        work, pressure = wear_rates(book.packed.joints[k], contact, contact.normal)
         duration = min(h, t - book.memory[k].touchdown_time)
         book.doses[k].work = work * duration
         book.doses[k].pressure = pressure * duration

@@ -24,7 +24,7 @@ from presswear.engines.exudyn_joints.kernels import Frame, Live, connector_force
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage, bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
-from presswear.physics.motion import drive_motion, is_steady
+from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.recording.recorder import Recorder
 from presswear.tools.compile import Records, bind

@@ -41,9 +41,8 @@ from presswear.engines.settings import ExudynTree
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
-from presswear.physics.links import CARRIED
-from presswear.physics.prescribed import begin_motion
-from presswear.physics.tree import Tree, tree_of
+from presswear.physics.prescribed import Tree, begin_motion, tree_of
+from presswear.physics.tree import CARRIED
 from presswear.recording.observe import Book
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding

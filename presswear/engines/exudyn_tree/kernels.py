@@ -16,23 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.dormand_prince import DOPRI5
-from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.contact import note_contacts, penetration_acceleration
+from presswear.physics.drive_motion import step_to_break
+from presswear.physics.energy import MADE
 from presswear.physics.forces import (
     CONTACT_LOSS,
     FRICTION_LOSS,
     JOINT_RATES,
-    MADE,
     PRESSURE,
     WORK,
     add_contacts,
 )
-from presswear.physics.laws import bristle_rate
-from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
-from presswear.physics.load_modes import count_ways, next_break, way_at_start
-from presswear.physics.motion import step_to_break
+from presswear.physics.friction_and_normal import bristle_rate
+from presswear.physics.loads import count_ways, next_break, way_at_start
+from presswear.physics.packed import applied_forces, settle_modes
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
-from presswear.physics.steps import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
+from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
+from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.recording.observe import Book, observe, settle_state
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, copy_to, unpack
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add_node, add_object
 from presswear.linkage.linkage import Linkage
-from presswear.physics.links import COORDINATES, GUIDED, LOOSE
-from presswear.physics.tree import Tree
+from presswear.physics.prescribed import Tree
+from presswear.physics.tree import COORDINATES, GUIDED, LOOSE
 from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]

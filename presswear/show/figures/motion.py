@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from presswear.linkage.loads import Coining
-from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.press_analysis import bottom_errors as bottom_strokes
 from presswear.results.press_analysis import (

@@ -1,7 +1,7 @@
-"""Contact forces of a pin on its bearing, compiled; see ``presswear.linkage.laws``.
+"""Normal and friction laws of a pin on its bearing, compiled; see ``presswear.linkage.laws``.
 
-The laws that nearly every scene takes stand in the kernels.  Others, one's own among them, are
-called by the address of their machine code, so that no kernel is compiled anew for them.
+The default laws are part of the kernels. Others and user laws are called by the address of their
+machine code, so that no kernel is compiled again for them.
 """
 
 import math
@@ -19,9 +19,9 @@ from presswear.linkage.laws import (
 from presswear.tools.compile import Records, address_of, call, compile_function, compiled, inlined
 from presswear.tools.user_function import UserFunction
 
-INLINE = 0
-"""Address of a law that stands in the kernels."""
+INLINE = 0  # address of a law that stands in the kernels
 
+# A normal law as the kernels see it
 NORMAL = np.dtype(
     [
         ("stiffness", np.float64),
@@ -36,8 +36,8 @@ NORMAL = np.dtype(
         ("abrupt", np.bool_),  # the force begins with a jump
     ]
 )
-"""A normal law as the kernels see it."""
 
+# A law of friction as the kernels see it
 FRICTION = np.dtype(
     [
         ("coefficient", np.float64),
@@ -50,22 +50,21 @@ FRICTION = np.dtype(
         ("bristle_damping", np.float64),
     ]
 )
-"""A law of friction as the kernels see it."""
 
-ABSCISSAE, WEIGHTS = (tuple(map(float, own)) for own in np.polynomial.legendre.leggauss(16))
-"""Quadrature of the energy of elastic forces that have no closed form."""
+# Quadrature of the energy of elastic forces that have no closed form
+ABSCISSAE, WEIGHTS = (
+    tuple(map(float, function)) for function in np.polynomial.legendre.leggauss(16)
+)
 
+# Smallest closing speed used in the damping term, m/s. The damping term divides by the closing
+# speed at touchdown, which goes to zero where a pin grazes; below this speed the kinetic energy
+# of a gram is 5e-16 J.
 ONSET_SPEED_FLOOR = 1e-6
-"""Smallest closing speed used in the damping term, m/s.
-
-The damping term divides by the closing speed at touchdown, which goes to zero
-where a pin grazes; below this speed the kinetic energy of a gram is 5e-16 J.
-"""
 
 
 @inlined
 def elastic_force(penetration: float, stiffness: float, exponent: float) -> float:
-    """Elastic contact force K delta^n, N; zero when open."""
+    """Return the elastic contact force K delta^n, N; zero when open."""
     if penetration <= 0.0:
         return 0.0
     # n = 3/2 is by far the most common; a square root is cheaper than a power.
@@ -76,7 +75,7 @@ def elastic_force(penetration: float, stiffness: float, exponent: float) -> floa
 
 @inlined
 def damped_force(elastic: float, rate: float, onset_speed: float, damping: float) -> float:
-    """Elastic force with its damping, N (equation 8); never adhesive."""
+    """Return the elastic force with its damping, N (equation 8); never adhesive."""
     force = elastic * (1.0 + damping * rate / onset_speed)
     return force if force > 0.0 else 0.0
 
@@ -85,7 +84,7 @@ def damped_force(elastic: float, rate: float, onset_speed: float, damping: float
 def liu_force(
     penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
 ) -> float:
-    """Elastic force of a pin that conforms to its bearing, N: K delta^1.5 / sqrt(1 + delta / c).
+    """Return the elastic force of a conforming pin, N: K delta^1.5 / sqrt(1 + delta / c).
 
     Liu, Zhang and others (2007) print (pi / 2) delta E* b sqrt(delta / (2 (c + delta))).
     """
@@ -96,7 +95,7 @@ def liu_force(
 def foundation_force(
     penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
 ) -> float:
-    """Elastic force of a round pin on all of its arc, N: k_w b R (e s - c sin s), cos s = c / e.
+    """Return the force of a round pin on a foundation, N: k_w b R (e s - c sin s), cos s = c / e.
 
     The integral of the overlap e cos(x) - c times cos(x) over the arc up to s.
     """
@@ -123,7 +122,7 @@ def kelvin_voigt_force(
     damping: float,
     clearance: float,
 ) -> float:
-    """Elastic force and a viscous one beside it, N; ``damping`` is D, N s/m; never adhesive."""
+    """Return elastic and viscous force, N; ``damping`` is D, N s/m; never adhesive."""
     return max(elastic + damping * rate, 0.0)
 
 
@@ -140,7 +139,7 @@ def elastic_at(law: Records, penetration: float) -> float:
 
 @inlined
 def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
-    """Elastic force, N, and its energy, J, at a penetration, m, by a record of NORMAL."""
+    """Return the elastic force, N, and its energy, J, at a penetration, m."""
     elastic = elastic_at(law, penetration)
     if law.elastic == INLINE:
         return elastic, elastic * penetration / (law.exponent + 1.0)
@@ -159,7 +158,7 @@ def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
 def normal_force(
     law: Records, elastic: float, penetration: float, rate: float, onset_speed: float
 ) -> float:
-    """Normal contact force, N, from its elastic part; never adhesive.
+    """Return the normal contact force, N, from its elastic part; never adhesive.
 
     Parameters
     ----------
@@ -179,7 +178,7 @@ def normal_force(
 
 @inlined
 def friction_ramp(speed: float, lower: float, upper: float) -> float:
-    """Dynamic correction c_d in 0 .. 1 (equation 9) for a sliding speed, m/s."""
+    """Return the dynamic correction c_d in 0 .. 1 (equation 9) for a sliding speed, m/s."""
     magnitude = abs(speed)
     if magnitude <= lower:
         return 0.0
@@ -190,7 +189,7 @@ def friction_ramp(speed: float, lower: float, upper: float) -> float:
 
 @compiled
 def corner_ahead(sliding: float, sense: float, law: Records) -> float:
-    """Speed at which the ramp of friction has its next corner, m/s; infinite without one.
+    """Return the speed of the next corner of the friction ramp, m/s; infinite without one.
 
     Parameters
     ----------
@@ -199,21 +198,21 @@ def corner_ahead(sliding: float, sense: float, law: Records) -> float:
     sense : float
         1: upwards, -1: downwards.
     """
-    found = math.inf
+    nearest = math.inf
     if law.force == INLINE and law.coefficient > 0.0:
         for corner in (-law.upper, -law.lower, law.lower, law.upper):
             ahead = sense * (corner - sliding)
             # A ramp that begins at rest is straight there.
             if ahead > 0.0 and corner != 0.0:
-                found = min(found, ahead)
-    return sliding + sense * found
+                nearest = min(nearest, ahead)
+    return sliding + sense * nearest
 
 
 @compiled
 def smooth_friction(
     sliding: float, normal: float, coefficient: float, lower: float, upper: float
 ) -> float:
-    """Friction force along t, N: -c_f F_n tanh(v_t / v_1)."""
+    """Return the friction force along t, N: -c_f F_n tanh(v_t / v_1)."""
     return -coefficient * normal * math.tanh(sliding / upper)
 
 
@@ -221,14 +220,14 @@ def smooth_friction(
 def threlfall_friction(
     sliding: float, normal: float, coefficient: float, lower: float, upper: float
 ) -> float:
-    """Friction force along t, N: -c_f F_n (1 - exp(-3 v / v_1)), v up to v_1 (Threlfall 1978)."""
+    """Return the friction, N: -c_f F_n (1 - exp(-3 v / v_1)), v up to v_1 (Threlfall 1978)."""
     part = -math.expm1(-3.0 * min(abs(sliding) / upper, 1.0))
     return -math.copysign(coefficient * part * normal, sliding)
 
 
 @inlined
 def friction_force(sliding: float, normal: float, law: Records) -> float:
-    """Friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
+    """Return the friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
 
     Parameters
     ----------
@@ -253,10 +252,10 @@ def stribeck_coefficient(sliding: float, law: Records) -> float:
 
 @compiled
 def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
-    """Rate of the mean deflection z of the bristles of LuGre's law, m/s.
+    """Return the rate of the mean deflection z of the bristles of LuGre's law, m/s.
 
     z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
-    Astrom and Lischinsky, 1995), all per unit of normal force.  Bristles that touch nothing bear
+    Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that touch nothing bear
     no force: sigma_0 z + sigma_1 z' = 0.
 
     Parameters
@@ -277,7 +276,7 @@ def bristle_in_contact(
 ) -> float:
     """Return the deflection of the bristles after a step in contact, m.
 
-    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends.  The
+    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends. The
     rule is of second order, exact at constant speed, and does not oscillate where b h is large.
 
     Parameters
@@ -307,7 +306,7 @@ def bristle_in_flight(bristle: float, h: float, law: Records) -> float:
 def bristle_force(
     normal: float, sliding: float, bristle: float, rate: float, law: Records
 ) -> float:
-    """Friction force along t, N, of bristles: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
+    """Return the friction of bristles, N: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
 
     Damping that did not fade with the sliding would make energy (Olsson 1996).
     """
@@ -316,22 +315,22 @@ def bristle_force(
     return -normal * (law.bristle_stiffness * bristle + damping * rate)
 
 
+# Elastic forces by name, of penetration, K, n, damping and c; None stands in the kernels
 ELASTICITIES = {"power": None, "liu": liu_force, "foundation": foundation_force}
-"""Elastic forces by name, of penetration, K, n, damping and c; None stands in the kernels."""
+# Friction forces by name, but for the one with bristles
 FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfall_friction}
-"""Friction forces by name, but for the one with bristles."""
 
+# Parts of the clearance between which a user law is taken for a power law
 ESTIMATED_AT = (1e-4, 1e-2)
-"""Parts of the clearance between which an elastic force of one's own is taken for a power law."""
 
 
+# Damped force over the elastic one at the touch from which on a law begins with a jump
 ABRUPT = 1e3
-"""Damped force over the elastic one at the touch from which on a law begins with a jump."""
 
 
-def _own_forces(own: UserFunction) -> tuple[Callable[..., float], Callable[..., float]]:
-    """Elastic force and damped force of a normal law of one's own."""
-    force = compile_function(own, NORMAL_PARAMETERS)
+def _user_forces(function: UserFunction) -> tuple[Callable[..., float], Callable[..., float]]:
+    """Return the elastic force and damped force of a user law."""
+    force = compile_function(function, NORMAL_PARAMETERS)
 
     def elastic(
         penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
@@ -356,7 +355,7 @@ def _own_forces(own: UserFunction) -> tuple[Callable[..., float], Callable[..., 
 
 
 def normal_record(law: NormalLaw, clearance: float) -> Records:
-    """A normal law as a record of NORMAL, for a clearance, m."""
+    """Return a normal law as a record of NORMAL, for a clearance, m."""
     record = np.zeros(1, NORMAL)[0]
     record["stiffness"] = record["estimated_stiffness"] = law.stiffness
     record["exponent"] = record["estimated_exponent"] = law.exponent
@@ -365,7 +364,7 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     if law.viscosity > 0.0:
         record["damping"], damped = law.viscosity, kelvin_voigt_force
     if law.own is not None:
-        elastic, damped = _own_forces(law.own)
+        elastic, damped = _user_forces(law.own)
     record["elastic"] = INLINE if elastic is None else address_of(elastic, 5)
     record["damped"] = INLINE if damped is None else address_of(damped, 8)
     if law.own is not None:
@@ -382,7 +381,7 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
 
 
 def friction_record(law: FrictionLaw) -> Records:
-    """A friction law as a record of FRICTION."""
+    """Return a friction law as a record of FRICTION."""
     record = np.zeros(1, FRICTION)[0]
     record["coefficient"], record["lower"], record["upper"] = law.coefficient, law.lower, law.upper
     force = FRICTION_FORCES.get(law.name)

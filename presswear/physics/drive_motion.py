@@ -8,6 +8,7 @@ from presswear.linkage.drives import DEGREE, MAX_HARMONICS, MAX_PIECES, Drive
 from presswear.linkage.linkage import Linkage
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
+# A drive as the kernels see it
 MOTION = np.dtype(
     [
         ("speed", np.float64),  # mean, with what the pieces turn in a cycle
@@ -23,30 +24,28 @@ MOTION = np.dtype(
         ("run_up", np.float64),  # time in which the linkage runs up, s
     ]
 )
-"""A drive as the kernels see it."""
 
 _TURN = 2.0 * math.pi
-_NEAR = 1e-13
-"""A break this close is where a step has just ended, part of the phase so far."""
+_NEAR = 1e-13  # A break this close is where a step has just ended, part of the phase so far
 _BISECTIONS = 60
 
 
 @compiled
 def run_up_motion(duration: float, t: float) -> tuple[float, float, float]:
-    """Time at which motions are followed, s, its rate and its second derivative, 1/s."""
+    """Return the time at which motions are followed, s, its rate and its second derivative, 1/s."""
     if t >= duration:
         return t - 0.5 * duration, 1.0, 0.0
     x = max(t / duration, 0.0)
     square = x * x
-    begun = duration * square * square * (2.5 - x * (3.0 - x))
+    passed = duration * square * square * (2.5 - x * (3.0 - x))
     rate = square * x * (10.0 - x * (15.0 - 6.0 * x))
     bend = x * (1.0 - x)
-    return begun, rate, 30.0 * bend * bend / duration
+    return passed, rate, 30.0 * bend * bend / duration
 
 
 @compiled
 def place_of(drive: Records, within: float) -> int:
-    """The piece in which a phase of 0 to 2 pi lies; -1 before the first."""
+    """Return the piece in which a phase of 0 to 2 pi lies; -1 before the first."""
     low = -1
     high: int = drive.pieces
     while high - low > 1:
@@ -60,7 +59,7 @@ def place_of(drive: Records, within: float) -> int:
 
 @compiled
 def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
-    """What the pieces turn since phase 0, rad, and two derivatives by the phase."""
+    """Return the angle of the pieces since phase 0, rad, and two derivatives by the phase."""
     within = phase - _TURN * math.floor(phase / _TURN)
     i = place_of(drive, within)
     if i < 0:
@@ -84,7 +83,7 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
 
 @lazily_compiled((0.0, 0.0, 0.0), MOTION, 0)
 def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
-    """What ``drive_motion`` gives, of any drive."""
+    """Return the result of ``drive_motion`` for any drive."""
     rate = 1.0
     rise = 0.0
     if drive.run_up > 0.0:
@@ -112,7 +111,7 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
 
 @inlined
 def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
-    """Angle turned since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
+    """Return angle since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
     if drive.count + drive.pieces > 0 or drive.run_up > 0.0:
         return uneven_motion(drive, t)
     return drive.speed * t, drive.speed, 0.0
@@ -120,25 +119,25 @@ def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
 
 @lazily_compiled(0, MOTION, 0)
 def break_after(drive: Records, t: float) -> float:
-    """Time, s, of the next break of a motion: where a piece or the run-up ends; or infinity.
+    """Return the time, s, at which the next piece or the run-up ends; infinity if none does.
 
     Angle, speed and acceleration have no jump there, but a derivative behind them has.
     """
     duration = drive.run_up
-    found = duration if t < duration * (1.0 - _NEAR) else math.inf
+    earliest = duration if t < duration * (1.0 - _NEAR) else math.inf
     if drive.pieces == 0:
-        return found
+        return earliest
     followed = run_up_motion(duration, t)[0] if duration > 0.0 else t
     phase = drive.base * followed
     near = _NEAR * (1.0 + phase)
     # A phase that is short of a whole turn by round-off belongs to the next.
-    begun = _TURN * math.floor((phase + near) / _TURN)
-    ahead = phase - begun + near
+    passed = _TURN * math.floor((phase + near) / _TURN)
+    ahead = phase - passed + near
     i = place_of(drive, ahead) + 1
     ahead = drive.start[i] if i < drive.pieces else _TURN + drive.start[0]
-    followed = (begun + ahead) / drive.base
+    followed = (passed + ahead) / drive.base
     if followed >= 0.5 * duration:
-        return min(found, followed + 0.5 * duration)
+        return min(earliest, followed + 0.5 * duration)
     low, high = t, duration
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
@@ -146,12 +145,12 @@ def break_after(drive: Records, t: float) -> float:
             low = middle
         else:
             high = middle
-    return min(found, high)
+    return min(earliest, high)
 
 
 @compiled
 def step_to_break(motions: Records, t: float, h: float) -> float:
-    """Step, s, no longer than ``h``, that does not run past the next break of a motion.
+    """Return the step, s, no longer than ``h``, that does not run past the next break of a motion.
 
     One that would end shortly before it is halved, so that no tiny one follows.
     """
@@ -180,7 +179,7 @@ def pack_motion(linkage: Linkage, drive: Drive, motion: Records) -> None:
 
 
 def motions_of(linkage: Linkage) -> Records:
-    """The drives of a linkage as records of MOTION, shape (drives,)."""
+    """Return the drives of a linkage as records of MOTION, shape (drives,)."""
     motions = np.zeros(len(linkage.drives), MOTION)
     for motion, drive in zip(motions, linkage.drives, strict=True):
         pack_motion(linkage, drive, motion)
@@ -188,5 +187,5 @@ def motions_of(linkage: Linkage) -> Records:
 
 
 def is_steady(linkage: Linkage, drive: Drive) -> bool:
-    """True where a drive turns at constant speed from the start."""
+    """Return whether a drive turns at constant speed from the start."""
     return not (drive.repeats or linkage.run_up)
