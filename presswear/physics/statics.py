@@ -7,6 +7,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import root
 
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage
@@ -16,7 +17,7 @@ from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
 from presswear.physics.ideal import IdealMotion, bottom_of, ideal_motion
 from presswear.physics.loads import place_loads
-from presswear.physics.packed import applied_forces, pack, settle_modes
+from presswear.physics.packed import applied_forces, pack, pack_joints, settle_modes
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity
@@ -82,18 +83,10 @@ def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
 
 # Force by which a total clearance is told where none is given, N, and over the weight
 LEAST_PULL, PULL_OVER_WEIGHT = 100.0, 10.0
-_FORCE = Quantity("N", -1e9, 1e9, "", "on the watched point along its direction")
-_SIZE = Quantity("N", 0.0, 1e9, "", "on the watched point, either way", open_low=True)
+_FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
+_SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
 
-BALANCED = 1e-11  # part of the forces that may be left at rest: of a penetration as much
-_STEPS = 2000  # most steps
-_FIRST = 1e-6  # first step, s^2: against a unit drag a mass moves by its acceleration times that
-# Longest way of a pin in a step, part of its clearance, or of how far it is out of the middle
-_STRIDE = 0.25
-_NEAR = 0.1  # part of that from which on the next step is chosen by it
-_WORSE = 2.0  # growth of what is not balanced by which a step is refused
-_LONGER, _SHORTER = 8.0, 0.2  # what comes of a step that was taken, or refused, in the next
-_PROBE = 1e-9  # way over which forces are differenced, part of the size of the linkage
+MAX_UNBALANCED = 1e-8  # part of the joint forces that a solution may leave
 
 
 @dataclass(frozen=True)
@@ -104,7 +97,7 @@ class Equilibrium:
     ----------
     position : ndarray, shape (3 bodies,)
     height : float
-        Of the watched coordinate, m, in the axes of the frame.
+        Of the output point along its direction, m, in the axes of the frame.
     contacts : records of CONTACT, shape (joints,)
         Pins in their bearings, with their forces.
     """
@@ -114,97 +107,66 @@ class Equilibrium:
     contacts: Records
 
 
-class _Held:
-    """A linkage whose drives are held, pulled at the watched point.
-
-    Coordinates are scaled by the root of their masses, so that a unit of drag is one of each.
-    """
-
-    def __init__(self, linkage: Linkage, time: float, force: float, size: float) -> None:
-        self._packed = pack(replace(linkage, loads=linkage.dead_loads))
-        self._constraints = constraints_of(linkage)
-        self._time, self._pull = time, force
-        self._probe = linkage.output
-        self._place = 3 * linkage.index(linkage.output.body)
-        self._still = np.zeros(self._packed.mass.size)
-        self._onset = np.zeros(len(linkage.clearances))
-        self._rates = np.zeros(JOINT_RATES * len(linkage.clearances))
-        self.scale = np.sqrt(self._packed.mass)
-        self.contacts = np.zeros(len(linkage.clearances), CONTACT)
-        self._size = size
-
-    def height(self, q: Array) -> float:
-        """Place of the watched point along its direction, m."""
-        probe, i = self._probe, self._place
-        x, y = lever(i, probe.x, probe.y, q)
-        return math.cos(probe.direction) * (q[i] + x) + math.sin(probe.direction) * (q[i + 1] + y)
-
-    def given(self, q: Array) -> Array:
-        """Return the scaled forces on the bodies without those of contacts."""
-        force = np.empty_like(self._still)
-        applied_forces(self._packed, self._time, q, self._still, force)
-        probe, i = self._probe, self._place
-        x, y = lever(i, probe.x, probe.y, q)
-        fx, fy = (self._pull * part(probe.direction) for part in (math.cos, math.sin))
-        force[i : i + 3] += fx, fy, x * fy - y * fx
-        return force / self.scale
-
-    def free(self, q: Array) -> Array:
-        """Return the scaled directions that the joints leave free, orthonormal, shape (n, free)."""
-        _, _, right = np.linalg.svd(self._jacobian(q)[1])
-        return np.asarray(right[self._constraints.rows :].T)
-
-    def _jacobian(self, q: Array) -> tuple[Array, Array]:
-        phi, _, _, jacobian = self._constraints.evaluate(self._time, q, self._still)
-        return phi, jacobian / self.scale
-
-    def moved(self, q: Array, step: Array) -> Array:
-        """Return the position a scaled step away, the joints closed."""
-        q = q + step / self.scale
-        for _ in range(4):
-            phi, jacobian = self._jacobian(q)
-            if float(np.abs(phi).max(initial=0.0)) <= ROUND_OFF * self._size:
-                break
-            q = q - np.linalg.lstsq(jacobian, phi, rcond=None)[0] / self.scale
-        return q
-
-    def unbalanced(self, q: Array, basis: Array) -> Array:
-        """Return the forces along some directions, as far as they are free here, shape (free,)."""
-        force = self.given(q) * self.scale
-        note_contacts(self._packed, self.contacts, q, self._still)
-        note_forces(self._packed.joints, self._onset, self.contacts)
-        add_contacts(self._packed.joints, self._onset, self.contacts, force, self._rates)
-        item = self.free(q)
-        return np.asarray(basis.T @ (item @ (item.T @ (force / self.scale))))
-
-    def stiffness(self, q: Array, basis: Array) -> Array:
-        """Return the stiffness along the directions, by central differences."""
-        columns = []
-        for direction in basis.T:
-            step = _PROBE * self._size / float(np.abs(direction / self.scale).max()) * direction
-            ahead, behind = (
-                self.unbalanced(self.moved(q, sign * step), basis) for sign in (1.0, -1.0)
-            )
-            columns.append((behind - ahead) / (2.0 * float(np.linalg.norm(step))))
-        return np.column_stack(columns)
-
-    def is_still(self, basis: Array, stiffness: Array, left: Array) -> bool:
-        """Return whether a Newton step would be round-off and balance the rest."""
-        way = np.linalg.lstsq(stiffness, left, rcond=1e-12)[0]
-        far = float(np.abs(basis @ way / self.scale).max())
-        rest = float(np.linalg.norm(left - stiffness @ way))
-        return far <= ROUND_OFF * self._size and rest <= 0.5 * float(np.linalg.norm(left))
-
-    def pins(self) -> Array:
-        """Return the last eccentricities, shape (joints, 2), m."""
-        names = ("eccentricity_x", "eccentricity_y")
-        return np.column_stack([self.contacts[name] for name in names])
-
-
 def closed(linkage: Linkage) -> Linkage:
     """Return the linkage with ideal joints in place of those with clearance."""
-    pins = (Revolute(item.name, item.bearing, item.pin) for item in linkage.clearances)
+    pins = (Revolute(joint.name, joint.bearing, joint.pin) for joint in linkage.clearances)
     return replace(linkage, joints=(*linkage.joints, *pins), clearances=())
+
+
+class _Rest:
+    """Position and unbalanced forces of a linkage as functions of the eccentricities of its pins.
+
+    The drives are held and the output point is pulled. The eccentricities are the only freedom:
+    they are added to the rows of the linkage with ideal joints, whose multipliers under all forces
+    are what is not balanced at the pins.
+    """
+
+    def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
+        ideal = ideal_motion(closed(linkage), linkage.period)
+        self.position = ideal.at(np.array([time])).position[0]
+        self._packed = pack(replace(linkage, loads=linkage.dead_loads))
+        self._rows = constraints_of(closed(linkage))
+        first = 2 * len(linkage.revolutes)
+        self._pins = slice(first, first + 2 * len(linkage.clearances))
+        self._time, self._pull, self._output = time, pull, linkage.output
+        self._place = 3 * linkage.index(linkage.output.body)
+        self._still = np.zeros(self.position.size)
+        self._onset = np.zeros(len(linkage.clearances))
+        self.tolerance = ROUND_OFF * ideal.rows.size
+        self.contacts = np.zeros(len(linkage.clearances), CONTACT)
+
+    def height(self) -> float:
+        """Return the place of the output point along its direction, m."""
+        output, i, q = self._output, self._place, self.position
+        x, y = lever(i, output.x, output.y, q)
+        cosine, sine = math.cos(output.direction), math.sin(output.direction)
+        return cosine * (q[i] + x) + sine * (q[i + 1] + y)
+
+    def move(self, eccentricities: Array) -> None:
+        """Move all bodies to eccentricities of the pins, shape (joints, 2), m."""
+        for _ in range(20):
+            phi, _, _, jacobian = self._rows.evaluate(self._time, self.position, self._still)
+            phi[self._pins] += eccentricities.ravel()
+            self.position = self.position - np.linalg.solve(jacobian, phi)
+            if float(np.abs(phi).max()) <= self.tolerance:
+                break
+        note_contacts(self._packed, self.contacts, self.position, self._still)
+
+    def unbalanced(self, with_contacts: bool = True) -> Array:
+        """Return the forces that push the pins out of the middle, shape (joints, 2), N."""
+        q, i = self.position, self._place
+        force = np.empty_like(q)
+        applied_forces(self._packed, self._time, q, self._still, force)
+        x, y = lever(i, self._output.x, self._output.y, q)
+        fx = self._pull * math.cos(self._output.direction)
+        fy = self._pull * math.sin(self._output.direction)
+        force[i : i + 3] += fx, fy, x * fy - y * fx
+        if with_contacts:
+            joints, rates = self._packed.joints, np.zeros(JOINT_RATES * self._onset.size)
+            note_forces(joints, self._onset, self.contacts)
+            add_contacts(joints, self._onset, self.contacts, force, rates)
+        jacobian = self._rows.evaluate(self._time, q, self._still)[3]
+        return -np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2)
 
 
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:
@@ -215,47 +177,48 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     time : float
         Since the start, s.
     force : float
-        On the watched point along its direction, N.
+        On the output point along its direction, N.
 
     Raises
     ------
     RunFailed
         Where it does not come to rest.
     """
-    ideal = ideal_motion(closed(linkage), linkage.period)
-    q = ideal.at(np.array([time])).position[0]
-    held = _Held(linkage, time, force, ideal.rows.size)
-    basis = held.free(q)
-    if not basis.size:
-        return Equilibrium(q, held.height(q), held.contacts)
-    clearance = np.array([item.clearance for item in linkage.clearances])
-    left, before = held.unbalanced(q, basis), held.pins()
-    stiffness = held.stiffness(q, basis)
-    step = _FIRST
-    for _ in range(_STEPS):
-        off = float(np.linalg.norm(left))
-        if off <= BALANCED * float(np.linalg.norm(held.given(q))) or held.is_still(
-            basis, stiffness, left
-        ):
-            held.unbalanced(q, basis)
-            return Equilibrium(q, held.height(q), held.contacts)
-        way = np.linalg.solve(np.eye(left.size) / step + stiffness, left)
-        there = held.moved(q, basis @ way)
-        residual = held.unbalanced(there, basis)
-        allowed = _STRIDE * np.maximum(clearance, np.hypot(*before.T))
-        part = float((np.hypot(*(held.pins() - before).T) / allowed).max())
-        if part > 1.0 or not float(np.linalg.norm(residual)) < _WORSE * off:
-            step *= 0.9 / part if part > 1.0 else _SHORTER
-            continue
-        q, before = there, held.pins()
-        basis = held.free(q)
-        left, stiffness = held.unbalanced(q, basis), held.stiffness(q, basis)
-        # Where steps are short, ways are as long as they are.
-        step *= min(_LONGER, max(0.9 / part, 1.0)) if part > _NEAR else _LONGER
-    raise RunFailed(
-        f"{linkage.name} does not come to rest under {force:g} N: {off:.3g} of its forces are "
-        f"left after {_STEPS} steps"
-    )
+    rest = _Rest(linkage, time, force)
+    needed = rest.unbalanced(with_contacts=False)
+    size = np.hypot(*needed.T)
+    # A joint without a force stays in the middle.
+    loaded = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-9)
+    eccentricities = np.zeros_like(needed)
+    if loaded.any():
+        direction = needed[loaded] / size[loaded, np.newaxis]
+        law = pack_joints(linkage)["normal"][loaded]
+        exponent = law["estimated_exponent"]
+        depth = (size[loaded] / law["estimated_stiffness"]) ** (1.0 / exponent)
+        distance = np.array([joint.clearance for joint in linkage.clearances])[loaded]
+        for _ in range(3):  # to the bottom of a worn surface
+            eccentricities[loaded] = direction * distance[:, np.newaxis]
+            rest.move(eccentricities)
+            distance = distance + depth - rest.contacts["penetration"][loaded]
+        start = eccentricities[loaded].ravel()
+        scale = np.repeat(size[loaded], 2)
+
+        def residual(x: Array) -> Array:
+            eccentricities[loaded] = x.reshape(-1, 2)
+            rest.move(eccentricities)
+            return np.asarray(rest.unbalanced()[loaded].ravel() / scale)
+
+        solution = root(residual, start, tol=1e-15, options={"maxfev": 4000})
+        left = float(np.abs(residual(solution.x)).max())
+        # A small penetration is known to round-off of the position only.
+        if not (left <= MAX_UNBALANCED or left * depth.max() <= rest.tolerance):
+            raise RunFailed(
+                f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
+                "forces are not balanced"
+            )
+    else:
+        rest.move(eccentricities)
+    return Equilibrium(rest.position, rest.height(), rest.contacts)
 
 
 def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
@@ -264,7 +227,7 @@ def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
     Raises
     ------
     InputError
-        Where the watched coordinate stands.
+        Where the output point stands.
     RunFailed
         Where the linkage does not come to rest.
     """
@@ -284,7 +247,7 @@ def pull_of(linkage: Linkage) -> float:
 def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     """Return the total clearance at bottom dead centre, m (JIS B 6402).
 
-    The watched body is pulled up and down, the drives held: what its heights differ by is the
+    The output body is pulled up and down, the drives held: what its heights differ by is the
     play of all joints on the way of the load, worn surfaces included, and what they give under
     the force. Weight acts, so that the force has to be larger than what hangs.
 
@@ -299,7 +262,7 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     Raises
     ------
     InputError
-        For a force out of range, and where the watched coordinate stands.
+        For a force out of range, and where the output point stands.
     RunFailed
         Where the linkage does not come to rest.
     """
@@ -321,13 +284,13 @@ def deflection(
     linkage : Linkage
         As in ``total_clearance``.
     force, idle : float
-        On the watched point along its direction, N; without the latter the linkage hangs by its
+        On the output point along its direction, N; without the latter the linkage hangs by its
         weight.
 
     Raises
     ------
     InputError
-        For a force out of range, and where the watched coordinate stands.
+        For a force out of range, and where the output point stands.
     RunFailed
         Where the linkage does not come to rest.
     """
