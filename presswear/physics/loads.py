@@ -38,9 +38,8 @@ from presswear.tools.user_function import UserFunction
 Array = NDArray[np.float64]
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
-# Gate of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
-# line back from the deepest place, of one that unloads, whose OFF is behind the end of that
-# line
+# Branches of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
+# line back from the deepest place. Where a load unloads, OFF follows at the end of that line.
 OFF, RISING, WHOLE, ELASTIC = range(4)
 
 # A load as the kernels see it
@@ -55,11 +54,10 @@ LOAD = np.dtype(
         ("kind", np.int64),
         ("first", np.int64),  # of its nodes
         ("count", np.int64),
-        ("period", np.float64),  # s, m or rad; 0: the table does not repeat
+        ("period", np.float64),  # of a table over time, s; 0: it does not repeat
         ("zero", np.float64),  # position of the table's zero, m or rad
         ("held", np.bool_),  # beyond the table its ends are held
         ("sense", np.float64),  # of motion in which it acts, 1 or -1; 0: both
-        ("rise", np.float64),  # speed from which it is whole, m/s or rad/s
         ("release", np.bool_),
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
         ("mean", np.float64),  # of a series, N or N m
@@ -73,7 +71,7 @@ MODE = np.dtype(
     [
         ("piece", np.int64),  # of the table: 0 before its first node, count behind its last
         ("turn", np.int64),  # periods that have passed
-        ("gate", np.int64),
+        ("branch", np.int64),
         ("released", np.bool_),
         ("deepest", np.float64),  # where the motion turned back last, m or rad
         ("borne", np.float64),  # size there, N or N m
@@ -119,9 +117,9 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
         return total
     if load.kind == USER:
         return call(load.address, (t, s, v))
-    if mode.released or mode.gate == OFF:
+    if mode.released or mode.branch == OFF:
         return 0.0
-    if mode.gate == ELASTIC:
+    if mode.branch == ELASTIC:
         line: float = mode.borne - load.unloading * (s - mode.deepest)
         return line
     piece = mode.piece
@@ -136,8 +134,8 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
         y0 = nodes[behind - 1, 1]
         part = (at - mode.turn * load.period - x0) / (nodes[behind, 0] - x0)
         size = y0 + part * (nodes[behind, 1] - y0)
-    if mode.gate == RISING:
-        size *= load.sense * v / load.rise
+    if mode.branch == RISING:
+        size *= load.sense * v / RAMP_SPEED
     return size
 
 
@@ -195,8 +193,8 @@ def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array)
 def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> float:
     """Return the work of tables over position in a step, J, less that by the trapezoidal rule.
 
-    Within a piece a load is linear over the way, so that its work is known from both ends, however
-    few steps an elastic load gets: what the trapezoidal rule moves keeps that energy.
+    Within a piece a load is linear over the position. Its work follows from both ends, however few
+    steps an elastic load gets.
 
     Parameters
     ----------
@@ -209,7 +207,7 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
     for k in range(loads.records.shape[0]):
         load = loads.records[k]
         mode = loads.modes[k]
-        if load.kind != POSITION or mode.gate == RISING:
+        if load.kind != POSITION or mode.branch == RISING:
             continue
         s, speed, _ = load_motion(load, q, v, v)
         before = load_size(load, loads.nodes, mode, mode.time, mode.place, mode.speed)
@@ -220,21 +218,28 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
     return total
 
 
-# Ways out of a mode: up over position, down, gate further open, and shut. Over position they
-# lead to the next piece of the table, or along the elastic line and off its ends; what unloads
-# has one gate alone, which shuts where the motion turns back.
-WAYS = 4
-MOST_WAYS = 8  # taken one by one after a step
+# Transitions from a mode: to the next or last piece over position, to the next branch and back.
+# A load that unloads leaves its branch WHOLE where the motion turns back, and the elastic line at
+# its ends.
+TRANSITIONS = 4
+MAX_TRANSITIONS = 8  # taken one by one after a step
 TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, s
 
 
 @compiled
 def switching(
-    load: Records, nodes: Array, mode: Records, way: int, s: float, v: float, a: float, j: float
+    load: Records,
+    nodes: Array,
+    mode: Records,
+    transition: int,
+    s: float,
+    v: float,
+    a: float,
+    j: float,
 ) -> tuple[float, float, float, float]:
-    """Return the switching function of a way out of a mode, and three time derivatives.
+    """Return the switching function of a transition, and three time derivatives.
 
-    It is below zero until the way is to be taken; minus infinity where there is none.
+    It is below zero before the transition; minus infinity where there is none.
 
     Parameters
     ----------
@@ -244,39 +249,39 @@ def switching(
     none = (-math.inf, 0.0, 0.0, 0.0)
     if load.kind != POSITION:
         return none
-    if way < 2:
-        sign = 1.0 if way == 0 else -1.0
+    if transition < 2:
+        sign = 1.0 if transition == 0 else -1.0
         inwards = sign * load.sense > 0.0
         unloads = load.unloading > 0.0
-        if mode.released or (unloads and mode.gate == OFF and not inwards):
+        if mode.released or (unloads and mode.branch == OFF and not inwards):
             # Back where the table begins.
             row = 0 if load.sense > 0.0 else load.count - 1
             if inwards:
                 return none
-        elif unloads and mode.gate != WHOLE:
+        elif unloads and mode.branch != WHOLE:
             # The deepest place, or where the elastic line comes to zero.
             end = mode.deepest
-            if inwards == (mode.gate == OFF):
+            if inwards == (mode.branch == OFF):
                 end += mode.borne / load.unloading
             return sign * (s - end), sign * v, sign * a, sign * j
         else:
-            row = mode.piece if way == 0 else mode.piece - 1
-            is_shut = mode.gate == OFF or (unloads and not inwards)
+            row = mode.piece if transition == 0 else mode.piece - 1
+            is_shut = mode.branch == OFF or (unloads and not inwards)
             if is_shut or row < 0 or row == load.count:
                 return none
-        end = mode.turn * load.period + nodes[load.first + row, 0]
+        end = nodes[load.first + row, 0]
         return sign * (s - end), sign * v, sign * a, sign * j
     if mode.released or load.sense == 0.0:
         return none
     sign = load.sense
     if load.unloading > 0.0:
-        if way == 2 or mode.gate != WHOLE or mode.piece == beginning(load):
+        if transition == 2 or mode.branch != WHOLE or mode.piece == beginning(load):
             return none
         return -sign * v, -sign * a, -sign * j, 0.0
-    if way == 2 and mode.gate != WHOLE:
-        return sign * v - (load.rise if mode.gate == RISING else 0.0), sign * a, sign * j, 0.0
-    if way == 3 and mode.gate != OFF:
-        return (load.rise if mode.gate == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
+    if transition == 2 and mode.branch != WHOLE:
+        return sign * v - (RAMP_SPEED if mode.branch == RISING else 0.0), sign * a, sign * j, 0.0
+    if transition == 3 and mode.branch != OFF:
+        return (RAMP_SPEED if mode.branch == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
     return none
 
 
@@ -302,50 +307,52 @@ def place_mode(load: Records, nodes: Array, mode: Records, at: float) -> None:
 
 
 @compiled
-def open_gate(load: Records, mode: Records, v: float) -> None:
-    """Set the gate of a load as a speed asks for."""
-    mode.gate = WHOLE
-    if load.sense != 0.0 and load.unloading == 0.0 and load.sense * v <= load.rise:
-        mode.gate = RISING if load.sense * v > 0.0 else OFF
+def set_branch(load: Records, mode: Records, v: float) -> None:
+    """Set the branch of a load from the speed."""
+    mode.branch = WHOLE
+    if load.sense != 0.0 and load.unloading == 0.0 and load.sense * v <= RAMP_SPEED:
+        mode.branch = RISING if load.sense * v > 0.0 else OFF
 
 
 @compiled
-def take_way(load: Records, nodes: Array, mode: Records, way: int, s: float, v: float) -> None:
-    """Go into the next mode."""
+def take_transition(
+    load: Records, nodes: Array, mode: Records, transition: int, s: float, v: float
+) -> None:
+    """Change the mode by a transition."""
     if load.unloading > 0.0 and not mode.released:
-        inwards = (load.sense > 0.0) == (way == 0)
-        if way > 1:
+        inwards = (load.sense > 0.0) == (transition == 0)
+        if transition > 1:
             # A step may have gone back over a node since it turned.
             place_mode(load, nodes, mode, s)
             mode.borne = load_size(load, nodes, mode, 0.0, s, v)
             mode.deepest = s
-            mode.gate = ELASTIC
+            mode.branch = ELASTIC
             return
-        if mode.gate == ELASTIC:
-            mode.gate = WHOLE if inwards else OFF
+        if mode.branch == ELASTIC:
+            mode.branch = WHOLE if inwards else OFF
             return
-        if mode.gate == OFF:
-            mode.gate = ELASTIC if inwards else WHOLE
+        if mode.branch == OFF:
+            mode.branch = ELASTIC if inwards else WHOLE
             if not inwards:
                 mode.piece = beginning(load)
             return
-    if way > 1:
-        mode.gate += 1 if way == 2 else -1
-        if way == 2 and mode.gate == RISING:
-            place_mode(load, nodes, mode, s)  # it was not followed while the gate was shut
+    if transition > 1:
+        mode.branch += 1 if transition == 2 else -1
+        if transition == 2 and mode.branch == RISING:
+            place_mode(load, nodes, mode, s)  # it was not followed while the branch was shut
         return
     if mode.released:
         mode.released = False
         mode.piece = beginning(load)
-        open_gate(load, mode, v)
+        set_branch(load, mode, v)
         return
-    mode.piece += 1 if way == 0 else -1
-    last = load.count if way == 0 else 0
+    mode.piece += 1 if transition == 0 else -1
+    last = load.count if transition == 0 else 0
     if mode.piece == last:
         if load.period > 0.0:
-            mode.turn += 1 if way == 0 else -1
-            mode.piece = 1 if way == 0 else load.count - 1
-        elif load.release and (load.sense > 0.0) == (way == 0):
+            mode.turn += 1
+            mode.piece = 1
+        elif load.release and (load.sense > 0.0) == (transition == 0):
             mode.released = True
 
 
@@ -364,26 +371,26 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
         before = load_size(load, nodes, mode, t, s, speed)
         if load.kind == TIME:
             while break_of(load, nodes, mode) <= t + TIME_NOISE:
-                take_way(load, nodes, mode, 0, t, 0.0)
+                take_transition(load, nodes, mode, 0, t, 0.0)
                 changes += 1
         mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
         mode.time = t
         mode.place = s
         mode.speed = speed
         mode.faster = faster
-        for _ in range(MOST_WAYS):
+        for _ in range(MAX_TRANSITIONS):
             chosen = -1
-            for way in range(WAYS):
-                value, rate, _, _ = switching(load, nodes, mode, way, s, speed, faster, 0.0)
+            for transition in range(TRANSITIONS):
+                value, rate, _, _ = switching(load, nodes, mode, transition, s, speed, faster, 0.0)
                 if value > 0.0 or (value == 0.0 and rate > 0.0):
-                    chosen = way
+                    chosen = transition
             if chosen < 0:
                 break
-            take_way(load, nodes, mode, chosen, s, speed)
+            take_transition(load, nodes, mode, chosen, s, speed)
             changes += 1
         else:
             place_mode(load, nodes, mode, s)  # a step went over many pieces
-            open_gate(load, mode, speed)
+            set_branch(load, mode, speed)
         after = load_size(load, nodes, mode, t, s, speed)
         if changes > changes_before:
             mode.changed = t
@@ -412,27 +419,31 @@ def next_break(loads: Loads | None) -> float:
 
 
 @compiled
-def count_ways(loads: Loads | None) -> int:
-    """Return the number of ways out of the modes of all loads."""
+def count_transitions(loads: Loads | None) -> int:
+    """Return the number of possible transitions of all loads."""
     if loads is None:
         return 0
-    return WAYS * loads.records.shape[0]
+    return TRANSITIONS * loads.records.shape[0]
 
 
 @compiled
-def way_out(loads: Loads | None, k: int, q: Array, v: Array, a: Array) -> tuple[float, float]:
-    """Return the switching function of a way out of a mode in a state, and its rate."""
+def transition_value(
+    loads: Loads | None, k: int, q: Array, v: Array, a: Array
+) -> tuple[float, float]:
+    """Return a switching function in a state, and its rate."""
     if loads is None:
         return -math.inf, 0.0
-    load = loads.records[k // WAYS]
+    load = loads.records[k // TRANSITIONS]
     s, speed, faster = load_motion(load, q, v, a)
-    mode = loads.modes[k // WAYS]
-    value, rate, _, _ = switching(load, loads.nodes, mode, k % WAYS, s, speed, faster, 0.0)
+    mode = loads.modes[k // TRANSITIONS]
+    value, rate, _, _ = switching(load, loads.nodes, mode, k % TRANSITIONS, s, speed, faster, 0.0)
     return value, rate
 
 
 @compiled
-def way_at_start(loads: Loads | None, k: int, change: float) -> tuple[float, float, float, float]:
+def transition_at_start(
+    loads: Loads | None, k: int, change: float
+) -> tuple[float, float, float, float]:
     """Return a switching function in the last accepted state, and its derivatives.
 
     Parameters
@@ -442,12 +453,12 @@ def way_at_start(loads: Loads | None, k: int, change: float) -> tuple[float, flo
     """
     if loads is None:
         return -math.inf, 0.0, 0.0, 0.0
-    mode = loads.modes[k // WAYS]
+    mode = loads.modes[k // TRANSITIONS]
     return switching(
-        loads.records[k // WAYS],
+        loads.records[k // TRANSITIONS],
         loads.nodes,
         mode,
-        k % WAYS,
+        k % TRANSITIONS,
         mode.place,
         mode.speed,
         mode.faster,
@@ -481,10 +492,10 @@ def place_loads(loads: Loads, q: Array, v: Array) -> None:
         s, speed, _ = load_motion(load, q, v, v)
         mode["place"], mode["speed"] = s, speed
         place_mode(load, loads.nodes, mode, 0.0 if load["kind"] == TIME else s)
-        open_gate(load, mode, speed)
+        set_branch(load, mode, speed)
         turned = load["unloading"] > 0.0 and load["sense"] * speed < 0.0
         if turned and not mode["released"] and mode["piece"] != beginning(load):
-            take_way(load, loads.nodes, mode, WAYS - 1, s, speed)
+            take_transition(load, loads.nodes, mode, TRANSITIONS - 1, s, speed)
 
 
 @compiled
@@ -532,7 +543,7 @@ def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) ->
     return sizes
 
 
-_RISE = 1e-3  # speed from which a load in one sense is whole, m/s or rad/s
+RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
 
 def pack_loads(linkage: Linkage) -> Loads | None:
@@ -569,9 +580,9 @@ def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[floa
         return _whole_period(law.table, period)
     if isinstance(law, OverPosition):
         record["kind"], record["held"] = POSITION, law.outside == "hold"
-        record["period"], record["zero"] = 0.0, law.zero
+        record["zero"] = law.zero
         record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
-        record["rise"], record["release"] = _RISE, law.release
+        record["release"] = law.release
         record["unloading"] = law.unloading
         return list(law.table)
     if isinstance(law, UserFunction):

@@ -17,7 +17,16 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage, branches_of, chain_of, prescribed_of
 from presswear.physics.drive_motion import MOTION, drive_motion, pack_motion
-from presswear.physics.tree import COORDINATES, GUIDED, LINK, LOOSE, arm, pack_links
+from presswear.physics.tree import (
+    COORDINATES,
+    GUIDED,
+    LINK,
+    LOOSE,
+    accelerate_links,
+    arm,
+    pack_links,
+    place_links,
+)
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
@@ -48,7 +57,7 @@ CLOSING = np.dtype(
 PLACE, RATE, FASTER, BORNE, TURNS, RIGHT, LAST, HEAD = range(8)
 # Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their turns
 # with a drive, a right-hand side, and one of the last evaluation's time, s, and determinant;
-# then the closing rows by all coordinates, those by the coordinates sought, and their inverse
+# then the closing rows by all coordinates, and those by the coordinates that are solved for
 TIME, DETERMINANT = 0, 1
 
 MOST_NEWTON = 30  # newton steps after which loops do not close; two are usual
@@ -64,7 +73,7 @@ class Prescribed(NamedTuple):
     ----------
     parts : records of PART
     closings : records of CLOSING
-    work : ndarray, shape (HEAD + 6 closings, parts or 2)
+    work : ndarray, shape (HEAD + 4 closings, parts or 2)
         Their last motion, from which the next is found, and working space.
     """
 
@@ -118,7 +127,8 @@ def place_prescribed(
     is_closed = closings.shape[0] == 0
     before, last, moved = work[LAST, DETERMINANT], math.inf, 0.0
     for _ in range(MOST_NEWTON):
-        _place(parts, work, q, v, a, axes)
+        place_links(parts, work[PLACE], work[RATE], q, v, axes)
+        accelerate_links(parts, work[FASTER], v, axes, a)
         if is_closed:
             return
         step = _newton_step(prescribed, q, axes)
@@ -134,39 +144,6 @@ def place_prescribed(
             _follow(prescribed)
     for i in range(parts.shape[0]):
         work[PLACE, i] = q[parts[i].body] = math.nan
-
-
-@inlined
-def _place(parts: Records, work: Array, q: Array, v: Array, a: Array, axes: Array) -> None:
-    """Fill coordinates, rates and accelerations of all parts from those of the chain."""
-    for i in range(parts.shape[0]):
-        part = parts[i]
-        b = part.body
-        x, spin, faster = work[PLACE, i], work[RATE, i], work[FASTER, i]
-        if part.kind == GUIDED:
-            axes[b], axes[b + 1] = part.axis_x, part.axis_y
-            q[b] = part.before_x + x * part.cosine
-            q[b + 1] = part.before_y + x * part.sine
-            v[b], v[b + 1] = spin * part.cosine, spin * part.sine
-            a[b], a[b + 1] = faster * part.cosine, faster * part.sine
-            q[b + 2], v[b + 2], a[b + 2] = part.angle, 0.0, 0.0
-            continue
-        p = part.before
-        hx, hy, hvx, hvy, hax, hay = part.before_x, part.before_y, 0.0, 0.0, 0.0, 0.0
-        if p >= 0:
-            rx, ry = arm(hx, hy, axes, p)
-            square = v[p + 2] * v[p + 2]
-            hx, hy = q[p] + rx, q[p + 1] + ry
-            hvx, hvy = v[p] - v[p + 2] * ry, v[p + 1] + v[p + 2] * rx
-            hax = a[p] - a[p + 2] * ry - square * rx
-            hay = a[p + 1] + a[p + 2] * rx - square * ry
-        axes[b], axes[b + 1] = math.cos(x), math.sin(x)
-        rx, ry = arm(part.own_x, part.own_y, axes, b)
-        square = spin * spin
-        q[b], q[b + 1], q[b + 2] = hx - rx, hy - ry, x
-        v[b], v[b + 1], v[b + 2] = hvx + spin * ry, hvy - spin * rx, spin
-        a[b], a[b + 1] = hax + faster * ry + square * rx, hay - faster * rx + square * ry
-        a[b + 2] = faster
 
 
 @compiled
@@ -201,62 +178,56 @@ def _end(
 
 
 @compiled
-def _invert(count: int, rows: Array, inverse: Array) -> float:
-    """Fill the inverse of a matrix of ``count`` rows, by Gauss and Jordan; returns its determinant.
+def _solve(prescribed: Prescribed, row: int) -> float:
+    """Solve for the right-hand side by Gauss elimination, and subtract it from a row of ``work``.
 
-    The matrix is overwritten.
+    Returns the greatest change; leaves the determinant.
     """
+    parts, closings, work = prescribed
+    count = 2 * closings.shape[0]
+    matrix, right, target = work[HEAD + count :], work[RIGHT], work[row]
+    column = 0
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            for r in range(count):
+                matrix[r, column] = work[HEAD + r, i]
+            column += 1
     determinant = 1.0
-    for r in range(count):
-        for c in range(count):
-            inverse[r, c] = 1.0 if r == c else 0.0
     for c in range(count):
         best = c
         for r in range(c + 1, count):
-            if abs(rows[r, c]) > abs(rows[best, c]):
+            if abs(matrix[r, c]) > abs(matrix[best, c]):
                 best = r
         if best != c:
             determinant = -determinant
-            for k in range(count):
-                rows[c, k], rows[best, k] = rows[best, k], rows[c, k]
-                inverse[c, k], inverse[best, k] = inverse[best, k], inverse[c, k]
-        determinant *= rows[c, c]
-        scale = 1.0 / rows[c, c]
-        for k in range(count):
-            rows[c, k] *= scale
-            inverse[c, k] *= scale
-        for r in range(count):
-            factor = rows[r, c]
-            if r != c and factor != 0.0:
-                for k in range(count):
-                    rows[r, k] -= factor * rows[c, k]
-                    inverse[r, k] -= factor * inverse[c, k]
-    return determinant
-
-
-@compiled
-def _solve(prescribed: Prescribed, row: int) -> float:
-    """Add what takes away the right-hand side to a row of ``work``; returns the greatest."""
-    parts, closings, work = prescribed
-    count = 2 * closings.shape[0]
-    inverse, right, target = work[HEAD + 2 * count :], work[RIGHT], work[row]
+            right[c], right[best] = right[best], right[c]
+            for k in range(c, count):
+                matrix[c, k], matrix[best, k] = matrix[best, k], matrix[c, k]
+        determinant *= matrix[c, c]
+        for r in range(c + 1, count):
+            factor = matrix[r, c] / matrix[c, c]
+            right[r] -= factor * right[c]
+            for k in range(c + 1, count):
+                matrix[r, k] -= factor * matrix[c, k]
+    work[LAST, DETERMINANT] = determinant
     greatest = 0.0
-    k = 0
+    for c in range(count - 1, -1, -1):
+        for k in range(c + 1, count):
+            right[c] -= matrix[c, k] * right[k]
+        right[c] /= matrix[c, c]
+        greatest = max(greatest, abs(right[c]))
+    column = 0
     for i in range(parts.shape[0]):
         if parts[i].drive < 0:
-            value = 0.0
-            for r in range(count):
-                value -= inverse[k, r] * right[r]
-            target[i] += value
-            greatest = max(greatest, abs(value))
-            k += 1
+            target[i] -= right[column]
+            column += 1
     return greatest
 
 
 @lazily_compiled(0, SOME, 1, 1)
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
-    """Make a step towards closed loops; returns its size, leaves the rows and their inverse."""
-    parts, closings, work = prescribed
+    """Make a step towards closed loops; returns its size, leaves the rows."""
+    _, closings, work = prescribed
     count = 2 * closings.shape[0]
     work[RIGHT] = 0.0
     work[HEAD : HEAD + count] = 0.0
@@ -264,14 +235,6 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
         pin = closings[c]
         _end(prescribed, 2 * c, pin.first, pin.x1, pin.y1, 1.0, q, axes)
         _end(prescribed, 2 * c, pin.second, pin.x2, pin.y2, -1.0, q, axes)
-    k = 0
-    for i in range(parts.shape[0]):
-        if parts[i].drive < 0:
-            for r in range(count):
-                work[HEAD + count + r, k] = work[HEAD + r, i]
-            k += 1
-    determinant = _invert(count, work[HEAD + count :], work[HEAD + 2 * count :])
-    work[LAST, DETERMINANT] = determinant
     return _solve(prescribed, PLACE)
 
 
@@ -405,7 +368,7 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
         closing["first"], closing["second"] = places[pin.first.body], places[pin.second.body]
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
-    return Prescribed(parts, closings, np.zeros((HEAD + 6 * len(pins), max(len(parts), 2))))
+    return Prescribed(parts, closings, np.zeros((HEAD + 4 * len(pins), max(len(parts), 2))))
 
 
 @dataclass(frozen=True)

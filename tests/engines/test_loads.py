@@ -224,7 +224,7 @@ def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(engine: Engine, within: f
     start = Start(np.array([-0.5, 0.0, 0.0]), np.array([2.0, 0.0, 0.0]))
     plan = Plan(0.1, 8, recorded_cycles=8)
     whole = engine.simulate(linkage, start, replace(plan, observers=(Keeps(kept.append),)))
-    gates = [int(state["recorder/modes"]["gate"][0]) for state in kept]
+    gates = [int(state["recorder/modes"]["branch"][0]) for state in kept]
     assert gates == [WHOLE] * 5 + [ELASTIC] + [OFF] * 2
     for cycle in (4, 6, 7):
         resumed = engine.simulate(linkage, start, replace(plan, resume=kept[cycle - 1]))

@@ -277,9 +277,9 @@ def test_the_gate_opens_in_two_stages() -> None:
     law = OverPosition([(0.0, -1.0)], sense="along", outside="hold")
     packed = packed_of(law, turning=True)
     place_loads(packed, np.zeros(3), np.zeros(3))
-    assert packed.modes["gate"].tolist() == [OFF]
+    assert packed.modes["branch"].tolist() == [OFF]
     settle(packed, 0.0, 0.0, 0.0, a=1.0)
-    assert packed.modes["gate"].tolist() == [RISING]
+    assert packed.modes["branch"].tolist() == [RISING]
 
 
 def test_loads_with_a_law_are_no_weight() -> None:

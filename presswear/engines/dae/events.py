@@ -14,7 +14,7 @@ from presswear.engines.dae.dynamics import System, accelerate, place
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.friction_and_normal import corner_ahead
-from presswear.physics.loads import Loads, count_ways, way_at_start, way_out
+from presswear.physics.loads import Loads, count_transitions, transition_at_start, transition_value
 from presswear.physics.touchdown import crossing, separate, touch_down
 from presswear.recording.observe import Book
 from presswear.tools.compile import Records, compiled, inlined
@@ -94,7 +94,7 @@ def event_value(
     q, v, a, _, _ = system.state
     corners = first_of_corners(system)
     if k < corners:
-        return way_out(system.packed.loads, k - joints, q, v, a)
+        return transition_value(system.packed.loads, k - joints, q, v, a)
     sense = 1.0 - 2.0 * ((k - corners) & 1)
     k = (k - corners) >> 1
     start, end = book.contacts[k].sliding, system.contacts[k].sliding
@@ -106,7 +106,7 @@ def event_value(
 @inlined
 def first_of_corners(system: System) -> int:
     """The first event that is a corner of friction; see ``event_value``."""
-    return system.contacts.shape[0] + count_ways(system.packed.loads)
+    return system.contacts.shape[0] + count_transitions(system.packed.loads)
 
 
 @compiled
@@ -164,11 +164,11 @@ def first_change(
     reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
     joints = system.contacts.shape[0]
-    for k in range(joints, joints + count_ways(loads)):
-        value, rate = way_out(loads, k - joints, q, v, a)
+    for k in range(joints, joints + count_transitions(loads)):
+        value, rate = transition_value(loads, k - joints, q, v, a)
         if k == excluded or value == -math.inf:
             continue
-        start, first_rate, _, _ = way_at_start(loads, k - joints, 0.0)
+        start, first_rate, _, _ = transition_at_start(loads, k - joints, 0.0)
         # What goes no further behind is round-off, or comes with that on which the step ends.
         reach = 2.0 * BEHIND
         s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)

@@ -36,7 +36,7 @@ from presswear.engines.dormand_prince import Tableau
 from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.forces import PRESSURE, WORK, note_forces
-from presswear.physics.loads import count_ways, next_break
+from presswear.physics.loads import count_transitions, next_break
 from presswear.physics.packed import settle_modes
 from presswear.physics.touchdown import (
     LEAST_STEPS,
@@ -151,7 +151,7 @@ def march_controlled(
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
         h = min(step_to_break(book.motions, t, min(state.step, longest)), left)
-        loaded = count_ways(system.packed.loads) > 0
+        loaded = count_transitions(system.packed.loads) > 0
         if loaded:
             h = min(h, next_break(system.packed.loads) - t)
         last_step = h >= left

@@ -13,12 +13,12 @@ from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
 from presswear.physics.loads import (
     Loads,
-    count_ways,
+    count_transitions,
     greatest_jump,
     load_forces,
     next_break,
-    way_at_start,
-    way_out,
+    transition_at_start,
+    transition_value,
     work_beyond_trapezoid,
 )
 from presswear.physics.packed import applied_forces, settle_modes
@@ -138,7 +138,7 @@ def connector_forces(run: PackedArguments, t: float) -> None:
             out[i] += load.x
             out[i + 1] += load.y
             out[i + 2] += load.pin_moment
-    if count_ways(packed.loads) > 0:
+    if count_transitions(packed.loads) > 0:
         for i in range(live.force.shape[0]):
             live.force[i] = 0.0
         load_forces(packed.loads, t, frame.q, frame.v, live.force)
@@ -321,11 +321,11 @@ def late_change(
         Step to the trial state, s.
     """
     shortest = -1.0
-    for k in range(count_ways(loads)):
-        p1, r1 = way_out(loads, k, q, v, a)
+    for k in range(count_transitions(loads)):
+        p1, r1 = transition_value(loads, k, q, v, a)
         if p1 == -math.inf:
             continue
-        p0, r0, _, _ = way_at_start(loads, k, 0.0)
+        p0, r0, _, _ = transition_at_start(loads, k, 0.0)
         s = crossing(min(p0, 0.0) - EVENT_TOL, r0, p1 - EVENT_TOL, r1, h)
         if s <= 1.0 and (1.0 - s) * h > 2.0 * EVENT_MARGIN * steps[0].least:
             wanted = s * h + EVENT_MARGIN * steps[0].least

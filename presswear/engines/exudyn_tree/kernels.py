@@ -28,7 +28,7 @@ from presswear.physics.forces import (
     add_contacts,
 )
 from presswear.physics.friction_and_normal import bristle_rate
-from presswear.physics.loads import count_ways, next_break, way_at_start
+from presswear.physics.loads import count_transitions, next_break, transition_at_start
 from presswear.physics.packed import applied_forces, settle_modes
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
@@ -249,8 +249,8 @@ def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float
     loads = book.packed.loads
     h = min(h, next_break(loads) - t)
     smooth = system.pace[0].smooth
-    for k in range(count_ways(loads)):
-        p, r, a, j = way_at_start(loads, k, 1.0 if smooth else 0.0)
+    for k in range(count_transitions(loads)):
+        p, r, a, j = transition_at_start(loads, k, 1.0 if smooth else 0.0)
         if p == -math.inf:
             continue
         # To just behind it: what does not come so far is round-off.
