@@ -69,7 +69,7 @@ def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
 
 
 # Energy that contacts may make, part of what the drives exchanged, before a run is ended
-MADE = 0.5
+MAX_MADE = 0.5
 SETTLED = 0.05  # part of the first cycle before which that is not judged, nor in a run-up
 
 
@@ -92,7 +92,7 @@ def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
         So far, J; see ``Ledger``.
     """
     # Energies that are no numbers come from a broken state, which is told elsewhere.
-    if not (exchange > 0.0 and contact_loss < -MADE * exchange):
+    if not (exchange > 0.0 and contact_loss < -MAX_MADE * exchange):
         return ""
     cause = "the steps are too coarse"
     if has_worn_radial_contact(packed):

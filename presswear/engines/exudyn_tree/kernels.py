@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from presswear.engines.dormand_prince import DOPRI5
 from presswear.physics.contact import note_contacts, penetration_acceleration
 from presswear.physics.drive_motion import step_to_break
-from presswear.physics.energy import MADE
 from presswear.physics.forces import (
     CONTACT_LOSS,
     FRICTION_LOSS,
     JOINT_RATES,
+    MADE,
     PRESSURE,
     WORK,
     add_contacts,
