@@ -142,7 +142,7 @@ def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
     own = Refinement(change, 1)
     while isinstance(plan := next_block(problem, own), BlockPlan):
         own = replace(own, blocks=(*own.blocks, histories.advance(1, own.blocks, plan)))
-        each = [crossing(own.blocks, UNTIL, np.array([k])) for k in range(scene.draws)]
+        each = [crossing(own.blocks, UNTIL, np.array([k])) for k in range(scene.replicate_count)]
         if np.all(np.isfinite(each)):
             break
     return sum(block.cycles for block in own.blocks[1:]), np.array(each)
@@ -151,7 +151,7 @@ def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
 def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
     """The same where each jump multiplies the mean map of ten cycles on surfaces that stay."""
     worn, strokes, jumps = initial_depth(scene), [0.0], 0
-    depth = [np.zeros(scene.draws)]
+    depth = [np.zeros(scene.replicate_count)]
     joint = scene.linkage().clearances[0]
     while np.any(depth[-1] < UNTIL.value):
         seeded = replace(
@@ -163,7 +163,9 @@ def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
         jumps += 1
         strokes.append(strokes[-1] + share)
         depth.append(worn[:, 0].max(axis=(1, 2)))
-    each = [np.interp(UNTIL.value, np.array(depth)[:, k], strokes) for k in range(scene.draws)]
+    each = [
+        np.interp(UNTIL.value, np.array(depth)[:, k], strokes) for k in range(scene.replicate_count)
+    ]
     return JUMP * jumps, np.array(each)
 
 

@@ -359,7 +359,7 @@ class _Campaign:
         spec, is_last = stage_spec(scene, index), index == scene.wear_updates
         if at.stage is not None:
             ensemble = Ensemble.of(scene, spec, at.depth, at.stage)
-            runner.progress.done += ensemble.cycles / scene.draws
+            runner.progress.done += ensemble.cycles / scene.replicate_count
         else:
             if scene.wears_in_steps and not is_last and strokes is None:
                 runner.progress.later = 3.0 * (scene.cycles or FIRST_PASS)
@@ -456,7 +456,7 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
     # A jump multiplies the noise of its map, which changes whatever comes after it long before it
     # shows in the map: all the cycles that are allowed, as in the paper.
     jumps = index < scene.wear_updates and not scene.wears_in_steps
-    most = max(scene.max_cycles // scene.draws, 1)
+    most = max(scene.max_cycles // scene.replicate_count, 1)
     return RunSpec(most, None if jumps or not scene.clearance_joints else scene.tolerance)
 
 
@@ -476,10 +476,10 @@ def pass_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | 
         cycles = scene.cycles if done else max(scene.cycles // 2, 1)
         is_enough = done == scene.cycles
     else:
-        cycles = 2 * done or min(FIRST_PASS, max(scene.max_cycles // scene.draws, 1))
+        cycles = 2 * done or min(FIRST_PASS, max(scene.max_cycles // scene.replicate_count, 1))
         is_enough = update is not None and (
             wear_error(scene.linkage().clearances, update) <= scene.tolerance
-            or cycles * scene.draws > scene.max_cycles
+            or cycles * scene.replicate_count > scene.max_cycles
         )
     if is_enough:
         return None
@@ -509,7 +509,7 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     more = (error / scene.tolerance) ** 2
     steps, needed = len(stage.wear_steps), more * stage.cycles
     if steps > 1:
-        needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.draws
+        needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
     return [
         f"the wear of stage {stage.index} is known to {100.0 * error:.2g} % where "
         f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about max_cycles = "

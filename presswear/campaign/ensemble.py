@@ -116,7 +116,7 @@ class Ensemble:
         if runs[-1].status == "failed":
             state = replace(state, step_errors={})
         state = replace(state, runs=state.runs[: len(runs)])
-        return Ensemble(scene.linkage(), depth, tuple(runs), scene.draws, state)
+        return Ensemble(scene.linkage(), depth, tuple(runs), scene.replicate_count, state)
 
     @property
     def together(self) -> "Ensemble":
@@ -278,14 +278,14 @@ class Runner:
         rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
         self.workers.run(rounds.jobs(), rounds.on_end, rounds.on_report)
         ensemble = Ensemble.of(self.scene, spec, depth, rounds.state())
-        self.progress.done += ensemble.cycles / self.scene.draws
+        self.progress.done += ensemble.cycles / self.scene.replicate_count
         return ensemble
 
 
 def max_runs(scene: Scene) -> int:
     """Return the largest number of runs of an ensemble of a scene."""
-    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.draws > 1
-    return scene.draws * (2 if is_twice else 1)
+    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.replicate_count > 1
+    return scene.replicate_count * (2 if is_twice else 1)
 
 
 def deal(total: int, runs: int) -> tuple[int, ...]:
@@ -340,7 +340,7 @@ class _Rounds:
     ) -> None:
         self._runner, self._depth, self._spec, self._keep = runner, depth, spec, keep
         self._step_check, self._step_errors = step_check, state.step_errors
-        self._size = runner.scene.draws
+        self._size = runner.scene.replicate_count
         sets = len(depth) // self._size
         self._runs = list(state.runs) or [None] * len(depth)
         self._until = list(state.until) or [*first_round(spec, self._size) * sets]

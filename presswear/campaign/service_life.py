@@ -593,10 +593,10 @@ class SceneHistories:
         strokes = before[-1].strokes if before else 0.0
         running = self.state.running
         if self.state.place != (number, interval):
-            running = EnsembleState((None,) * scene.draws)
+            running = EnsembleState((None,) * scene.replicate_count)
         else:
-            self.runner.progress.done -= running.cycles / scene.draws
-        running = replace(running, until=(ran + plan.cycles,) * scene.draws)
+            self.runner.progress.done -= running.cycles / scene.replicate_count
+        running = replace(running, until=(ran + plan.cycles,) * scene.replicate_count)
         self.state = replace(self.state, place=(number, interval), running=running)
         spec = RunSpec(
             _MAX_CYCLES,

@@ -343,7 +343,7 @@ def _stage_wear(
     else:
         added, by_replicate = update.added[:count].mean(axis=0), update.added[-count:]
     is_in_steps = update is not None and scene.wears_in_steps
-    if scene.draws > 1 and (index > 0 or is_in_steps):
+    if scene.replicate_count > 1 and (index > 0 or is_in_steps):
         # Cycles on one surface are no samples of the motion on other surfaces: replicates are.
         samples, weights = by_replicate, np.ones(len(by_replicate))
     elif is_in_steps:

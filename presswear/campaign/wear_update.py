@@ -66,7 +66,7 @@ def initial_depth(scene: Scene) -> Array:
     for sides, joint in zip(depth, joints, strict=True):
         for side, surface in zip(sides, (joint.bearing_surface, joint.pin_surface), strict=True):
             side[: joint.bins] = surface.depth if surface.is_worn else 0.0
-    return np.repeat(depth[np.newaxis], scene.draws, axis=0)
+    return np.repeat(depth[np.newaxis], scene.replicate_count, axis=0)
 
 
 def wear_per_cycle(

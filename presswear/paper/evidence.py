@@ -156,7 +156,7 @@ def _from_cycles(result: pw.Result, place: Place, quantity: str) -> Measured | N
     every = cycles_by_replicate(result, place, quantity)
     if not every:
         return None
-    count = result.scene.draws
+    count = result.scene.replicate_count
     # After a wear each replicate also runs alone on its surfaces, which gives the interval.
     alone = every[-count:] if place.wear_updates > 0 else ()
     together = every[:count]
@@ -184,7 +184,7 @@ def _from_maps(result: pw.Result, place: Place, stages: range) -> dict[str, Meas
         return dict.fromkeys(names)
     mean, centre, draws, count = _wear_draws(result, place.joint, stages)
     last = Place(place.setting, place.wear_updates - 1, place.joint)
-    rows = cycles_by_replicate(result, last, "load_distance")[: result.scene.draws]
+    rows = cycles_by_replicate(result, last, "load_distance")[: result.scene.replicate_count]
     cycles = sum(pw.statistics.after_startup(one).size for one in rows)
 
     def measured(name: str) -> Measured | None:

@@ -546,7 +546,7 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
         return {}
     start, period = stage.arrays["cycle_start"], scene.mechanism.period
     # The cycles of the second set of replicates are not used.
-    replicates = [stage.drive_cycles[start == k] for k in range(scene.draws)]
+    replicates = [stage.drive_cycles[start == k] for k in range(scene.replicate_count)]
     cycles = np.concatenate([after_startup(rows) for rows in replicates])
     recorded, ideal = curves_of(scene, stage), ideal_drives(scene)
     duties = _with_shares(

@@ -175,7 +175,7 @@ class Scene:
             bearing.check_contact(prefix, self.conventions.contact, is_worn)
         if self.life is not None:
             self._check_life(self.life)
-        if self.draws > 1 and not self.clearance_joints:
+        if self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: without a clearance joint allowed is 1"
             )
@@ -318,7 +318,7 @@ class Scene:
         return self.joint_bearings.get(joint, self.bearings)
 
     @property
-    def draws(self) -> int:
+    def replicate_count(self) -> int:
         """Number of independent runs."""
         if self.replicates is not None:
             return self.replicates

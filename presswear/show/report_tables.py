@@ -674,7 +674,7 @@ def _diagnostics_table(records: Sequence[Record]) -> Table | None:
 def life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
     """Return the tables of a service life: limits, causes of its error, phases and passes."""
     causes = {
-        f"sampling: {scene.draws} replicates of a chaotic motion": life.sampling,
+        f"sampling: {scene.replicate_count} replicates of a chaotic motion": life.sampling,
         "step of the wear update, from passes with coarser steps": life.step,
         "scatter of the wear coefficients": life.scatter,
         "all together": life.total_error,

@@ -234,7 +234,7 @@ def test_the_answer_on_a_life() -> None:
 
 def test_tables_of_a_life() -> None:
     page = page_of(LIVED)
-    sampling = f"sampling: {LIVED.scene.draws} replicates of a chaotic motion"
+    sampling = f"sampling: {LIVED.scene.replicate_count} replicates of a chaotic motion"
     assert page.row(sampling)[1:] == ["3.0", "4.85 to 5.15 million"]
     assert page.row("scatter of the wear coefficients")[1:] == ["65", "3 to 8.2 million"]
     assert page.row("all together")[1:] == ["65", "3 to 8.3 million"]
