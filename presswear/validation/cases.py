@@ -22,16 +22,13 @@ from presswear.recording.observer import AdvanceObserver
 from presswear.tools.errors import InputError, RunFailed
 
 Array = NDArray[np.float64]
-Progress = Callable[[str, float], None]
-"""Called with the name of what runs and the completed fraction."""
+Progress = Callable[[str, float], None]  # called with a name and the completed fraction
 
 PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
+# Energy residual allowed, relative to the energy exchanged by the drives. At their default
+# tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press; losses in the contacts are
+# 1e-3 and more.
 ENERGY = {"dae": 1e-6, "exudyn-tree": 1e-6, "exudyn-joints": 1e-4}
-"""Energy residual allowed, relative to the energy exchanged by the drives.
-
-At their default tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press. A hundred
-times that is still far below the losses in the contacts, 1e-3 and more.
-"""
 
 
 @dataclass(frozen=True)

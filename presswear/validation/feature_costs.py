@@ -23,14 +23,13 @@ Array = NDArray[np.float64]
 
 WARM_UP = 0.05  # of a run's time, run before to compile and load
 CLEARANCES = {"none": "none", "A": "A", "C": "C", "A and C": "AC"}
-SWITCHES = {
+SWITCHES = {  # names of the runs without and with a feature
     "friction": ("no friction", "scene"),
     "worn surfaces": ("scene", "worn surfaces"),
     "foundation": ("worn surfaces", "foundation"),
     "wear account": ("no wear account", "scene"),
     "torques stored": ("scene", "torques stored"),
 }
-"""Names of the runs without and with a feature."""
 
 
 @dataclass(frozen=True)

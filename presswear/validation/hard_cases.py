@@ -46,21 +46,17 @@ CLEARANCES = (1e-3, 1e-4, 1e-5, 1e-6)  # m, of the approach to the ideal joint
 MIN_CLEARANCE = 1e-9  # m, the smallest that a scene allows
 APPROACH = 0.1  # s, half of a stroke and fifty contacts
 BINS = 360
+# Energy residual allowed on worn surfaces with radial contact, relative to that exchanged. A force
+# along the eccentricity over a sloping profile makes energy, 2e-3 to 4e-2 of what the drives
+# exchange, in blows of 1e4 N and more, whose rounding limits the error control.
 RADIAL_ENERGY = 1e-4
-"""Energy residual allowed on worn surfaces with radial contact, relative to that exchanged.
-
-A force along the eccentricity over a sloping profile makes energy, 2e-3 to 4e-2 of what the drives
-exchange on these profiles, in blows of 1e4 N and more, whose rounding limits the error control.
-"""
 MADE = 0.5  # energy that radial contact may make, relative to that exchanged
 FAST = 40.0 * math.pi  # rad/s; a cycle takes 50 ms and has some hundred contacts
 LONGEST = 1200.0  # s of CPU time for many cycles
+# Largest growth of the constraint error over ten times the cycles. Crank angles grow by 6 rad a
+# cycle, and so does their round-off: the error grows ten times, from 1.4e-10 m after 200 cycles. An
+# instability grows a hundred times or more.
 GROWTH = 20.0
-"""Largest growth of the constraint error over ten times the cycles.
-
-Crank angles grow by 6 rad a cycle, and so does their round-off: the error grows ten times, from
-1.4e-10 m after 200 cycles. An instability grows a hundred times or more.
-"""
 CALM = 100  # cycles from which on the error grows evenly
 WORN_PATIENCE = 20.0  # s of CPU time on worn surfaces; most runs take up to 8
 STEEP = ("deeper than c", "radial")  # refused, because the contact makes energy

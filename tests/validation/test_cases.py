@@ -25,7 +25,7 @@ from presswear.validation.reference_problems import block
 
 HARD = list(hard_cases.hard_cases())
 CASES = [*reference_checks.reference_cases(), *HARD]
-SLOW = (
+SLOW = (  # some ten seconds each
     "deeper than c, radial",
     "deeper than c, foundation",
     "at rest, met at 0.14 mm/s",
@@ -33,7 +33,6 @@ SLOW = (
     "clearance at A alone",
     "100 cycles at 40 pi",
 )
-"""Cases of some ten seconds."""
 TIGHT, GRAVITY = reference_checks.TIGHT, reference_checks.GRAVITY
 
 
