@@ -91,7 +91,7 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
         save(draw_differences(outcome), folder)
-    reason = "trajectories diverge" if outcome.parted else "the end; trajectories do not diverge"
+    reason = "trajectories diverge" if outcome.diverged else "the end; trajectories do not diverge"
     print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
     _print_checks(
         console,

@@ -31,8 +31,8 @@ from presswear.validation.trajectories import (
     Difference,
     Touchdown,
     Trajectory,
+    divergence_time,
     matched,
-    parting_time,
     slider_difference,
     touchdown_differences,
     touchdowns_of,
@@ -70,8 +70,8 @@ class Crosscheck:
     ----------
     horizon : float
         s.
-    parted : bool
-        True if trajectories separated at the horizon; else the horizon is the end of the runs.
+    diverged : bool
+        True if trajectories diverged at the horizon; else the horizon is the end of the runs.
     touchdowns : tuple of Touchdown
         Touchdowns of the reference up to the horizon.
     differences : tuple of Difference
@@ -84,7 +84,7 @@ class Crosscheck:
 
     scene: Scene
     horizon: float
-    parted: bool
+    diverged: bool
     checks: tuple[Check, ...]
     touchdowns: tuple[Touchdown, ...]
     differences: tuple[Difference, ...]
@@ -104,7 +104,7 @@ class Crosscheck:
             "scene": self.scene.as_dict(),
             "provenance": provenance(),
             "horizon_s": self.horizon,
-            "parted": self.parted,
+            "diverged": self.diverged,
             "passed": self.passed,
             "exudyn": list(self.exudyn),
             "checks": [{name: getattr(each, name) for name in fields} for each in self.checks],
@@ -144,7 +144,7 @@ class _Runner:
             return None
         first = self.trajectory("dae", start, engine, end)
         second = self.trajectory("dae, disturbed", moved, engine, end)
-        return parting_time(first, second, GROWTH * DISTURBANCE), first, second
+        return divergence_time(first, second, GROWTH * DISTURBANCE), first, second
 
 
 def horizon(scene: Scene, engine: Engine, longest: float, report: Progress) -> float:
@@ -196,10 +196,10 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     runner = _Runner(linkage, report)
     precise = InHouse(integration_tolerance=REFERENCE_TOLERANCE, coordinates="all")
     separation = runner.separation(start, precise, end)
-    curves, parted = [], False
+    curves, diverged = [], False
     if separation is not None:
         time, calm, moved = separation
-        parted, end = time is not None, time or end
+        diverged, end = time is not None, time or end
         label = f"in-house, start moved by {DISTURBANCE:g} m"
         curves.append(slider_difference(label, calm, moved))
     reference = runner.trajectory("dae to the horizon", start, precise, end)
@@ -211,7 +211,7 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     curves += [slider_difference(word, reference, each) for word, each in compared.items()]
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = _exudyn_checks(is_tree, reference, compared, end)
-    if parted:
+    if diverged:
         checks += _reported("disturbed start", reference, moved, end)
     if first:
         # Far enough to include the last of the touchdowns.
@@ -223,13 +223,13 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
     statistics: dict[str, Any] = {}
-    if parted:
+    if diverged:
         beyond, statistics = _check_means(scene, start, runner)
         checks += beyond
     return Crosscheck(
         scene,
         end,
-        parted,
+        diverged,
         tuple(checks),
         reference.touchdowns,
         tuple(curves),
@@ -342,7 +342,7 @@ def draw_differences(result: Crosscheck) -> Drawing:
         )
     axes.axhline(SLIDER_BOUND, color=REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
     axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
-    if result.parted:
+    if result.diverged:
         axes.axvline(result.horizon, color=REFERENCE, linewidth=0.7)
         axes.text(
             result.horizon,

@@ -181,7 +181,7 @@ def touchdown_differences(
     return np.array(rows).reshape(-1, 3)
 
 
-def parting_time(one: Trajectory, two: Trajectory, distance: float) -> float | None:
+def divergence_time(one: Trajectory, two: Trajectory, distance: float) -> float | None:
     """Return the time, s, at which slider or eccentricities first differ by a distance, m."""
     time = common_times(one, two)
     largest = slider_difference("", one, two).slider

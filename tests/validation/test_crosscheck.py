@@ -20,7 +20,7 @@ from presswear.validation.crosscheck import DISTURBANCE, finer
 from presswear.validation.trajectories import (
     Touchdown,
     Trajectory,
-    parting_time,
+    divergence_time,
     peak,
     touchdown_differences,
 )
@@ -55,8 +55,8 @@ def _trajectory(offset: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
 def test_the_horizon_is_where_the_distance_is_reached() -> None:
     still = _trajectory(np.zeros_like)
     growing = _trajectory(lambda time: 1e-9 * np.exp(time * math.log(1e6)))
-    assert parting_time(still, growing, 1e-6) == pytest.approx(0.5, abs=1e-3)
-    assert parting_time(still, growing, 1.0) is None
+    assert divergence_time(still, growing, 1e-6) == pytest.approx(0.5, abs=1e-3)
+    assert divergence_time(still, growing, 1.0) is None
 
 
 def test_touches_are_matched_joint_by_joint() -> None:
@@ -117,7 +117,7 @@ def test_the_engines_agree_on_the_first_touches(
     assert max(map(len, shown.splitlines())) <= 100
     document = json.loads((folder / "crosscheck.json").read_text())
     assert document["passed"] is True
-    assert document["parted"] is False
+    assert document["diverged"] is False
     assert [touch["joint"] for touch in document["touchdowns"]] == ["A", "C", "A"]
     bounds = {check["quantity"]: check["bound"] for check in document["checks"]}
     assert {name: bounds[name] for name in expected} == expected
@@ -150,7 +150,7 @@ def test_without_clearance_the_whole_duration_is_compared(
     document = json.loads((folder / "crosscheck.json").read_text())
     assert document["horizon_s"] == 0.05
     assert document["touchdowns"] == []
-    assert "did not part" in capsys.readouterr().out
+    assert "do not diverge" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["crosscheck", "export"])
@@ -168,5 +168,5 @@ def test_the_engines_agree_up_to_the_horizon_and_beyond(speed: str, tmp_path: Pa
     folder = tmp_path / "check"
     assert main(["crosscheck", "--set", f"speed={speed}", "--out", str(folder)]) == 0
     document = json.loads((folder / "crosscheck.json").read_text())
-    assert document["parted"] is True
+    assert document["diverged"] is True
     assert len(document["touchdowns"]) > 10
