@@ -30,10 +30,10 @@ def test_every_name_can_be_asked_for() -> None:
 
 def test_the_version_is_that_of_the_package_and_of_its_citation() -> None:
     root = Path(__file__).parents[1]
-    told = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
-    assert told == pw.__version__
-    assert f"\nversion: {told}\n" in (root / "CITATION.cff").read_text()
-    assert f"\n## {told}\n" in (root / "CHANGELOG.md").read_text()
+    message = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
+    assert message == pw.__version__
+    assert f"\nversion: {message}\n" in (root / "CITATION.cff").read_text()
+    assert f"\n## {message}\n" in (root / "CHANGELOG.md").read_text()
 
 
 @pytest.mark.parametrize("program", ["import presswear", "main(['list'])", "main(['run', 'no'])"])
@@ -148,13 +148,13 @@ def test_rooms_import_only_what_stands_below_them() -> None:
     root = Path(__file__).parents[1]
     floors: dict[str, int] = {}
     for line in (root / "CONTRIBUTING.md").read_text().splitlines():
-        if found := re.match(r"\| (\d+) \| (.*?) \|", line):
-            rooms = re.findall(r"`presswear/(\w+)/`", found[2])
-            floors |= dict.fromkeys(rooms, int(found[1]))
-            if "`presswear/__init__.py`" in found[2]:
-                floors[""] = int(found[1])
+        if row := re.match(r"\| (\d+) \| (.*?) \|", line):
+            rooms = re.findall(r"`presswear/(\w+)/`", row[2])
+            floors |= dict.fromkeys(rooms, int(row[1]))
+            if "`presswear/__init__.py`" in row[2]:
+                floors[""] = int(row[1])
     assert set(floors) == {""} | {path.parent.name for path in root.glob("presswear/*/__init__.py")}
     for file in root.glob("presswear/*/**/*.py"):
-        own = file.relative_to(root).parts[1]
+        room = file.relative_to(root).parts[1]
         for name in re.findall(r"(?:from|import) presswear\b\.?(\w*)", file.read_text()):
-            assert name == own or floors.get(name, 99) < floors[own], f"{file}: {name}"
+            assert name == room or floors.get(name, 99) < floors[room], f"{file}: {name}"

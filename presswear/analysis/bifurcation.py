@@ -95,21 +95,21 @@ class Cycles:
     Attributes
     ----------
     total : int
-    kept : int
+    stored : int
         Last cycles, whose states are stored.
     exponent, orders : int
         Further cycles for the exponent and for the order analysis; 0 to omit it.
     """
 
     total: int
-    kept: int
+    stored: int
     exponent: int
     orders: int
 
     def __post_init__(self) -> None:
-        if not 2 <= self.kept < self.total:
+        if not 2 <= self.stored < self.total:
             raise InputError(
-                f"kept = {self.kept}: must be 2 to {self.total - 1} of {self.total} cycles"
+                f"stored = {self.stored}: must be 2 to {self.total - 1} of {self.total} cycles"
             )
 
 
@@ -121,9 +121,9 @@ class Branch:
     ----------
     value : ndarray, shape (n,)
         SI.
-    sections : ndarray, shape (n, kept, phases, columns)
+    sections : ndarray, shape (n, stored, phases, columns)
         See ``Recorder.sections``; NaN where a run failed.
-    force : ndarray, shape (n, kept, joints)
+    force : ndarray, shape (n, stored, joints)
         Peak normal force in each cycle, N.
     exponent : ndarray, shape (n, 2)
         Largest Lyapunov exponent and half width of its interval, 1/s; NaN if not available.
@@ -145,7 +145,7 @@ class Branch:
     end: Array
 
     def eccentricity(self, joint: int) -> Array:
-        """Return the positions of the pin of a joint, m, shape (n, kept, phases, 2)."""
+        """Return the positions of the pin of a joint, m, shape (n, stored, phases, 2)."""
         first = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint
         columns = [first + SECTION_JOINT_NAMES.index(f"eccentricity_{axis}") for axis in "xy"]
         return self.sections[..., columns]
@@ -216,17 +216,17 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> dict[
     linkage, period = scene.linkage(), scene.mechanism.period
     plan = Plan(period, cycles.total, 1, sections=PHASES, torques=False)
     run = ENGINE.simulate(linkage, start, plan)
-    joints, kept = len(linkage.clearances), cycles.kept
+    joints, stored = len(linkage.clearances), cycles.stored
     exponent = np.full(2, math.nan)
     amplitude = np.full((1 + joints, MAX_ORDER if cycles.orders else 0), math.nan)
     resonance = np.full(joints, math.nan)
     if run.status == "failed":
-        sections = np.full((kept, *run.recorder.sections.shape[1:]), math.nan)
-        force, last = np.full((kept, joints), math.nan), ideal
+        sections = np.full((stored, *run.recorder.sections.shape[1:]), math.nan)
+        force, last = np.full((stored, joints), math.nan), ideal
     else:
-        sections, last = run.recorder.sections[-kept:], run.end
+        sections, last = run.recorder.sections[-stored:], run.end
         peaks = [run.recorder.each_cycle("force_max", k) for k in range(joints)]
-        force = np.transpose(peaks)[-kept:]
+        force = np.transpose(peaks)[-stored:]
         further = continued(linkage, linkage, run.end, start)
         if cycles.exponent:
             try:
@@ -386,7 +386,7 @@ class Diagram:
             listed = ", ".join(f"period {k} at {counts[k]}" for k in sorted(counts))
             sentence = (
                 f"{direction}: the motion is periodic at {counts.total()} of {len(periods)} values "
-                f"within {100.0 * TOLERANCE:g} % of the clearance in {self.cycles.kept} cycles"
+                f"within {100.0 * TOLERANCE:g} % of the clearance in {self.cycles.stored} cycles"
             )
             sentence += f" ({listed})" if listed else ""
             if self.cycles.exponent:

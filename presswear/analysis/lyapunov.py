@@ -226,7 +226,7 @@ class Flow:
         onset = state[self.indices.size :]
         is_active = ~np.isnan(onset)
         self.book.onset[is_active] = np.maximum(onset[is_active], ONSET_SPEED_FLOOR)
-        control["known"] = False
+        control["has_slope"] = False
         finding = self.simulation.advance(float(control["time"][0]) + self.interval)
         if finding is not None:
             raise RunFailed(finding.words)

@@ -43,7 +43,7 @@ def add(commands: Any) -> None:
         "--cycles", type=cycles, default=100, metavar="N", help="cycles at each value (100)"
     )
     parser.add_argument(
-        "--kept", type=cycles, default=40, metavar="N", help="last cycles that are shown (40)"
+        "--stored", type=cycles, default=40, metavar="N", help="last cycles, stored and drawn (40)"
     )
     cycles = integer(0, MAX_CYCLES)
     parser.add_argument(
@@ -98,7 +98,7 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     from presswear.show.figures.bifurcation import draw_diagram, draw_orders
 
     parameter = Parameter.parse(arguments.over, scene)
-    cycles = Cycles(arguments.cycles, arguments.kept, arguments.exponent, arguments.orders)
+    cycles = Cycles(arguments.cycles, arguments.stored, arguments.exponent, arguments.orders)
     check_resume(arguments.resume, arguments.out)
     folder = arguments.out or free_folder(f"{scene.name}-dynamics")
     if not arguments.resume and folder.exists() and any(folder.iterdir()):

@@ -57,7 +57,7 @@ def test_transitions_and_visits() -> None:
 
 
 def test_parts_of_the_cycle() -> None:
-    """Of four bins of a cycle of 4 s the first holds 0 .. 1 and 4 .. 5 s."""
+    """The first of four bins of a cycle of 4 s holds 0 to 1 s and 4 to 5 s."""
     parts = made().over_phase(4.0, 4)
     np.testing.assert_allclose(parts.sum(axis=0), 1.0, rtol=1e-12)
     expected = {FREE: 0.5, STICKING: 0.25, SUSTAINED: 0.25}

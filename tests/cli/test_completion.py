@@ -34,16 +34,16 @@ def test_bash_completes_commands_options_names_and_folders(
         "report f": {"first"},
     }.items():
         command = ["bash", "-c", _TRY, "bash", "presswear", *line.split()]
-        told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-        assert set(told.stdout.split()) == words, line
-        assert not told.stderr
+        output = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert set(output.stdout.split()) == words, line
+        assert not output.stderr
 
 
 def test_zsh_gets_a_script_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["completion", "zsh"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("#compdef presswear\n")
-    assert "life:'service life: strokes until a limit is exceeded, with an interval'" in told
+    output = capsys.readouterr().out
+    assert output.startswith("#compdef presswear\n")
+    assert "life:'service life: strokes until a limit is exceeded, with an interval'" in output
 
 
 def test_an_unknown_shell_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

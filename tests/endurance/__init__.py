@@ -1,1 +1,1 @@
-"""What happens to runs on other people's machines, tried on purpose."""
+"""Kills, bad input, damaged files, full disks and memory."""

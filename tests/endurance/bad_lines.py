@@ -142,7 +142,7 @@ def _set(scene: Scene, **values: str) -> list[str]:
     return ["run", scene.name, *(f"--set={key}={value}" for key, value in values.items())]
 
 
-def _given(
+def _of_setting(
     kind: type,
     text: Callable[[Random, Any], str],
     fits: Callable[[Any], bool] = lambda meaning: True,
@@ -236,12 +236,12 @@ def _at_odds(draw: Random) -> list[str]:
 
 FAMILIES: dict[str, Family] = {
     "unknown keys": _unknown_key,
-    "no numbers": _given(Quantity, _no_number),
-    "wrong units": _given(Quantity, _wrong_unit),
-    "beyond ranges": _given(Quantity, _beyond),
-    "no choices": _given(Choice, _no_choice),
-    "no whole numbers": _given(
-        Quantity, lambda draw, own: f"{draw.randrange(90)}.5", lambda own: own.whole
+    "no numbers": _of_setting(Quantity, _no_number),
+    "wrong units": _of_setting(Quantity, _wrong_unit),
+    "beyond ranges": _of_setting(Quantity, _beyond),
+    "no choices": _of_setting(Choice, _no_choice),
+    "no whole numbers": _of_setting(
+        Quantity, lambda draw, meaning: f"{draw.randrange(90)}.5", lambda meaning: meaning.whole
     ),
     "contradictions": _at_odds,
     "bad options": _filled(_LINES),

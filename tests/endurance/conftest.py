@@ -31,7 +31,7 @@ def trial(
 
 @pytest.fixture
 def is_quick(request: pytest.FixtureRequest) -> bool:
-    """Whether a few of each are enough."""
+    """True if a few of each are enough."""
     return bool(request.config.getoption("--quick"))
 
 

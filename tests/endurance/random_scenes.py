@@ -206,7 +206,7 @@ def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a scene ended in an engine.
+    """Outcome of a scene in an engine.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ class Ended:
 
     @property
     def passed(self) -> bool:
-        """Whether it ended well, with finite results and an energy that adds up."""
+        """Return whether the run was sound and conserved energy."""
         return not self.failure and self.residual <= self.bound
 
 
@@ -248,7 +248,7 @@ class TooLongError(RunFailed):
 
 
 def limited(scene: Scene, most: int) -> Callable[[float], None]:
-    """What stops a run after so many steps, give or take those between two looks."""
+    """Return a function that stops a run after so many steps."""
     left = most // STEPS_BETWEEN_LOOKS[scene.solver.word]
 
     def look(done: float) -> None:
@@ -276,7 +276,7 @@ def ended(scene: Scene, most: int) -> Ended:
 
 
 def coarser(scene: Scene) -> float:
-    """How much more than at standard steps and tolerances the error may be.
+    """Return the factor of the allowed error relative to standard steps and tolerances.
 
     It grows with the tolerance, and with the square of a step.
     """

@@ -38,14 +38,14 @@ sys.exit(main(sys.argv[1:]))
 Process = subprocess.Popen[str]
 
 
-def is_one_line(said: str) -> bool:
-    """Whether a program said one line of its own and no traceback."""
-    return said.startswith("presswear: ") and len(said.removesuffix("\n").splitlines()) == 1
+def is_one_line(output: str) -> bool:
+    """Return whether the output is one line of the program and no traceback."""
+    return output.startswith("presswear: ") and len(output.removesuffix("\n").splitlines()) == 1
 
 
 @dataclass(frozen=True)
 class Answer:
-    """How a command line ended.
+    """Outcome of a command line.
 
     Attributes
     ----------
@@ -60,12 +60,12 @@ class Answer:
 
     @property
     def is_refusal(self) -> bool:
-        """Whether it is exit code 2, nothing said but one line of errors."""
+        """True for exit code 2 with one line of errors and no output."""
         return self.code == 2 and is_one_line(self.errors) and not self.output
 
     @property
     def problem(self) -> str:
-        """What is wrong with it, in a few words."""
+        """Short description for a failed test."""
         return f"exit code {self.code}, {(self.errors or self.output).strip()[-300:]!r}"
 
 
@@ -106,7 +106,7 @@ def start_process(*line: str, program: str = _PROGRAM) -> Process:
 
 
 def end(process: Process, patience: float | None = None) -> Answer:
-    """How a process ends; one that takes longer than a time, s, is killed."""
+    """Wait for a process, and kill it after ``patience``, s."""
     try:
         output, errors = process.communicate(timeout=patience)
     except subprocess.TimeoutExpired:
@@ -205,7 +205,7 @@ def wait_for(is_so: Callable[[], object]) -> bool:
 
 
 def is_at_work(process: Process, folder: Path) -> bool:
-    """Whether a process holds a folder."""
+    """Return whether a process holds a folder."""
     return f"process {process.pid} " in (holder(folder) or "")
 
 

@@ -130,7 +130,7 @@ def test_two_runs_into_one_folder(
 
 
 def missed(check: Check, file: Path) -> str:
-    """What is wrong with how a damaged file is results and named."""
+    """Return why a damaged file is not reported correctly, or nothing."""
     try:
         check(file.parent)
     except InputError as error:

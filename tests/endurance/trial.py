@@ -38,7 +38,7 @@ class Trial:
 
     @property
     def passed(self) -> bool:
-        """Whether all attempts passed except those allowed."""
+        """True if all attempts passed except those allowed."""
         return 0 < self.attempts <= self.passes + self.allowed
 
     @property

@@ -47,7 +47,7 @@ def _diagram(diagram: Diagram) -> Drawing:
     panels = sheet.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     pens = []
     factor, label = _axis(diagram)
-    size = float(np.clip(DOT_AREA / (len(parameter.values) * cycles.kept), 0.6, 6.0))
+    size = float(np.clip(DOT_AREA / (len(parameter.values) * cycles.stored), 0.6, 6.0))
     for (direction, branch), (colour, _) in zip(diagram.branches.items(), LINES, strict=False):
         pens.append(Pen(f"{DIRECTION_LABELS[direction]} {parameter.key}", colour))
         value = factor * branch.value
@@ -89,7 +89,7 @@ def _diagram(diagram: Diagram) -> Drawing:
     exponent = ", the largest Lyapunov exponent with its 95 % interval," if has_exponent else ""
     caption = (
         f"Direction of each pin from the centre of its bearing at the end of the last "
-        f"{cycles.kept} of {cycles.total} cycles at each of {len(parameter.values)} "
+        f"{cycles.stored} of {cycles.total} cycles at each of {len(parameter.values)} "
         f"values{exponent} and the period. Each run continues from the end of the previous one. "
         f"{' '.join(diagram.summary())}"
     )

@@ -150,8 +150,10 @@ def test_a_run_goes_on_when_its_window_is_closed(tmp_path: Path, display: None) 
 def press(process: "subprocess.Popen[bytes]", *keys: str) -> None:
     """Wait for the window of a process and press keys in it."""
     for _ in range(300):
-        found = subprocess.run(["xdotool", "search", "--name", "."], capture_output=True, text=True)
-        if found.stdout.strip() or process.poll() is not None:
+        windows = subprocess.run(
+            ["xdotool", "search", "--name", "."], capture_output=True, text=True
+        )
+        if windows.stdout.strip() or process.poll() is not None:
             break
         time.sleep(0.1)
     assert process.poll() is None
