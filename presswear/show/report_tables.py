@@ -48,15 +48,23 @@ from presswear.show.figures.style import maps_turn, stage_names
 from presswear.show.page import NOTHING, Row, Table, column_table, row_table
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
-from presswear.tools.numbers import large, readable, short_number, unit_scale, whole, with_interval
+from presswear.tools.numbers import (
+    large,
+    quantity_text,
+    readable,
+    short_number,
+    unit_scale,
+    whole,
+    with_interval,
+)
 from presswear.tools.quantities import Choice
 
 Record = dict[str, Any]
 
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
-_AFTER_FRACTURE = f"within {short_number(1e3 * SNAP_THROUGH_S)} ms of the fracture"
-_CLEARANCE = "change of its height at bottom dead centre, drives held, under {pull} N up and down"
+_SNAP_THROUGH = f"{short_number(1e3 * SNAP_THROUGH_S)} ms"
+_CLEARANCE = "change of its height at bottom dead centre, drives held, under {pull} up and down"
 _ENDINGS = {
     "completed": "all cycles completed",
     "enough": "stopped when the wear maps reached the tolerance",
@@ -80,11 +88,11 @@ DEPTH_ROWS = (
     Row("its angle in the update, {part}", "wear.{joint}.wear.{side}.angle", "degrees", digits=4),
 )
 CONTACT_ROWS = (
+    Row("largest normal force", "joints.{joint}.peak_force", "N"),
     Row("next wear update: volume", "joints.{joint}.wear_volume.mean", "mm³"),
     Row("time in contact", "joints.{joint}.contact_time_fraction", "%"),
     Row("contacts", "joints.{joint}.contacts"),
     Row("fewest steps in a contact", "joints.{joint}.min_steps_per_contact"),
-    Row("largest normal force", "joints.{joint}.peak_force", "N"),
 )
 OUTPUT_MEANS = (
     Row("highest displacement", "output.displacement_max_per_cycle", "mm"),
@@ -108,7 +116,7 @@ BOTTOM_ROWS = (
     Row("standard deviation of the delay", "bdc.delay_standard_deviation", "ms"),
     Row("dwell of the ideal motion", "dwell", "ms", "no delay is defined where the ideal rests"),
     Row("settled strokes", "bdc.strokes"),
-    Row("rise from rest under {pull} N, drives held", "rest.rise", "µm", digits=4),
+    Row("rise from rest under {pull}, drives held", "rest.rise", "µm", digits=4),
 )
 TONNAGE_ROWS = (
     *(
@@ -116,13 +124,15 @@ TONNAGE_ROWS = (
         for p in PHASES
     ),
     Row("greatest along the working direction", "tonnage.joints.{joint}.working_force", "N"),
-    Row(f"greatest against it {_AFTER_FRACTURE}", "tonnage.joints.{joint}.reversed_force", "N"),
+    Row(
+        f"against it, {_SNAP_THROUGH} after fracture", "tonnage.joints.{joint}.reversed_force", "N"
+    ),
     Row("reversed force over working force", "tonnage.joints.{joint}.reversed_fraction", "%"),
     Row("fracture to the first reversed force", "tonnage.joints.{joint}.reversal_time", "ms"),
 )
 VIBRATION_ROWS = (
-    Row("as long before the contact", "tonnage.vibration.before", "m/s²"),
-    Row(_AFTER_FRACTURE, "tonnage.vibration.after", "m/s²"),
+    Row(f"{_SNAP_THROUGH} before the contact", "tonnage.vibration.before", "m/s²"),
+    Row(f"{_SNAP_THROUGH} after the fracture", "tonnage.vibration.after", "m/s²"),
 )
 STROKE_ROWS = (
     Row("settled strokes", "tonnage.strokes"),
@@ -220,7 +230,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
     linkage = scene.mechanism.linkage()
     names = {
         "phase": linkage.phase,
-        "pull": short_number(pull_of(scene.linkage())),
+        "pull": quantity_text(pull_of(scene.linkage()), "N"),
         "output": scene.output,
     }
     bodies = [drive.body for drive in linkage.drives]
