@@ -192,7 +192,7 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     else:
         scene, file = load_scene(arguments.scene), SweepFile()
     if is_bare and file == SweepFile():
-        return load_sweep(arguments.out)  # its error says what the folder lacks
+        return load_sweep(arguments.out)  # its error names the missing file
     options = {name: getattr(arguments, name) for name in SETTINGS}
     settings = merge_options(parse_settings(arguments.set), options)
     plan = Plan(

@@ -1,1 +1,1 @@
-"""Sweeps: one scene at many points, what was measured there, and what follows from it."""
+"""Sweeps: a scene at many points or a list of scenes, their responses, and sensitivity."""

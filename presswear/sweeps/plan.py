@@ -56,12 +56,12 @@ class Plan:
     vary: tuple[str, ...] = ()  # KEY=VALUES
     sample: str = ""  # design, KIND:SIZE
     ranges: tuple[str, ...] = ()  # KEY=DISTRIBUTION of the sampled parameters
-    replicates: int = 1  # runs at each point, with the seed of the scene and those that follow
+    replicates: int = 1  # runs at each point, with the seed of the scene and the next ones
     seed: int = 0  # of the design
     scenes: tuple[Scene, ...] = ()  # scenes of the points, in place of all parameters
 
     def __post_init__(self) -> None:
-        """Check the plan; `InputError` names what is unknown, missing or out of range."""
+        """Check the plan; `InputError` names a value that is unknown, missing or out of range."""
         if not 1 <= self.replicates <= MAX_REPLICATES:
             raise InputError(f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}")
         if bool(self.sample) != bool(self.ranges):

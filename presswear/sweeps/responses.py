@@ -156,7 +156,7 @@ class Requested:
     keys: tuple[str, ...]  # of the stored responses, with @last for the last stage
     optional: tuple[str, ...] = ()  # names of responses that are computed only if requested
     functions: tuple[Any, ...] = ()  # responses that are user functions
-    extra: str = ""  # digest of what a row stores besides the usual responses
+    extra: str = ""  # digest of the responses that a row stores besides the usual ones
 
 
 def available(scene: Scene) -> dict[str, Definition]:
@@ -208,7 +208,7 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
 
 
 def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
-    """Return the digest of what a row stores besides the usual responses; empty if nothing."""
+    """Return the digest of the responses that a row stores besides the usual ones."""
     sources = [*sorted(optional), *map(_source, functions)]
     return digest("\n".join(sources).encode()) if sources else ""
 

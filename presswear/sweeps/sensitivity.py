@@ -122,7 +122,7 @@ class Sensitivity:
 
 
 def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
-    """Return the sensitivity that a design tells; None if it tells none, or has too few points.
+    """Return the sensitivity of a design; None if it has none or too few points.
 
     ``saltelli``: first-order and total Sobol' indices (`SALib.analyze.sobol`). ``sobol`` and
     ``latin``: first-order indices (`SALib.analyze.rbd_fast`). ``morris``: elementary effects of a
@@ -213,8 +213,8 @@ def chaotic_share(points: Points) -> tuple[float, float, float] | None:
     """Return the share of the variance of single runs that is chaos, with its 95 % interval.
 
     One-way analysis of variance with random effects (Searle, Casella and McCulloch, Variance
-    Components, chapter 3). The interval is that of the ratio F, exact for normal points and runs.
-    None without replicates.
+    Components, chapter 3). The interval follows from the ratio F and is exact for normal points and
+    runs. None without replicates.
     """
     from scipy import stats  # slow to import
 

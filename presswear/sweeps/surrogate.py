@@ -29,7 +29,7 @@ class Surrogate:
     """Gaussian process through the means of a response."""
 
     points: Points  # points with a value
-    process: Any  # regressor of scikit-learn; its noise is chaos and what the process misses
+    process: Any  # regressor of scikit-learn; its noise is chaos and misfit
     is_logarithmic: bool  # whether the process models the logarithm of the response
     explained: float  # share of the variance that ten-fold cross-validation explains
     likelihood: float  # logarithm of the marginal likelihood of the means

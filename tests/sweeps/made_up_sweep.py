@@ -11,7 +11,6 @@ from presswear.tools.arrays import Array
 ISHIGAMI_FIRST = (0.3139, 0.4424, 0.0)
 ISHIGAMI_TOTAL = (0.5576, 0.4424, 0.2437)
 ISHIGAMI_VARIANCE = 7.0**2 / 8.0 + 0.1 * np.pi**4 / 5.0 + 0.1**2 * np.pi**8 / 18.0 + 0.5
-WEIGHTS = np.array([0.0, 1.0, 4.5, 9.0])  # of Sobol's g function
 
 
 def ishigami(cube: Array) -> Array:
@@ -19,17 +18,6 @@ def ishigami(cube: Array) -> Array:
     return np.asarray(
         np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
     )
-
-
-def g_function(cube: Array) -> Array:
-    return np.asarray(np.prod((np.abs(4.0 * cube - 2.0) + WEIGHTS) / (1.0 + WEIGHTS), axis=1))
-
-
-def g_indices() -> tuple[Array, Array]:
-    """Return first-order and total indices of the g function (Sobol' 1993)."""
-    alone = 1.0 / 3.0 / (1.0 + WEIGHTS) ** 2
-    product = np.prod(1.0 + alone)
-    return alone / (product - 1.0), alone * (product / (1.0 + alone)) / (product - 1.0)
 
 
 def table_of(

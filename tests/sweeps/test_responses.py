@@ -132,22 +132,6 @@ def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> Non
     }
 
 
-@pytest.mark.parametrize(
-    ("names", "message"),
-    [
-        (["A.forcemax"], r"did you mean A\.force_max"),
-        (["B.depth"], "unknown response 'B.depth'"),
-        (["A.depth@2"], "the stage must be 0 to wear_updates = 1"),
-        (["A.depth@x"], "NAME@STAGE"),
-        (["life"], "unknown response 'life'"),
-        (["A.depth", "A.depth"], "is repeated"),
-    ],
-)
-def test_wrong_responses_are_refused(names: list[str], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        request(SCENE, names)
-
-
 COLUMNS = (Column("life", "", "strokes"), Column("A.force_max", "N", "peak"))
 
 
@@ -165,12 +149,19 @@ def test_lower_bounds_may_leave_a_violation_open() -> None:
 @pytest.mark.parametrize(
     ("texts", "message"),
     [
-        (["life"], "expected RESPONSE>=VALUE or RESPONSE<=VALUE"),
+        (["A.forcemax"], r"did you mean A\.force_max"),
+        (["B.depth"], "unknown response 'B.depth'"),
+        (["A.depth@2"], "the stage must be 0 to wear_updates = 1"),
+        (["A.depth@x"], "NAME@STAGE"),
+        (["A.depth", "A.depth"], "is repeated"),
+        (["life<2e6"], "expected RESPONSE>=VALUE or RESPONSE<=VALUE"),
         (["lif>=2e6"], "unknown response 'lif'; did you mean life"),
         (["A.force_max<=15"], "has no unit"),
         (["life>=2e6", "life<=3e6"], "life already has a limit"),
     ],
 )
-def test_wrong_limits_are_refused(texts: list[str], message: str) -> None:
+def test_wrong_responses_and_limits_are_refused(texts: list[str], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        parse_limits(texts, COLUMNS)
+        parse_limits(texts, COLUMNS) if "<" in texts[0] or ">" in texts[0] else request(
+            SCENE, texts
+        )
