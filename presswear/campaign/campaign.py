@@ -424,17 +424,17 @@ class _Campaign:
             def keep(running: EnsembleState, update: WearUpdate | None = update) -> None:
                 self._checkpoint(replace(at, update=update, running=running))
 
-            ran = runner.run(ensemble.depth, spec, running, keep)
+            ensemble_of_pass = runner.run(ensemble.depth, spec, running, keep)
             running = EnsembleState()
-            finding = ran.finding
+            finding = ensemble_of_pass.finding
             if finding:
                 yield update, replace(finding, what=f"{spec.label}: {finding.what}")
                 return
-            depth = np.array([recorder.worn for recorder in ran.recorders])
-            time = sum(run.time for run in ran.runs)
+            depth = np.array([recorder.worn for recorder in ensemble_of_pass.recorders])
+            time = sum(run.time for run in ensemble_of_pass.runs)
             finding = _worn_out(joints, depth, f"the {spec.label}:", time)
             if finding is None:
-                update = cycle_by_cycle(ran, scene.cycles_per_update, update)
+                update = cycle_by_cycle(ensemble_of_pass, scene.cycles_per_update, update)
             yield update, finding
             if finding:
                 return
@@ -493,10 +493,10 @@ def _worn_out(
 ) -> Finding | None:
     """Return a finding on the first replicate with a surface worn deeper than the clearance."""
     for surfaces in depth:
-        found = worn_out(joints, surfaces)
-        if found is not None:
-            what = f"{where} {found[1]}"
-            return Finding("wear", what, time, found[0], "fewer represented_cycles may help")
+        worn = worn_out(joints, surfaces)
+        if worn is not None:
+            what = f"{where} {worn[1]}"
+            return Finding("wear", what, time, worn[0], "a smaller cycles_per_update may help")
     return None
 
 
@@ -524,8 +524,8 @@ def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
     error = math.inf if life.error is None else math.hypot(life.sampling or 0.0, life.step or 0.0)
     if error <= scene.tolerance:
         return []
-    known = "not at all" if math.isinf(error) else f"to {100.0 * error:.2g} %"
+    accuracy = "not at all" if math.isinf(error) else f"to {100.0 * error:.2g} %"
     return [
-        f"the life is known {known} where tolerance = {100.0 * scene.tolerance:.2g} % was asked: "
-        "a larger life.max_cycles would do"
+        f"the life is known {accuracy} where tolerance = {100.0 * scene.tolerance:.2g} % was "
+        "asked: a larger life.max_cycles would do"
     ]

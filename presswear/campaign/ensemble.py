@@ -323,7 +323,7 @@ def next_round(spec: RunSpec, maps: Sequence[MapBatches], error: float) -> tuple
     if lacking == 0.0 or min(cycles) >= spec.cycles:
         return None
     total = sum(cycles) + math.ceil(ROUND_FRACTION * lacking)
-    return tuple(min(own, spec.cycles) for own in deal(total, len(maps)))
+    return tuple(min(count, spec.cycles) for count in deal(total, len(maps)))
 
 
 class _Rounds:

@@ -138,7 +138,7 @@ class LoadBlock:
     levels: Mapping[str, Array]
     samples: Mapping[str, Array]
     rate: float
-    taken: Array
+    removed: Array
     depth: Array = field(default_factory=lambda: np.zeros((0, 0, 2, 0)))
     ended_by: str = ""
     wall_s: float = 0.0
@@ -299,29 +299,29 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     if not last.cycles:
         # After maintenance the rate is that of the bushing before it: the new state runs first.
         return BlockPlan(MIN_BLOCK, 1.0)
-    ran = [block for block in blocks if block.cycles and block.interval == interval]
-    rate = sum(block.rate for block in ran[-2:]) / len(ran[-2:])
+    finished = [block for block in blocks if block.cycles and block.interval == interval]
+    rate = sum(block.rate for block in finished[-2:]) / len(finished[-2:])
     share = refinement.change / rate if rate > 0.0 else math.inf
-    if len(ran) > 1:
+    if len(finished) > 1:
         share = min(share, MAX_STEP_GROWTH * (last.strokes - blocks[-2].strokes) / last.cycles)
     share = min(share, (until - last.strokes) / refinement.block)
-    return BlockPlan(refinement.block, share, _correction(ran, refinement.block))
+    return BlockPlan(refinement.block, share, _correction(finished, refinement.block))
 
 
-def _correction(ran: Blocks, cycles: int) -> Array | float:
+def _correction(finished: Blocks, cycles: int) -> Array | float:
     """Return the depth by which the last block fell short of the trapezoidal rule, by cycles.
 
     Each cycle has stood for strokes that come after it, at the rate of its own surfaces: the sum
     lacks half a cycle's change of the rate for each of its cycles.  All histories get the mean:
     the sum over a life is half of the change from new, and no scatter adds up in it.
     """
-    if len(ran) < 2:
+    if len(finished) < 2:
         return 0.0
-    before, last = ran[-2:]
+    before, last = finished[-2:]
     # The new state was observed where the next block started.
-    distance = 0.5 * (last.cycles + (before.cycles if len(ran) > 2 else 0))
+    distance = 0.5 * (last.cycles + (before.cycles if len(finished) > 2 else 0))
     share = (last.strokes - before.strokes) / last.cycles
-    whole: Array = 0.5 * share * last.cycles / distance * (last.taken - before.taken)
+    whole: Array = 0.5 * share * last.cycles / distance * (last.removed - before.removed)
     return whole / cycles
 
 
@@ -340,16 +340,16 @@ def next_refinement(problem: LifeProblem, passes: Sequence[Refinement]) -> Refin
     is_known = life.error <= problem.tolerance or not math.isfinite(life.strokes)
     if len(passes) > 1 and is_known:
         return None
-    ran = cycles_until(last.blocks, min(life.strokes, last.blocks[-1].strokes))
+    finished = cycles_until(last.blocks, min(life.strokes, last.blocks[-1].strokes))
     growth = MAX_STEP_GROWTH
     if math.isfinite(life.sampling):
         needed = (life.sampling / (SCATTER_FRACTION * problem.tolerance)) ** 2
         growth = min(max(needed, growth), MAX_CYCLE_GROWTH)
-    wanted = max(growth * ran, MIN_CYCLES)
+    wanted = max(growth * finished, MIN_CYCLES)
     if len(passes) > 1 and wanted * count_of(last.blocks) > problem.max_cycles:
         return None
     block = max(round(BLOCK_GROWTH * math.sqrt(wanted)), MIN_BLOCK)
-    return Refinement(last.change * max(ran, 1.0) / wanted, block)
+    return Refinement(last.change * max(finished, 1.0) / wanted, block)
 
 
 def estimate_life(
@@ -368,10 +368,10 @@ def _step_error(passes: Sequence[Refinement], limits: Sequence[Limit]) -> float:
     the last one is their distance over the ratio of the cycles less one.  The largest is taken.
     Scatter is in it as well, and counts the less, the farther the refinements are apart.
     """
-    ends = [first_crossing(own.blocks, limits) for own in passes]
+    ends = [first_crossing(item.blocks, limits) for item in passes]
     runs = [
-        cycles_until(own.blocks, end) if 0.0 < end < math.inf else math.inf
-        for own, end in zip(passes, ends, strict=True)
+        cycles_until(item.blocks, end) if 0.0 < end < math.inf else math.inf
+        for item, end in zip(passes, ends, strict=True)
     ]
     return max(
         (
@@ -532,9 +532,9 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     """
     levels = {}
     for k, joint in enumerate(scene.linkage().clearances):
-        own = depth[:, k, :, : joint.bins]
-        levels[f"{joint.name}.depth"] = own.max(axis=(1, 2))
-        levels[f"{joint.name}.wear_volume"] = np.array([worn_volume(joint, one) for one in own])
+        item = depth[:, k, :, : joint.bins]
+        levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
+        levels[f"{joint.name}.wear_volume"] = np.array([worn_volume(joint, one) for one in item])
     if "total_clearance" in limited:
         values = [total_clearance(linkage_on(scene, one)) for one in depth]
         levels["total_clearance"] = np.array(values)
@@ -586,17 +586,17 @@ class SceneHistories:
     def advance(self, number: int, before: Blocks, plan: BlockPlan) -> LoadBlock:
         """Advance by a block; see ``Histories``."""
         scene, interval = self.runner.scene, before[-1].interval if before else 0
-        own = [block for block in before if block.interval == interval]
+        item = [block for block in before if block.interval == interval]
         # A service interval starts on the surfaces after maintenance, or on the scene's.
-        first = own[0].depth if own and not own[0].cycles else self.initial
-        ran = STARTUP_CYCLES + sum(block.cycles for block in own)
+        first = item[0].depth if item and not item[0].cycles else self.initial
+        finished = STARTUP_CYCLES + sum(block.cycles for block in item)
         strokes = before[-1].strokes if before else 0.0
         running = self.state.running
         if self.state.place != (number, interval):
             running = EnsembleState((None,) * scene.replicate_count)
         else:
             self.runner.progress.done -= running.cycles / scene.replicate_count
-        running = replace(running, until=(ran + plan.cycles,) * scene.replicate_count)
+        running = replace(running, until=(finished + plan.cycles,) * scene.replicate_count)
         self.state = replace(self.state, place=(number, interval), running=running)
         spec = RunSpec(
             _MAX_CYCLES,
@@ -618,27 +618,34 @@ class SceneHistories:
                 raise RunFailed(ensemble.failure, ensemble.finding)
             return replace(before[-1], cycles=0, ended_by=ensemble.failure)
         joints, recorders = ensemble.linkage.clearances, ensemble.recorders
-        earlier = own[-1].depth if own else first
+        earlier = item[-1].depth if item else first
         depth = np.array([recorder.worn for recorder in recorders])
-        gone = [worn_out(joints, one) for one in depth]
+        worn_through = [worn_out(joints, one) for one in depth]
         # A history whose surfaces are worn out ends early: all are taken back to that cycle.
-        counts = np.array([len(recorder.cycles) - ran for recorder in recorders])
+        counts = np.array([len(recorder.cycles) - finished for recorder in recorders])
         cycles = int(counts.min())
         part = (cycles / counts)[:, np.newaxis, np.newaxis, np.newaxis]
         depth = np.where(part < 1.0, earlier + part * (depth - earlier), depth)
-        rows = np.array([recorder.cycles[ran : ran + cycles] for recorder in recorders])
+        rows = np.array([recorder.cycles[finished : finished + cycles] for recorder in recorders])
         represented = plan.share * cycles
-        taken = (depth - earlier).mean(axis=0) / represented
+        removed = (depth - earlier).mean(axis=0) / represented
         return LoadBlock(
             strokes + represented,
             cycles,
             interval,
             levels_of(scene, depth, self.limited),
             samples_of(scene, rows),
-            largest_change(joints, taken),
-            taken,
+            largest_change(joints, removed),
+            removed,
             depth,
-            next((f"{found[0]}: {found[1]}" for found in gone if found), ""),
+            next(
+                (
+                    f"{first_found[0]}: {first_found[1]}"
+                    for first_found in worn_through
+                    if first_found
+                ),
+                "",
+            ),
             ensemble.state.wall - running.wall,
         )
 
@@ -716,12 +723,12 @@ def life_result(scene: Scene, problem: LifeProblem, passes: tuple[Refinement, ..
         tuple(_limit_result(problem, passes, limit, life) for limit in problem.limits),
         tuple(
             PassResult(
-                own.change,
-                _cycles(own.blocks),
-                _finite(first_crossing(own.blocks, problem.limits)),
-                _finite(sampling_error(own.blocks, problem.limits)),
+                item.change,
+                _cycles(item.blocks),
+                _finite(first_crossing(item.blocks, problem.limits)),
+                _finite(sampling_error(item.blocks, problem.limits)),
             )
-            for own in passes
+            for item in passes
         ),
         tuple(phase for name in scene.clearance_joints for phase in wear_phases(blocks, name)),
         tuple(
@@ -744,11 +751,11 @@ def _limit_result(
     problem: LifeProblem, passes: tuple[Refinement, ...], limit: Limit, life: LifeEstimate
 ) -> LimitResult:
     blocks = passes[-1].blocks
-    own = estimate_life(problem, passes, [limit])
-    if own.strokes == life.strokes:
-        own = life  # of the first limit a coarser pass that another limit ended counts too
+    item = estimate_life(problem, passes, [limit])
+    if item.strokes == life.strokes:
+        item = life  # of the first limit a coarser pass that another limit ended counts too
     value, half = (float(values[-1]) for values in _band(blocks, limit.key))
-    errors = _finite(own.strokes), _finite(own.sampling), _finite(own.step)
+    errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
     return LimitResult(limit.key, limit.unit, limit.value, *errors, value, half)
 
 
@@ -837,13 +844,15 @@ def wear_phases(blocks: Blocks, joint: str) -> tuple[Phase, ...]:
     as the Bayesian information criterion allows, in which a change that may be anywhere counts
     twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
     """
-    ran = [k for k, block in enumerate(blocks) if block.cycles and k > 0]
-    if not ran:
+    finished = [k for k, block in enumerate(blocks) if block.cycles and k > 0]
+    if not finished:
         return ()
     volume = [block.levels[f"{joint}.wear_volume"] for block in blocks]
     strokes = [block.strokes for block in blocks]
-    rates = np.array([(volume[k] - volume[k - 1]) / (strokes[k] - strokes[k - 1]) for k in ran])
-    weights = np.array([float(blocks[k].cycles) for k in ran])
+    rates = np.array(
+        [(volume[k] - volume[k - 1]) / (strokes[k] - strokes[k - 1]) for k in finished]
+    )
+    weights = np.array([float(blocks[k].cycles) for k in finished])
     edges = list(_phase_edges(rates.mean(axis=1), weights))
 
     def means_of(edges: Sequence[int]) -> list[Array]:
@@ -864,8 +873,8 @@ def wear_phases(blocks: Blocks, joint: str) -> tuple[Phase, ...]:
         Phase(
             joint,
             name,
-            strokes[ran[a] - 1],
-            strokes[ran[b - 1]],
+            strokes[finished[a] - 1],
+            strokes[finished[b - 1]],
             float(mean.mean()),
             (half_width(mean) or 0.0) if count_of(blocks) > 1 else 0.0,
         )

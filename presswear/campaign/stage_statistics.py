@@ -183,16 +183,16 @@ def stage_statistics(
         One for each replicate on surfaces of its own, where the runs are the samples, not their
         cycles; they may be the same.
     """
-    ran, alone = ([run for run in runs if len(run.cycles)] for runs in (recorders, alone))
-    if not ran:
+    finished, alone = ([run for run in runs if len(run.cycles)] for runs in (recorders, alone))
+    if not finished:
         return StageStatistics(cycles=0)
-    mean = mean_of(ran, alone)
+    mean = mean_of(finished, alone)
     displacement, slowest, fastest, acceleration = (
-        [after_startup(recorder.each_cycle(name)) for recorder in ran]
+        [after_startup(recorder.each_cycle(name)) for recorder in finished]
         for name in ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
     )
     return StageStatistics(
-        cycles=sum(len(run.cycles) for run in ran),
+        cycles=sum(len(run.cycles) for run in finished),
         energy_made_per_cycle=mean(lambda run: run.each_cycle("contact_made")),
         drive_work_per_cycle=mean(lambda run: run.each_cycle("drive_work")),
         output=OutputStatistics(
@@ -205,7 +205,7 @@ def stage_statistics(
             acceleration_max_per_cycle=mean(lambda run: run.each_cycle("acceleration_max")),
         ),
         joints={
-            joint.name: _joint_statistics(joint, k, ran, alone, wear)
+            joint.name: _joint_statistics(joint, k, finished, alone, wear)
             for k, joint in enumerate(linkage.clearances)
         },
     )
@@ -228,10 +228,10 @@ def bottom_statistics(
     ideal = bottom_of(scene.ideal)
     if ideal is None:
         return None
-    ran, alone = (
+    finished, alone = (
         [run for run in runs if len(run.cycles) > ideal.first] for runs in (recorders, alone)
     )
-    if not ran:
+    if not finished:
         return None
     turn = 2.0 * math.pi / ideal.period
 
@@ -241,11 +241,11 @@ def bottom_statistics(
     def delays(run: Recorder) -> Array:
         return ideal.delay(run.each_cycle("bottom_time"))
 
-    mean = mean_of(ran, alone)
-    settled = [after_startup(heights(run)) for run in ran]
+    mean = mean_of(finished, alone)
+    settled = [after_startup(heights(run)) for run in finished]
     height = mean(heights)
-    span, count = mean_range(list(map(heights, ran)))
-    scatter = spread(list(map(heights, ran)))
+    span, count = mean_range(list(map(heights, finished)))
+    scatter = spread(list(map(heights, finished)))
     near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
     dwell = dwell_of(scene.ideal, near)
     delay: dict[str, Estimate | None] = {}
@@ -253,7 +253,7 @@ def bottom_statistics(
         delay = {
             "delay": mean(delays),
             "delay_angle": mean(lambda run: turn * delays(run)),
-            "delay_standard_deviation": spread(list(map(delays, ran))),
+            "delay_standard_deviation": spread(list(map(delays, finished))),
         }
     return BottomStatistics(
         strokes=sum(run.size for run in settled),

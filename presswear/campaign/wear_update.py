@@ -95,8 +95,8 @@ def _lost(share: float, extra: Array | float, cycle: int, added: Array) -> Array
         return wanted
     lost = np.maximum(wanted, 0.0)
     whole = lost.sum(axis=-1, keepdims=True)
-    kept = np.maximum(wanted.sum(axis=-1, keepdims=True), 0.0)
-    return lost * np.divide(kept, whole, out=np.ones_like(whole), where=whole > 0.0)
+    remaining = np.maximum(wanted.sum(axis=-1, keepdims=True), 0.0)
+    return lost * np.divide(remaining, whole, out=np.ones_like(whole), where=whole > 0.0)
 
 
 def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:

@@ -1,4 +1,4 @@
-"""The exchange table: a run as CSV or NPZ, ours for others and others' for us.
+"""Exchange table: a run as CSV or NPZ, for export and for comparison.
 
 One column per quantity, one row per time, SI units:
 
@@ -12,13 +12,13 @@ acceleration          m/s^2    of the slider
 J_eccentricity_x, _y  m        pin centre minus bearing centre of joint J, global
 J_penetration         m        of the pin into the bearing, negative while open
 J_normal_force        N        between pin and bearing, 0 while open
-J_tangential_force    N        friction, with the sign of our contact model
+J_tangential_force    N        friction, with the sign of the contact model
 J_sliding             m/s      tangential speed at the contact
-height                m        of what is watched over the ideal bottom dead centre
+height                m        of the output over the ideal bottom dead centre
 process_force         N        of the work, where the scene has a process
 D_angle               rad      of the driven body D
 D_torque              N m      of its drive, where torques are stored
-D_power               W        of the same
+D_power               W        of its drive, where torques are stored
 ====================  =======  ====================================================
 
 J is the name of a clearance joint, such as A or C, and D that of a driven body.  A table needs
@@ -43,8 +43,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.files import check_name, read_checked, write_whole
 
 Array = NDArray[np.float64]
-Table = Mapping[str, Array]
-"""Columns by name, all of one length."""
+Table = Mapping[str, Array]  # columns by name, all of one length
 
 _SERIES = {"time": "s", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 UNITS = {**_SERIES, "height": "m", "process_force": "N"}
@@ -62,29 +61,26 @@ MOMENT_UNITS = {
     for moment in fields(Strokes)
     for number, unit in (("time", "s"), ("height", "m"))
 }
-"""Columns of the table of strokes: moments, and heights over the ideal bottom dead centre."""
 _ENDS = ("", "_low", "_high")
 LIFE_UNITS = {"strokes": "1"} | {
-    name + end: own.unit for name, own in FOLLOWED.items() for end in _ENDS if not own.of_joint
+    name + end: item.unit for name, item in FOLLOWED.items() for end in _ENDS if not item.of_joint
 }
 LIFE_JOINT_UNITS = {
-    name + end: own.unit for name, own in FOLLOWED.items() for end in _ENDS if own.of_joint
+    name + end: item.unit for name, item in FOLLOWED.items() for end in _ENDS if item.of_joint
 }
-"""Columns of the table of a life: numbers that are followed, and both ends of their bands."""
-TOLERANCE = 1e-3
-"""Root mean square difference allowed, part of the root mean square of our column."""
+TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
 
 
 @dataclass(frozen=True)
 class ColumnDifference:
-    """Distance of a column of theirs from ours.
+    """Difference between a column of a table and the run.
 
     Attributes
     ----------
     greatest, rms : float
         Largest and root mean square difference, in the unit of the column.
     bound : float
-        Largest ``rms`` that passes.
+        Largest ``rms`` that is allowed.
     """
 
     column: str
@@ -95,12 +91,12 @@ class ColumnDifference:
 
     @property
     def passed(self) -> bool:
-        """True where the difference is within the bound."""
+        """True if the difference is within the bound."""
         return self.rms <= self.bound
 
 
 def unit_of(column: str) -> str:
-    """Unit of a column; InputError for a name that is none."""
+    """Return the unit of a column; InputError for an unknown name."""
     units = UNITS | MOMENT_UNITS | LIFE_UNITS
     if column in units:
         return units[column]
@@ -117,19 +113,19 @@ def unit_of(column: str) -> str:
 
 
 def table_of(result: Result, stage: int) -> dict[str, Array]:
-    """The recorded series of a stage; InputError if there is no such stage."""
-    own = result.stage(stage)
-    columns = {name: getattr(own, name) for name in _SERIES}
-    columns["height"] = height_of(result.scene, own)
-    force = process_force(result.scene, own)
+    """Return the recorded series of a stage; InputError if there is no such stage."""
+    item = result.stage(stage)
+    columns = {name: getattr(item, name) for name in _SERIES}
+    columns["height"] = height_of(result.scene, item)
+    force = process_force(result.scene, item)
     if force is not None:
         columns["process_force"] = force
-    for name, joint in own.joints.items() if own.has_joint_series else ():
+    for name, joint in item.joints.items() if item.has_joint_series else ():
         values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
         columns |= {
             f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)
         }
-    for body, curve in curves_of(result.scene, own).items():
+    for body, curve in curves_of(result.scene, item).items():
         columns |= {
             f"{body}_{quantity}": values
             for quantity in DRIVE_UNITS
@@ -139,10 +135,9 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
 
 
 def strokes_table(result: Result, stage: int) -> dict[str, Array]:
-    """Moments of the recorded strokes of a stage on the work, a row a stroke.
+    """Return the instants of the recorded strokes of a stage on the work, one row per stroke.
 
-    A moment that there is not is not a number.  InputError if there is no such stage, or no
-    stroke on any work.
+    Missing instants are nan. InputError if there is no such stage, or no stroke on the work.
     """
     strokes = result.strokes(stage)
     if strokes is None or not len(strokes.contact):
@@ -153,10 +148,7 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
 
 
 def life_table(result: Result) -> dict[str, Array]:
-    """What is followed through a life over strokes, with both ends of its band.
-
-    InputError where the result has no life.
-    """
+    """Return the quantities of a service life over strokes; InputError without a life."""
     if result.life is None:
         raise InputError(f"{result.scene.name} has no life to write: it was worn until no limit")
     curves = dict(result.life.curves)
@@ -168,7 +160,7 @@ def life_table(result: Result) -> dict[str, Array]:
 
 
 def check_table(table: Table, source: str) -> None:
-    """InputError naming the source unless a table can be compared."""
+    """Raise InputError naming the source if a table cannot be compared."""
     for name in table:
         try:
             unit_of(name)
@@ -219,7 +211,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Read and check a ``.csv`` or ``.npz`` table; InputError says what is wrong where."""
+    """Read and check a ``.csv`` or ``.npz`` table; InputError names place and error."""
     kind = _suffix(path)
     check_name(path)
     table = _from_npz(path) if kind == ".npz" else _from_csv(path)
@@ -243,21 +235,21 @@ def _from_npz(path: Path) -> dict[str, Array]:
 
 
 def _from_csv(path: Path) -> dict[str, Array]:
-    """Columns of a text; numpy's own readers tell neither the line nor the column of an error."""
+    """Return the columns of a text; numpy's readers do not name the place of an error."""
     try:
         lines = read_checked(path).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise InputError(f"{path} is no text: {error}") from None
-    told = [
+    rows = [
         (number, [word.strip() for word in line.split(",")])
         for number, line in enumerate(lines, start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    names = [word.strip('"') for word in told[0][1]] if told else []
+    names = [word.strip('"') for word in rows[0][1]] if rows else []
     if len(set(names)) < len(names):
         raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
-    columns = np.empty((len(names), max(len(told) - 1, 0)))
-    for row, (number, words) in enumerate(told[1:]):
+    columns = np.empty((len(names), max(len(rows) - 1, 0)))
+    for row, (number, words) in enumerate(rows[1:]):
         place = f"{path}, line {number}"
         if len(words) != len(names):
             raise InputError(f"{place}: {len(words)} values for {len(names)} columns")
@@ -272,17 +264,17 @@ def _from_csv(path: Path) -> dict[str, Array]:
 def compare_tables(
     ours: Table, theirs: Table, until: float | None, tolerance: float
 ) -> list[ColumnDifference]:
-    """Differences column by column at their times that lie within our record.
+    """Return differences column by column at the times of a table that lie within the run.
 
-    The displacement between our rows is the cubic through displacements and
-    velocities, the velocity its derivative; other columns are monotone cubics.
+    The displacement of the run between rows is the cubic through displacements and velocities, the
+    velocity its derivative; other columns are monotone cubics.
 
     Parameters
     ----------
     until : float or None
         Last time compared, s; None: the whole overlap.
     tolerance : float
-        Bound of the rms difference, part of the rms of our column.
+        Bound of the rms difference relative to the rms of the column.
     """
     time = ours["time"]
     if time.size < 2:
@@ -298,22 +290,22 @@ def compare_tables(
             f"from {theirs['time'][0]:g} to {theirs['time'][-1]:g} s"
         )
     wanted = theirs["time"][common]
-    found = []
+    differences = []
     for name, values in theirs.items():
         if name == "time":
             continue
         mine = _interpolated(ours, name, wanted)
-        apart = values[common] - mine
-        found.append(
+        off = values[common] - mine
+        differences.append(
             ColumnDifference(
                 name,
                 unit_of(name),
-                float(np.abs(apart).max()),
-                _rms(apart),
+                float(np.abs(off).max()),
+                _rms(off),
                 tolerance * _rms(mine),
             )
         )
-    return found
+    return differences
 
 
 def _interpolated(ours: Table, name: str, wanted: Array) -> Array:

@@ -130,9 +130,9 @@ def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> st
     for name in PACKAGES[:-1]:
         pairs[name] = (stored["packages"].get(name), here["packages"][name])
     return ", ".join(
-        f"{name} {there} there and {own} here"
-        for name, (there, own) in pairs.items()
-        if there != own
+        f"{name} {there} there and {item} here"
+        for name, (there, item) in pairs.items()
+        if there != item
     )
 
 
@@ -185,7 +185,9 @@ def read_document(path: Path) -> dict[str, Any]:
     missing = ""
     if not (path / FILE).exists():
         missing = f"{path} is no result folder: it has no {FILE}"
-        inner = sorted(own.parent for depth in ("*", "*/*") for own in path.glob(f"{depth}/{FILE}"))
+        inner = sorted(
+            item.parent for depth in ("*", "*/*") for item in path.glob(f"{depth}/{FILE}")
+        )
         if inner:
             more = f" and {len(inner) - MAX_NAMED} more" if len(inner) > MAX_NAMED else ""
             missing += f"; name one that it holds: {', '.join(map(str, inner[:MAX_NAMED]))}{more}"
@@ -235,7 +237,7 @@ def check_joints(
                     f"{file}: stages[{stage.index}] tells of joints {', '.join(group) or 'none'}, "
                     f"where the scene has clearance at {', '.join(joints) or 'none'}"
                 )
-        for sides in (own for step in stage.wear_steps for own in step.max_depth.values()):
+        for sides in (item for step in stage.wear_steps for item in step.max_depth.values()):
             if set(sides) != set(SIDES):
                 raise InputError(
                     f"{file}: stages[{stage.index}].wear_steps tells of {', '.join(sides)}; "
@@ -321,7 +323,7 @@ class ResultFolder(Observer):
 
     @property
     def is_finished(self) -> bool:
-        """Whether the run in it has ended."""
+        """True if the run in it has ended."""
         return self._document["status"] in FINISHED
 
     def _new_document(self) -> dict[str, Any]:
@@ -384,7 +386,7 @@ class ResultFolder(Observer):
         changes = differences(document["scene"], plain(self._scene.as_dict()))
         if changes:
             text = ", ".join(
-                f"{key} is {there} there and {own} here" for key, there, own in changes
+                f"{key} is {there} there and {item} here" for key, there, item in changes
             )
             raise InputError(f"--out {self.path}: it holds a run of another scene: {text}")
         versions = provenance_differs(document["provenance"], here)

@@ -1,4 +1,4 @@
-"""A service life as results keep it: after how many strokes, how sure, and the way there."""
+"""Service life as results store it: strokes with their interval, limits, curves and phases."""
 
 import math
 from collections.abc import Mapping
@@ -16,10 +16,8 @@ from presswear.tools.numbers import large, readable
 
 Array = NDArray[np.float64]
 
-FILE = "life.npz"
-"""File of its curves."""
-COLUMNS = ("mean", "low", "high")
-"""Columns of a curve."""
+FILE = "life.npz"  # of the curves
+COLUMNS = ("mean", "low", "high")  # of a curve
 WORDS = {
     "depth": "depth",
     "wear_volume": "worn volume",
@@ -29,31 +27,28 @@ WORDS = {
     "bdc_drift": "drift of bottom dead centre",
     "repeatability": "repeatability",
 }
-"""Followed numbers as people say them."""
-UNITS = {name: own.unit for name, own in FOLLOWED.items()}
-"""Their units."""
-_FINE = 0.05
-"""Half width of a logarithm below which a life is told to three digits."""
+UNITS = {name: quantity.unit for name, quantity in FOLLOWED.items()}
+_FINE = 0.05  # half width of a logarithm, below which a life has three digits
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
 
 @dataclass(frozen=True)
 class LimitResult:
-    """After how many strokes a limit is passed.
+    """Strokes after which a limit is exceeded.
 
     Attributes
     ----------
     key, unit : str
-        What is limited, such as ``A.depth``, and its unit.
+        Limited quantity, such as ``A.depth``, and its unit.
     value : float
         The limit.
     strokes : float or None
-        None: it is not passed as far as the wear was followed.
+        None: it is not exceeded as far as the wear was computed.
     sampling, step : float or None
-        Half widths of the logarithm of the strokes: by the chance in the motion, and by the step
+        Half widths of the logarithm of the strokes: by the scatter of the motion, and by the step
         of the wear.
     last, last_half_width : float or None
-        What was reached at the end, and its half width.
+        Value at the end, and its half width.
     """
 
     key: str
@@ -68,16 +63,16 @@ class LimitResult:
 
 @dataclass(frozen=True)
 class PassResult:
-    """A pass over a life, each in finer steps than the one before.
+    """Refinement of a life, each in finer steps than the one before.
 
     Attributes
     ----------
     change : float
         Part of the clearance that a cycle takes off.
     cycles : int
-        Of all starts.
+        Of all replicates.
     strokes, sampling : float or None
-        The life by it alone, and the half width of its logarithm.
+        Life by this refinement alone, and the half width of its logarithm.
     """
 
     change: float
@@ -88,7 +83,7 @@ class PassResult:
 
 @dataclass(frozen=True)
 class Phase:
-    """Strokes in which a joint loses about as much in each.
+    """Phase of constant wear rate of a joint.
 
     Attributes
     ----------
@@ -98,7 +93,7 @@ class Phase:
     since, until : float
         Strokes.
     rate, half_width : float
-        Volume lost in a stroke, m^3.
+        Volume that a stroke takes off, m^3.
     """
 
     joint: str
@@ -111,29 +106,28 @@ class Phase:
 
 @dataclass(frozen=True)
 class LifeResult:
-    """A service life; its fields are the names in ``result.json``, but for the curves.
+    """Service life; its fields are the names in ``result.json``, except for the curves.
 
     Attributes
     ----------
     ended : {"limit", "at_most", "worn", "cycles"}
-        Why the wear was followed no further: a limit was passed, or the strokes were as many as
-        were asked, a surface was worn deeper than the model goes (or a run failed), or the cycles
-        were as many as may be.
+        A limit was exceeded; the strokes reached their maximum; a surface was worn deeper than the
+        model allows or a run failed; the cycles reached their maximum.
     message : str
-        What ended it, where no limit did.
+        Reason, unless a limit was exceeded.
     strokes : float
-        The life; where no limit was passed, how far the wear was followed.
+        Life; if no limit was exceeded, strokes for which the wear was computed.
     sampling, step : float or None
-        Half widths of its logarithm: by the chance in the motion, and by the step of the wear.
+        Half widths of its logarithm: by the scatter of the motion, and by the step of the wear.
     scatter : float
         Half width of its logarithm by the scatter of the wear coefficients.
     limits : tuple of LimitResult
     passes : tuple of PassResult
     phases : tuple of Phase
     services : tuple of str
-        What was done to bushes, and when.
+        Maintenance of bushings, with strokes.
     curves : mapping of str to ndarray
-        ``strokes``, shape (n,), and each followed number by its key, shape (n, 3): COLUMNS.
+        ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): COLUMNS.
     """
 
     ended: Ended
@@ -150,58 +144,60 @@ class LifeResult:
 
     @property
     def first(self) -> LimitResult | None:
-        """The limit that is passed first; None where none is."""
-        found = [own for own in self.limits if own.strokes is not None]
-        return min(found, key=lambda own: own.strokes or 0.0) if found else None
+        """Limit that is exceeded first, or None."""
+        exceeded = [limit for limit in self.limits if limit.strokes is not None]
+        return min(exceeded, key=lambda limit: limit.strokes or 0.0, default=None)
 
     @property
     def error(self) -> float | None:
-        """Half width of the logarithm of the life for its wear coefficients; None: not known."""
+        """Half width of the logarithm of the life for its wear coefficients; None: unknown."""
         if self.sampling is None or self.step is None:
             return None
         return math.hypot(self.sampling, self.step)
 
     @property
     def total_error(self) -> float | None:
-        """Half width of the logarithm with that of the wear coefficients; None: not known."""
+        """Half width of the logarithm with the scatter of the wear coefficients; None: unknown."""
         return None if self.error is None else math.hypot(self.error, self.scatter)
 
     @property
     def interval(self) -> Estimate:
-        """The life with the ends of its interval for its wear coefficients, strokes."""
+        """Life with its interval for its wear coefficients, strokes."""
         if self.error is None:
             return Estimate(self.strokes)
         factor = math.exp(self.error)
         return Estimate(self.strokes, self.strokes / factor, self.strokes * factor)
 
     def hours(self, scene: Scene) -> float:
-        """Hours that the life takes at the scene's own rate, without a pause."""
+        """Return the hours of the life at the rate of the scene, without a pause."""
         return self.strokes * scene.mechanism.period / 3600.0
 
     def strokes_at(self, scene: Scene, index: int) -> float:
-        """Strokes after which the surfaces are those of a stage: equal parts of the life."""
+        """Return the strokes at which a stage stands: stages divide the life in equal parts."""
         return self.strokes * index / scene.wear_updates
 
     @property
     def words(self) -> str:
-        """The strokes with both ends of their interval, where that is known."""
+        """Strokes with both ends of their interval, if it is known."""
         span = span_of(self.strokes, self.error)
         strokes = large(self.strokes, digits=digits_of(self.error))
         return f"{strokes} strokes ({span})" if span else f"{strokes} strokes"
 
     def __str__(self) -> str:
-        """One line: after how many strokes what is passed, or how far nothing is."""
+        """Return one line: strokes and the limit that is exceeded, or the values reached."""
         first = self.first
         if first is None:
-            told = (f"{words_of(own.key)} {own.last:.3g} {own.unit}" for own in self.limits)
-            return f"no life is known: {self.message}; reached: {', '.join(told)}"
+            reached = (
+                f"{words_of(limit.key)} {limit.last:.3g} {limit.unit}" for limit in self.limits
+            )
+            return f"no life is known: {self.message}; reached: {', '.join(reached)}"
         limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
         return f"life: {self.words} until {limit}{scatter}"
 
     def as_dict(self) -> dict[str, Any]:
-        """It as plain data, without the curves."""
+        """Return the life as plain data, without the curves."""
         plain = asdict(self)
         del plain["curves"]
         return plain
@@ -233,12 +229,12 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
 
 
 def digits_of(error: float | None) -> int:
-    """Digits that a life is told to, from the half width of its logarithm."""
+    """Return the digits of a life from the half width of its logarithm."""
     return 3 if error is None or error < _FINE else 2
 
 
 def span_of(strokes: float, error: float | None) -> str:
-    """Both ends of an interval whose half width is of the logarithm; or nothing."""
+    """Return both ends of an interval from the half width of the logarithm, or nothing."""
     if error is None:
         return ""
     factor = math.exp(error)
@@ -246,14 +242,14 @@ def span_of(strokes: float, error: float | None) -> str:
 
 
 def words_of(key: str) -> str:
-    """A followed number in words, such as ``depth of A``, from its key."""
+    """Return the words for a key, such as ``depth of A``."""
     joint, _, name = key.rpartition(".")
     return f"{WORDS[name]} of {joint}" if joint else WORDS[name]
 
 
 def check_curves(life: LifeResult, curves: Mapping[str, Array], file: object) -> None:
-    """InputError where curves are missing, misshapen or not finite."""
-    wanted = {"strokes", *(own.key for own in life.limits)}
+    """Raise InputError if curves are missing, misshapen or not finite."""
+    wanted = {"strokes", *(limit.key for limit in life.limits)}
     for name in sorted(wanted - curves.keys()):
         raise InputError(f"{file}: the array {name} is missing")
     count = curves["strokes"].size

@@ -119,8 +119,8 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     broken = [] if breaks is None else crossings(process.height - breaks, False)
     turned = [instant for instant, _ in crossings(process.height + scene.lift, True)]
     rows, none = [], (np.nan, np.nan)
-    for begin, end in pairwise([-np.inf, *turned, np.inf]):
-        first = next((m for m in contacts if begin < m[0] < end), None)
+    for start, end in pairwise([-np.inf, *turned, np.inf]):
+        first = next((m for m in contacts if start < m[0] < end), None)
         if first is None:
             continue
         # If the run ends before the stroke does, the output may only have bounced.
@@ -148,7 +148,7 @@ class SettledStroke:
         Instant at which the force of the work has vanished.
     """
 
-    begin: float
+    start: float
     bottom: float
     end: float
     contact: float = math.nan
@@ -169,19 +169,19 @@ def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
     settled = is_whole & (number >= STARTUP_CYCLES)
     begins = begins[settled] if settled.any() else begins[is_whole][-1:]
     strokes, force = strokes_of(scene, stage), process_force(scene, stage)
-    found = []
-    for begin in map(float, begins):
-        stroke = SettledStroke(begin, begin + ideal.time - ideal.top, begin + period)
+    result = []
+    for start in map(float, begins):
+        stroke = SettledStroke(start, start + ideal.time - ideal.top, start + period)
         if strokes is not None and force is not None:
-            inside = (strokes.contact[:, 0] >= begin) & (strokes.contact[:, 0] < stroke.end)
+            inside = (strokes.contact[:, 0] >= start) & (strokes.contact[:, 0] < stroke.end)
             if inside.any():
                 k = int(inside.argmax())
                 contact, fracture = float(strokes.contact[k, 0]), float(strokes.fracture[k, 0])
                 pressed = time[(time > contact) & (time < stroke.end) & (force > 0.0)]
                 done = float(pressed[-1]) if pressed.size else contact
                 stroke = replace(stroke, contact=contact, fracture=fracture, done=done)
-        found.append(stroke)
-    return found
+        result.append(stroke)
+    return result
 
 
 def phases_of(time: Array, strokes: list[SettledStroke]) -> NDArray[np.int64]:
@@ -192,19 +192,19 @@ def phases_of(time: Array, strokes: list[SettledStroke]) -> NDArray[np.int64]:
     snap-through follows the return.
     """
     phases = np.full(time.size, -1)
-    for own in strokes:
-        intervals = [(own.begin, own.bottom, APPROACH), (own.bottom, own.end, RETURN)]
-        if not math.isnan(own.contact):
-            ended = own.done if math.isnan(own.fracture) else own.fracture
+    for item in strokes:
+        intervals = [(item.start, item.bottom, APPROACH), (item.bottom, item.end, RETURN)]
+        if not math.isnan(item.contact):
+            ended = item.done if math.isnan(item.fracture) else item.fracture
             intervals = [
-                (own.begin, own.contact, APPROACH),
-                (own.contact, ended, WORK),
-                (ended, own.end, RETURN),
+                (item.start, item.contact, APPROACH),
+                (item.contact, ended, WORK),
+                (ended, item.end, RETURN),
             ]
-            if not math.isnan(own.fracture):
-                intervals.append((ended, min(ended + SNAP_THROUGH_S, own.end), SNAP_THROUGH))
-        for begin, end, phase in intervals:
-            phases[(time >= begin) & (time < end)] = phase
+            if not math.isnan(item.fracture):
+                intervals.append((ended, min(ended + SNAP_THROUGH_S, item.end), SNAP_THROUGH))
+        for start, end, phase in intervals:
+            phases[(time >= start) & (time < end)] = phase
     return phases
 
 
@@ -304,15 +304,15 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         for name, joint in (stage.joints if stage.has_joint_series else {}).items()
     }
     peaks = {
-        name: own.peak_per_cycle.mean
-        for name, own in joints.items()
-        if own.peak_per_cycle is not None
+        name: item.peak_per_cycle.mean
+        for name, item in joints.items()
+        if item.peak_per_cycle is not None
     }
     force = process_force(scene, stage)
     peak = work = None
     if force is not None:
         height = height_of(scene, stage)
-        rows = [_rows(stage.time, own.begin, own.end) for own in strokes]
+        rows = [_rows(stage.time, item.start, item.end) for item in strokes]
         peak = _mean([float(force[part].max()) for part in rows])
         # The force is linear in height between two rows.
         work = _mean([-float(np.trapezoid(force[part], height[part])) for part in rows])
@@ -328,7 +328,7 @@ def joint_tonnage(
     size = np.hypot(*joint.force.T)
     peaks: dict[str, list[float]] = {}
     for stroke in strokes:
-        inside = (time >= stroke.begin) & (time < stroke.end)
+        inside = (time >= stroke.start) & (time < stroke.end)
         for place, name in enumerate(PHASES):
             here = size[inside & (phase == place)]
             if here.size:
@@ -407,10 +407,10 @@ def rms(time: Array, values: Array) -> float:
     return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0]))
 
 
-def _rows(time: Array, begin: float, end: float) -> slice:
+def _rows(time: Array, start: float, end: float) -> slice:
     """Return the rows from one instant to another, both included."""
     noise = 1e-12 * max(abs(end), 1.0)
-    ends = np.searchsorted(time, (begin - noise, end + noise))
+    ends = np.searchsorted(time, (start - noise, end + noise))
     return slice(int(ends[0]), int(ends[1]))
 
 
@@ -552,7 +552,7 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     duties = _with_shares(
         {body: _duty_of_cycles(cycles[:, k], period) for k, body in enumerate(recorded)}
     )
-    return {body: DriveResult(own, duties[body], ideal[body]) for body, own in recorded.items()}
+    return {body: DriveResult(item, duties[body], ideal[body]) for body, item in recorded.items()}
 
 
 def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
@@ -593,19 +593,19 @@ def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveC
     curves = {}
     for k, drive in enumerate(linkage.drives):
         place = 3 * linkage.index(drive.body) + 2
-        own = np.zeros(0) if torque is None else torque[:, k]
-        power = own * motion.velocity[: own.size, place]
-        curves[drive.body] = DriveCurve(time, motion.position[:, place], own, power)
+        item = np.zeros(0) if torque is None else torque[:, k]
+        power = item * motion.velocity[: item.size, place]
+        curves[drive.body] = DriveCurve(time, motion.position[:, place], item, power)
     return curves
 
 
 @lru_cache(maxsize=16)
 def _ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
     """Return the drives over a cycle of the ideal motion, and the weights of its instants, s."""
-    begin, period = scene.run_up, scene.mechanism.period
+    start, period = scene.run_up, scene.mechanism.period
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
-    edges = begin + np.concatenate([before, period + cycle[1:]])
+    edges = start + np.concatenate([before, period + cycle[1:]])
     edges = np.unique(np.concatenate([edges, _kinks(scene, edges)]))
     curves, _ = _integrated(scene, edges)
     # Supplied and returned energy have a kink where the power of a drive changes its sign.
@@ -695,14 +695,14 @@ def _duty(curve: DriveCurve, weights: Array) -> DriveDuty:
 def _with_shares(duties: Mapping[str, DriveDuty]) -> dict[str, DriveDuty]:
     def shares(number: Callable[[DriveDuty], float]) -> dict[str, float]:
         total = sum(abs(number(duty)) for duty in duties.values())
-        return {body: abs(number(own)) / total if total else 0.0 for body, own in duties.items()}
+        return {body: abs(number(item)) / total if total else 0.0 for body, item in duties.items()}
 
     rms = shares(lambda duty: duty.torque.rms)
     peak = shares(lambda duty: duty.power.peak)
     energy = shares(lambda duty: duty.supplied)
     return {
-        body: replace(own, share=Share(rms[body], peak[body], energy[body]))
-        for body, own in duties.items()
+        body: replace(item, share=Share(rms[body], peak[body], energy[body]))
+        for body, item in duties.items()
     }
 
 
@@ -719,7 +719,7 @@ def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]
         return []
     error, start = stage.each_cycle("bottom_height") - ideal.height, stage.arrays["cycle_start"]
     rows = [error[start == replicate][ideal.first :] for replicate in np.unique(start)]
-    return [(ideal.first + 1.0 + np.arange(own.size), own) for own in rows]
+    return [(ideal.first + 1.0 + np.arange(item.size), item) for item in rows]
 
 
 def rise(stage: StageResult, since: StageResult) -> Estimate | None:
@@ -778,9 +778,9 @@ class Conformity:
     @property
     def forces(self) -> tuple[float, float]:
         """Forces of K delta^1.5 and of Liu's law over that of the foundation."""
-        own = (max(self.part, 0.0), 1.0, 1.5)
-        whole = foundation_force(*own, 0.0, 1.0)
-        return elastic_force(*own) / whole, liu_force(*own, 0.0, 1.0) / whole
+        item = (max(self.part, 0.0), 1.0, 1.5)
+        whole = foundation_force(*item, 0.0, 1.0)
+        return elastic_force(*item) / whole, liu_force(*item, 0.0, 1.0) / whole
 
     @property
     def words(self) -> str:
@@ -836,8 +836,8 @@ def has_motion(scene: Scene, stage: StageResult) -> bool:
     """Return whether a complete cycle of a motion with clearance was recorded."""
     if stage.failed or not stage.has_joint_series or stage.time.size < 2:
         return False
-    begin, end = settled_span(scene, stage)
-    return end - begin > 0.99 * scene.mechanism.period
+    start, end = settled_span(scene, stage)
+    return end - start > 0.99 * scene.mechanism.period
 
 
 def settled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
@@ -851,26 +851,26 @@ def settled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
 
 def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
     """Return the contact modes of a joint in the recorded settled cycles, over time in s."""
-    begin, end = settled_span(scene, stage)
-    own = stage.joints[joint]
-    contacts = np.column_stack([own.contact("touchdown"), own.contact("separation")])
-    closing = own.contact("closing_speed")
+    start, end = settled_span(scene, stage)
+    item = stage.joints[joint]
+    contacts = np.column_stack([item.contact("touchdown"), item.contact("separation")])
+    closing = item.contact("closing_speed")
     last = float(contacts[-1, 1]) if len(contacts) else float(stage.time[0])
     # A contact that continues at the end is not recorded as one.
-    lasting = (stage.time > last) & (own.penetration > 0.0)
+    lasting = (stage.time > last) & (item.penetration > 0.0)
     if lasting.any():
         more = [[stage.time[lasting][0], end + scene.mechanism.period]]
         contacts, closing = np.append(contacts, more, axis=0), np.append(closing, 0.0)
-    sliding, lower_speed = (stage.time, own.sliding), scene.bearing(joint).lower_speed
-    found = timeline((begin, end), contacts, closing, sliding, lower_speed)
-    return Timeline(found.edges - scene.run_up, found.mode, found.names)
+    sliding, lower_speed = (stage.time, item.sliding), scene.bearing(joint).lower_speed
+    result = timeline((start, end), contacts, closing, sliding, lower_speed)
+    return Timeline(result.edges - scene.run_up, result.mode, result.names)
 
 
 def resonance(stage: StageResult, joint: str) -> float | None:
     """Return the frequency of the contact, Hz, or None; see ``resonance_frequency``."""
-    own = stage.joints[joint]
-    lasting = own.contact("separation") - own.contact("touchdown")
-    return resonance_frequency(lasting, own.contact("closing_speed"))
+    item = stage.joints[joint]
+    lasting = item.contact("separation") - item.contact("touchdown")
+    return resonance_frequency(lasting, item.contact("closing_speed"))
 
 
 def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
@@ -879,8 +879,8 @@ def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
     By a joint's name that of its normal force, N^2/Hz, by ``""`` that of the acceleration of the
     output, (m/s^2)^2/Hz.
     """
-    begin, end = settled_span(scene, stage)
-    rows = (stage.time >= begin) & (stage.time <= end)
+    start, end = settled_span(scene, stage)
+    rows = (stage.time >= start) & (stage.time <= end)
     series = {"": stage.acceleration}
     series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}
     period = scene.mechanism.period
@@ -900,8 +900,8 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
         both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
         rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
         return rows, scene.recording.phases[0]
-    begin, end = (instant - scene.run_up for instant in settled_span(scene, stage))
-    at = times_at_phase(begin, end, scene.mechanism.period, 0.0)
+    start, end = (instant - scene.run_up for instant in settled_span(scene, stage))
+    at = times_at_phase(start, end, scene.mechanism.period, 0.0)
     return section(stage.time - scene.run_up, stage.joints[joint].eccentricity, at), 1.0
 
 
@@ -915,12 +915,12 @@ def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Arr
     closing_speed : ndarray, shape (n,)
         Rate of penetration, m/s.
     """
-    begin, end = settled_span(scene, stage)
-    own = stage.joints[joint]
-    instant = own.contact("touchdown")
-    inside = (instant >= begin) & (instant <= end)
+    start, end = settled_span(scene, stage)
+    item = stage.joints[joint]
+    instant = item.contact("touchdown")
+    inside = (instant >= start) & (instant <= end)
     phase = (instant[inside] - scene.run_up) / scene.mechanism.period % 1.0
-    return phase, own.contact("closing_speed")[inside]
+    return phase, item.contact("closing_speed")[inside]
 
 
 def period_of(scene: Scene, stage: StageResult) -> Periodicity:

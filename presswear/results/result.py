@@ -57,21 +57,21 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _FIGURES, _REPORT = "presswear.show.figures", "presswear.show.report"
-"""Rooms that show a result; looked up when they are asked, since results stand below them."""
+# Imported when they are called, since results are on a lower floor.
 
 
 @dataclass(frozen=True)
 class Result:
-    """A scene that ran: its stages, how it ended, and where its numbers come from.
+    """Result of a scene: its stages, status and provenance.
 
     Attributes
     ----------
     scene : Scene
     stages : tuple of StageResult
     status : str
-        ``completed``, ``failed``, ``interrupted`` or ``running``.
+        ``completed``, ``unconverged``, ``failed``, ``interrupted`` or ``running``.
     message : str
-        Why it is not completed, or nothing.
+        Reason why it is not completed, or nothing.
     provenance : mapping
         Versions, revision, machine and date.
     wall_s : float
@@ -79,7 +79,7 @@ class Result:
     path : Path or None
         Its folder; None: in memory only.
     life : LifeResult or None
-        How long its joints live, where that was asked and is known.
+        Service life, if the scene has limits.
     """
 
     scene: Scene
@@ -92,53 +92,55 @@ class Result:
     life: LifeResult | None = None
 
     def stage(self, index: int) -> StageResult:
-        """The stage after so many wears; InputError tells which there are."""
+        """Return the stage after a number of wear updates; InputError names those there are."""
         for stage in self.stages:
             if stage.index == index:
                 return stage
-        held = [stage.index for stage in self.stages]
-        told = ", ".join(map(str, held)) or "none"
-        near = f"; did you mean {min(held, key=lambda own: abs(own - index))}?" if held else ""
-        where = self.path or self.scene.name
-        raise InputError(f"{where} has no stage {index}; it has {told}{near}")
+        indices = [stage.index for stage in self.stages]
+        text, where = ", ".join(map(str, indices)) or "none", self.path or self.scene.name
+        if indices:
+            text += f"; did you mean {min(indices, key=lambda stage: abs(stage - index))}?"
+        raise InputError(f"{where} has no stage {index}; it has {text}")
 
     def stage_name(self, index: int) -> str:
-        """Name of a stage: what it has worn by, or after how many strokes of a life it stands."""
+        """Return the name of a stage: its wear updates, or its strokes in a service life."""
         if self.life is None or index == 0:
-            return stage_name(index, any(own.index == 0 and own.is_worn for own in self.stages))
+            return stage_name(
+                index, any(stage.index == 0 and stage.is_worn for stage in self.stages)
+            )
         return f"after {large(self.life.strokes_at(self.scene, index))} strokes"
 
     def strokes(self, index: int) -> Strokes | None:
-        """The recorded strokes of a stage on the work; None where the scene has no process."""
+        """Return the recorded strokes of a stage on the work; None without a process."""
         return strokes_of(self.scene, self.stage(index))
 
     def process_force(self, index: int) -> Array | None:
-        """Force of the work at the times of a stage's series, shape (n,), N; None without any."""
+        """Return the force of the work at the times of the series, shape (n,), N, or None."""
         return process_force(self.scene, self.stage(index))
 
     def height(self, index: int) -> Array:
-        """Height over the ideal bottom dead centre at the same times, shape (n,), m."""
+        """Return the height over the ideal bottom dead centre at these times, shape (n,), m."""
         return height_of(self.scene, self.stage(index))
 
     def tonnage(self, index: int) -> Tonnage | None:
-        """Tonnage and shock in a stage; None where it failed or no stroke is whole."""
+        """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
         return tonnage_of(self.scene, self.stage(index))
 
     def drives(self, index: int) -> dict[str, DriveResult]:
-        """The drives in a stage by their bodies; none where torques were not stored."""
+        """Return the drives in a stage by their bodies; empty if torques were not stored."""
         return drives_of(self.scene, self.stage(index))
 
     def energy(self, index: int) -> Energy | None:
-        """Energy of a part made in a stage; None where it failed before a cycle was whole."""
+        """Return the energy of a part; None if the stage failed before a cycle was complete."""
         return energy_of(self.scene, self.stage(index))
 
     @property
     def grew_in_steps(self) -> bool:
-        """True where any wear was applied in more than one step."""
+        """True if any wear update was applied in more than one step."""
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
     def __str__(self) -> str:
-        """A row a stage: cycles, peak forces, worn volumes, how it ended; and deep contacts."""
+        """Return a table of the stages, and sentences on deep contacts."""
         names = self.scene.clearance_joints
         columns = ["stage", "cycles"]
         for name in names:
@@ -148,10 +150,10 @@ class Result:
             name = self.stage_name(stage.index) if names else "computed"
             row = [name, str(stage.cycles)]
             for joint in stage.joints.values():
-                found = joint.stored
+                statistics = joint.stored
                 row += [
-                    _short(found and found.peak_force),
-                    _short(found and 1e9 * found.wear_volume.mean),
+                    _short(statistics and statistics.peak_force),
+                    _short(statistics and 1e9 * statistics.wear_volume.mean),
                 ]
             rows.append([*row, stage.message or stage.status])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -161,31 +163,31 @@ class Result:
         ]
         where = f", in {self.path}" if self.path else ""
         ending = f": {self.message}" if self.message else ""
-        lived = [] if self.life is None else [f"{self.life}"]
+        life = [] if self.life is None else [f"{self.life}"]
         first = f"{name_of(self.scene)}, {self.status}{ending}{where}"
-        return "\n".join([first, *lived, *lines, *deep_contacts(self.scene, self.stages)])
+        return "\n".join([first, *life, *lines, *deep_contacts(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
-        """Draw figures; gives their axes back, in a notebook the figures are shown.
+        """Draw figures and return their axes; a notebook shows the figures.
 
         Parameters
         ----------
         names : str
             As ``presswear.show.figures.NAMES`` lists them, such as ``wear``, ``force``,
-            ``path``; none: all that make sense.
+            ``path``; none: all that have data.
         stage : int or None
             The only stage to draw; None: all.
 
         Raises
         ------
         InputError
-            For an unknown name or stage, and a name of which there is nothing to draw.
+            For an unknown name or stage, and for a figure without data.
         """
         axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
         return axes
 
     def report(self) -> Path:
-        """Draw the figures and write ``report.html`` into the result's folder; gives its path.
+        """Draw the figures and write ``report.html`` into the result's folder; return its path.
 
         InputError for a result in memory.
         """
@@ -193,7 +195,7 @@ class Result:
         return path
 
     def table(self) -> "pandas.DataFrame":
-        """Statistics, a row a stage, a column a number, names joined with points; needs pandas."""
+        """Return the statistics with one row per stage and one column per number; needs pandas."""
         import pandas
 
         table = pandas.json_normalize([asdict(stage.statistics) for stage in self.stages])
@@ -202,21 +204,21 @@ class Result:
         return table
 
     def dataset(self, stage: int) -> "xarray.Dataset":
-        """Series and wear maps of a stage over time and angle, SI units; needs xarray."""
+        """Return series and wear maps of a stage over time and angle, SI units; needs xarray."""
         import xarray
 
-        own = self.stage(stage)
-        lengths = {"time": own.time.size}
-        bins = {name: joint.angle.size for name, joint in own.joints.items()}
+        data = self.stage(stage)
+        lengths = {"time": data.time.size}
+        bins = {name: joint.angle.size for name, joint in data.joints.items()}
         lengths |= {angle: bins[name] for name, angle in angle_names(bins).items()}
-        held = {}
-        for name, array in own.arrays.items():
+        variables = {}
+        for name, array in data.arrays.items():
             along = next((axis for axis, n in lengths.items() if array.shape[:1] == (n,)), None)
             if along is None or name in lengths:
                 continue
             across = [f"{name}_{axis}" for axis in range(1, array.ndim)]
-            held[name] = ([along, *across], array)
-        return xarray.Dataset(held, coords={axis: own.arrays[axis] for axis in lengths})
+            variables[name] = ([along, *across], array)
+        return xarray.Dataset(variables, coords={axis: data.arrays[axis] for axis in lengths})
 
 
 def _short(value: float | None) -> str:
@@ -224,31 +226,31 @@ def _short(value: float | None) -> str:
 
 
 def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
-    """The scene of a result folder, and the rest of its document, checked against each other."""
+    """Return the scene of a result folder and its document, checked against each other."""
     file = path / FILE
     stored = stored_result(read_document(path), file)
     try:
         scene = Scene.from_dict(stored.scene)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
-    # Both are told twice, for whoever reads the file without us.
-    for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
-        if told != stored.scene[key]:
+    # Both are stored twice, for readers of the file.
+    for key, value in {"engine": stored.engine, "conventions": stored.conventions}.items():
+        if value != stored.scene[key]:
             raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
     check_joints(stored, scene.clearance_joints, scene.wear_updates, file)
     return scene, stored
 
 
 def load(path: str | Path, trust: bool = False) -> Result:
-    """Read a result folder; InputError names what is missing, cut off, altered or too new.
+    """Read a result folder; InputError names parts that are missing, damaged or too new.
 
-    A checkpoint is left to whoever goes on from it: a run that is at work may replace it.
+    A checkpoint is not read, because a run may replace it at any time.
 
     Parameters
     ----------
     trust : bool
         Whether this process may execute the Python source code of user laws that the result
-        stores.  Running the scene again, static equilibria and ideal torques need it.
+        stores. Running the scene again, static equilibria and ideal torques need it.
     """
     path = Path(path)
     scene, stored = stored_scene(path)
@@ -278,7 +280,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
 
 
 def _life(path: Path, stored: StoredResult) -> LifeResult | None:
-    """The life with its curves; InputError where they do not fit."""
+    """Return the life with its curves; InputError if they do not agree."""
     if stored.life is None:
         return None
     curves = read_numbers(path / LIFE, stored.files[LIFE])
@@ -287,7 +289,7 @@ def _life(path: Path, stored: StoredResult) -> LifeResult | None:
 
 
 def _film(file: Path, digest: str, scene: Scene) -> Film:
-    """The film in a file; InputError where there is none or it is damaged."""
+    """Return the film in a file; InputError if it is missing or damaged."""
     linkage = scene.linkage()
     arrays = read_numbers(file, digest)
     names = [joint.name for joint in linkage.clearances]
@@ -298,12 +300,12 @@ def _film(file: Path, digest: str, scene: Scene) -> Film:
 
 
 def unfinished(result: Result) -> str:
-    """Words on a stored run that has not come to its end and what is there of it; or nothing."""
+    """Return a sentence on a stored run that is unfinished, or nothing."""
     if result.status in FINISHED or result.path is None:
         return ""
-    who = holder(result.path)
-    if who is not None:
-        how = f"{who} is at work in it"
+    process = holder(result.path)
+    if process is not None:
+        how = f"{process} is at work in it"
     else:
         how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
     return (

@@ -462,17 +462,17 @@ class StageResult:
     @property
     def joints(self) -> dict[str, JointResult]:
         """Joints with clearance by name."""
-        found = {}
+        joints = {}
         for k, name in enumerate(self.joint_names):
-            own = {
+            arrays = {
                 key.removeprefix(f"{name}_"): array
                 for key, array in self.arrays.items()
                 if key.startswith(f"{name}_")
             }
             first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
-            own["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
-            found[name] = JointResult(name, self.statistics.joints.get(name), own)
-        return found
+            arrays["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
+            joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
+        return joints
 
     def section(self, name: str, joint: str = "") -> Array:
         """A number in the Poincare sections of the first start, shape (cycles, sections); SI.
@@ -507,13 +507,13 @@ class StageResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Give everything but its arrays, film and joints, as ``result.json`` holds it."""
-        told = {item.name: getattr(self, item.name) for item in fields(self)}
+        plain = {item.name: getattr(self, item.name) for item in fields(self)}
         for name in ("arrays", "joint_names", "read_film"):
-            del told[name]
-        told["finding"] = asdict(self.finding) if self.finding else None
-        told["statistics"] = asdict(self.statistics)
-        told["wear_steps"] = [asdict(step) for step in self.wear_steps]
-        return told
+            del plain[name]
+        plain["finding"] = asdict(self.finding) if self.finding else None
+        plain["statistics"] = asdict(self.statistics)
+        plain["wear_steps"] = [asdict(step) for step in self.wear_steps]
+        return plain
 
 
 MAX_ENTRY = 1e100  # of an array: a state that diverges is ended at 1e30

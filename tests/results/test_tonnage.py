@@ -159,7 +159,7 @@ def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Resu
     found = settled_strokes(IDEAL, stage)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk / acceleration.
     off = (PERIOD / 1440.0) ** 2 / 8.0 * 20.0 * PRESS.speed
-    assert [own.begin for own in found] == pytest.approx(
+    assert [own.start for own in found] == pytest.approx(
         [HIGHEST + k * PERIOD for k in (1, 2)], abs=off
     )
     assert [own.bottom for own in found] == pytest.approx(
@@ -244,7 +244,7 @@ def test_without_work_there_are_approach_and_return_alone() -> None:
     assert "crank 2_angle" in table_of(result, 0)
 
 
-STROKE = SettledStroke(begin=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
+STROKE = SettledStroke(start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
 
 
 @given(
@@ -284,7 +284,7 @@ JOINT_STATISTICS = JointStatistics(0.0, ZERO, 0, ZERO, 0, None, 0.0, ZERO, ZERO,
 
 def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     """Three strokes with planted peaks; Student's interval from scipy."""
-    moved = ("begin", "bottom", "end", "contact", "fracture", "done")
+    moved = ("start", "bottom", "end", "contact", "fracture", "done")
     strokes = [
         replace(STROKE, **{name: getattr(STROKE, name) + k for name in moved}) for k in range(3)
     ]

@@ -449,7 +449,7 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
         series = [force, *(np.hypot(*stage.data.joints[name].force.T) for name in joints)]
         for stroke in strokes:
             # Above the reach nothing presses on the work.
-            inside = (time >= stroke.begin) & (time < stroke.end) & (height <= reach)
+            inside = (time >= stroke.start) & (time < stroke.end) & (height <= reach)
             for axes, values in zip(column, series, strict=True):
                 stage.pen.draw(axes, factor * height[inside], values[inside], linewidth=0.7)
     if isinstance(process, Coining):
