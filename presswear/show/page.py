@@ -280,7 +280,7 @@ def render_page(
         "text": text_of,
         "number": lambda value, digits=3: readable(value, digits),
         "quantity": quantity_text,
-        "given": short_number,
+        "short": short_number,
         "whole": whole,
         "large": large,
         "degrees": math.degrees,

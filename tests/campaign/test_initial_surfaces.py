@@ -113,7 +113,7 @@ def test_the_source_is_needed_no_more(
     shutil.rmtree(source)
     scene = pw.load(whole).scene
     deepest = readable(1e6 * float(first.stages[1].joints["A"].depth("bearing").max()))
-    told = f"begins on surfaces from {source}:1, deepest: bearing at A {deepest} µm"
+    told = f"starts on surfaces from {source}:1. Deepest wear: bearing of A {deepest} µm"
     assert told in (whole / "report.html").read_text()
 
     class Stops(pw.Observer):

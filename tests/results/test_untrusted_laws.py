@@ -29,7 +29,7 @@ def gust(time):
 LOAD = """
 [[mechanism.loads]]
 body = "crank"
-function = "laws.py:gust"
+law = "laws.py:gust"
 
 [settings]
 normal_law = "laws.py:soft"
@@ -108,7 +108,7 @@ def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
     assert told.count("pw.load(folder, trust=True)") == 4
     assert not (received / "executed").exists()
     page = (received / "out" / "report.html").read_text()
-    assert "Python source code is stored for B.normal_law, loads[0].function." in page
+    assert "Python source code is stored for B.normal_law, loads[0].law." in page
     assert "total clearance" not in page
 
 
