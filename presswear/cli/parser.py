@@ -173,8 +173,7 @@ JOBS = option(
 RESUME = option(
     "--resume",
     action="store_true",
-    help="continue in --out with the same numbers as without interruption; without options on the "
-    "scene it is the stored scene",
+    help="continue in --out, with the same numbers as without interruption",
 )
 TRUST = option(
     "--trust",

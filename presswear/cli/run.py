@@ -59,7 +59,8 @@ def add(commands: Any) -> None:
         "run",
         parents=scene_parents("results/SCENE"),
         description="Runs a scene: its motion on new surfaces, then a wear update and the motion "
-        "on worn surfaces, as often as --wear-updates says. Writes figures and a report.",
+        "on worn surfaces, as often as --wear-updates says. Writes figures and a report. With "
+        "--resume and without options on the scene, the scene stored in --out is used.",
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
