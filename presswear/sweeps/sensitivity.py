@@ -42,7 +42,7 @@ class Points:
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
-        """Whether a replicate of each point has a value, shape (n,)."""
+        """True for each point where a replicate has a value, shape (n,)."""
         return self.counts > 0.0
 
     @property
@@ -52,7 +52,7 @@ class Points:
 
     @property
     def is_constant(self) -> bool:
-        """Whether the response has at most one value."""
+        """True if the response has at most one value."""
         values = self.means[self.has_value]
         return not values.size or float(np.ptp(values)) == 0.0
 
