@@ -1,6 +1,5 @@
 """The face: everything that a script may import, and how a run ends for it."""
 
-import re
 import subprocess
 import sys
 import tomllib
@@ -141,20 +140,3 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
     with pytest.raises(pw.InputError, match="jobs = 0: must be at least 1"):
         pw.run(pw.scenes.wear_times(), jobs=0)
-
-
-def test_rooms_import_only_what_stands_below_them() -> None:
-    """Floors are those of the table in CONTRIBUTING.md."""
-    root = Path(__file__).parents[1]
-    floors: dict[str, int] = {}
-    for line in (root / "CONTRIBUTING.md").read_text().splitlines():
-        if row := re.match(r"\| (\d+) \| (.*?) \|", line):
-            rooms = re.findall(r"`presswear/(\w+)/`", row[2])
-            floors |= dict.fromkeys(rooms, int(row[1]))
-            if "`presswear/__init__.py`" in row[2]:
-                floors[""] = int(row[1])
-    assert set(floors) == {""} | {path.parent.name for path in root.glob("presswear/*/__init__.py")}
-    for file in root.glob("presswear/*/**/*.py"):
-        room = file.relative_to(root).parts[1]
-        for name in re.findall(r"(?:from|import) presswear\b\.?(\w*)", file.read_text()):
-            assert name == room or floors.get(name, 99) < floors[room], f"{file}: {name}"

@@ -22,7 +22,7 @@ from presswear.tools.serialize import check_fields
 
 MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
 MAX_HARMONICS = 16
-MAX_PIECES = 256  # of a motion
+MAX_PIECES = 512  # of a motion
 MIN_ROWS = 3  # of a table: fewer are no motion
 MIN_PIECE = 1e-6  # length of a piece, rad of phase
 DEGREE = 5  # of the polynomial of a piece

@@ -159,7 +159,7 @@ class NormalLaw:
     elasticity : {"power", "liu", "foundation"}
         F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which is Liu and
         others' (2007) for cylinders that conform; the elastic foundation's, over all of the arc.
-    own : UserFunction or None
+    user_law : UserFunction or None
         The whole force, N, as a function of NORMAL_PARAMETERS, in place of all these.
     """
 
@@ -168,7 +168,7 @@ class NormalLaw:
     damping: float = 0.0
     viscosity: float = 0.0
     elasticity: Elasticity = "power"
-    own: UserFunction | None = None
+    user_law: UserFunction | None = None
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ class FrictionLaw:
         v_0 and v_1, m/s: no friction below, full friction above.
     name : str
         One of FRICTIONS.
-    own : UserFunction or None
+    user_law : UserFunction or None
         The force along the sliding, N, as a function of FRICTION_PARAMETERS, in its place.
     static : float
         c_s of LuGre's law at rest, at least c_f.
@@ -197,7 +197,7 @@ class FrictionLaw:
     lower: float = 1e-4
     upper: float = 1e-3
     name: str = "ramp"
-    own: UserFunction | None = None
+    user_law: UserFunction | None = None
     static: float = 0.0
     stribeck: float = 1e-3
     bristle_stiffness: float = 1e5

@@ -69,8 +69,8 @@ class Surface:
         object.__setattr__(self, "depth", depth)
         object.__setattr__(self, "slope", slope)
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Surface) and np.array_equal(self.depth, other.depth)
+    def __eq__(self, surface: object) -> bool:
+        return isinstance(surface, Surface) and np.array_equal(self.depth, surface.depth)
 
     def __hash__(self) -> int:
         return hash(self.depth.tobytes())

@@ -1,4 +1,4 @@
-"""How pins meet their bearings: a state of the linkage in, a record of each contact out.
+"""Contacts of pins and bearings: from a state of the linkage to a record of each contact.
 
 e = pin centre - bearing centre, n = e / |e|, phi its direction, t = n turned by
 +90 degrees. Round surfaces, and worn ones under ``radial`` contact, meet where e points;

@@ -363,11 +363,11 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     elastic, damped = ELASTICITIES[law.elasticity], None
     if law.viscosity > 0.0:
         record["damping"], damped = law.viscosity, kelvin_voigt_force
-    if law.own is not None:
-        elastic, damped = _user_forces(law.own)
+    if law.user_law is not None:
+        elastic, damped = _user_forces(law.user_law)
     record["elastic"] = INLINE if elastic is None else address_of(elastic, 5)
     record["damped"] = INLINE if damped is None else address_of(damped, 8)
-    if law.own is not None:
+    if law.user_law is not None:
         first, last = (part * clearance for part in ESTIMATED_AT)
         low, high = (elastic_of(record, depth)[0] for depth in (first, last))
         exponent = math.log(high / low) / math.log(last / first)
@@ -389,7 +389,7 @@ def friction_record(law: FrictionLaw) -> Records:
         record["static"] = max(law.static, law.coefficient)
         record["stribeck"], record["bristle_damping"] = law.stribeck, law.bristle_damping
         record["bristle_stiffness"] = law.bristle_stiffness
-    if law.own is not None:
-        force = compile_function(law.own, FRICTION_PARAMETERS)
+    if law.user_law is not None:
+        force = compile_function(law.user_law, FRICTION_PARAMETERS)
     record["force"] = INLINE if force is None else address_of(force, 5)
     return record

@@ -393,8 +393,7 @@ def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, floa
 
 
 FOLLOWED = 1e-9  # how near a point keeps to the curve that it follows, part of its stroke
-# Of the motion of a drive whose point follows a curve; at last as many as there may be
-_PIECES = 32, 64, 128
+_PIECES = 32, 64, 128, 256  # of a motion whose point follows a curve, tried before MAX_PIECES
 
 
 def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
@@ -434,7 +433,7 @@ def followed(linkage: Linkage) -> Linkage:
     size = inverse.rows.size
     allowed = max(FOLLOWED * (np.ptp(curves, axis=0).max() or size), ROUND_OFF * size)
     off = math.inf
-    for parts in (*_PIECES, MAX_PIECES - len(breaks)):
+    for parts in (*_PIECES[:-1], _PIECES[-1] - len(breaks), MAX_PIECES - len(breaks)):
         counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)
         if np.maximum(counts, 1).sum() > MAX_PIECES:
             continue

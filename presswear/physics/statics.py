@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -233,7 +232,7 @@ def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
     """
     bottom = bottom_of(ideal_motion(closed(linkage), linkage.period))
     if bottom is None:
-        raise InputError(f"{linkage.name} has no bottom dead centre: what it watches stands still")
+        raise InputError(f"{linkage.name} has no bottom dead centre: its output point stands still")
     time = linkage.run_up_time + linkage.period + bottom.time
     return np.array([equilibrium(linkage, time, force).height for force in forces])
 
@@ -272,11 +271,7 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     return float(up - down)
 
 
-def deflection(
-    linkage: Linkage,
-    force: Annotated[float, _FORCE],
-    idle: Annotated[float, _FORCE] = 0.0,
-) -> float:
+def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
     """Return the rise of bottom dead centre between two static loads, m, the drives held there.
 
     Parameters
@@ -294,5 +289,7 @@ def deflection(
     RunFailed
         Where the linkage does not come to rest.
     """
+    _FORCE.check("force", force)
+    _FORCE.check("idle", idle)
     loaded, unloaded = heights_at_bottom(linkage, (force, idle))
     return float(loaded - unloaded)

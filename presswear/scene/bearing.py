@@ -244,16 +244,16 @@ class Bearing:
         from presswear.tools.compile import check_compiles  # slow import
 
         normal, friction = self.normal(reading), self.rubbing
-        if normal.own is not None:
+        if normal.user_law is not None:
             law = {"stiffness": normal.stiffness, "exponent": normal.exponent}
             rest = {"damping": normal.damping, "clearance": self.clearance}
-            check_normal(f"{joint}.normal_law", normal.own, law | rest)
-            check_compiles(normal.own, f"{joint}.normal_law", NORMAL_PARAMETERS)
-        if friction.own is not None:
+            check_normal(f"{joint}.normal_law", normal.user_law, law | rest)
+            check_compiles(normal.user_law, f"{joint}.normal_law", NORMAL_PARAMETERS)
+        if friction.user_law is not None:
             ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
             values = {"coefficient": friction.coefficient, **ramp}
-            check_friction(f"{joint}.friction_law", friction.own, values)
-            check_compiles(friction.own, f"{joint}.friction_law", FRICTION_PARAMETERS)
+            check_friction(f"{joint}.friction_law", friction.user_law, values)
+            check_compiles(friction.user_law, f"{joint}.friction_law", FRICTION_PARAMETERS)
 
     def joint(
         self,

@@ -57,7 +57,7 @@ class UserFunction:
 
     @property
     def is_trusted(self) -> bool:
-        """Whether the text may be executed in this process."""
+        """True if the text may be executed in this process."""
         return self._checksum in _trusted
 
     def trusted(self) -> "UserFunction":

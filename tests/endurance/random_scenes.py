@@ -195,6 +195,7 @@ def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
         while True:
             try:
                 scene = scene_of(draw)
+                scene.check()
             except InputError as error:
                 if not isinstance(error, AssemblyError) and "triangle" not in str(error):
                     raise

@@ -124,7 +124,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
     ("key", "law", "words"),
     [
         ("normal_law", "pull", "makes energy"),
-        ("normal_law", "words", "a number is expected"),
+        ("normal_law", "words", "must be a number"),
         ("friction_law", "along", "makes energy"),
     ],
 )
@@ -183,7 +183,7 @@ def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
     linkage = BASE.linkage()
     source = "def rise(penetration, rate, onset_speed):\n    return 1e10 * penetration ** 1.5 "
     source += "* (1.0 - 0.2 * rate / onset_speed)\n"
-    law = NormalLaw(1e10, own=UserFunction("rise", source).trusted())
+    law = NormalLaw(1e10, user_law=UserFunction("rise", source).trusted())
     joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
     run = InHouse().simulate(replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1))
     lost, made = (float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J"))

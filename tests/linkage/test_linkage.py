@@ -288,7 +288,7 @@ def test_a_cycle_of_drives_has_few_turns(turns: list[int]) -> None:
         (("drives", 0, "table"), [["0 deg", "1"]], r"table\[0\]\[1\] of crank = '1' has no unit"),
         (("drives", 0, "rises"), [{"start": 0, "end": "9 deg"}], "by is missing"),
         (("drives", 0, "follow"), {}, "follow of crank: point is missing"),
-        (("drives", 0, "table"), [[0, 0], ["60 deg", "5 deg"]], "2 rows; allowed are 3 to 256"),
+        (("drives", 0, "table"), [[0, 0], ["60 deg", "5 deg"]], "2 rows; allowed are 3 to 512"),
         (("loads",), [{"body": "crank", "law": {"kind": "over"}}], "unknown kind of law"),
         (("loads",), [{"point": "rocker", "law": "1 N"}], "direction is missing"),
     ],

@@ -180,7 +180,7 @@ ROW = (0.0, 0.0)
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"table": [(k * 0.01, 0.0) for k in range(300)]}, "table of crank: 300 rows; allowed"),
+        ({"table": [(k * 0.01, 0.0) for k in range(600)]}, "table of crank: 600 rows; allowed"),
         ({"table": [ROW, (2.0, 0.1), (1.0, 0.2)]}, "table of crank: phases must rise, from 0"),
         ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "from 0 to 7 rad; a cycle is"),
         ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, r"table\[1\] of crank = .*expected"),
@@ -188,8 +188,8 @@ ROW = (0.0, 0.0)
         ({"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2 rad must"),
         ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises"),
         (
-            {"rises": [Rise(k / 20, (k + 1) / 20, 0.01, "modified-sine") for k in range(100)]},
-            f"rises of crank: 301 pieces; allowed are {MAX_PIECES} at most",
+            {"rises": [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]},
+            f"rises of crank: 601 pieces; allowed are {MAX_PIECES} at most",
         ),
         ({"harmonics": [ROW], "follow": Follow("crank.head")}, "harmonics and follow cannot be"),
     ],

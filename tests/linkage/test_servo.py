@@ -90,8 +90,9 @@ def test_the_slider_dwells_for_its_part_of_the_cycle(
 
 
 @SOME
-@given(st.floats(0.035, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
+@given(st.floats(0.05, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
 def test_the_speed_is_constant_in_the_work(speed: float, height: float, end: float) -> None:
+    """Near 0.04 m/s some of these curves are out of reach of the press."""
     forming = pw.Forming(speed=speed, height=height, end=end)
     press = pw.Press(servo=forming)
     ideal = motion_of(press)

@@ -133,7 +133,7 @@ def soft(penetration, rate, onset_speed):
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 def test_a_law_of_ones_own_delivers_its_closed_form(engine: Engine, bound: float) -> None:
     """A power of 1.3 with chi = 0.4, in an engine whose kernels do not know it."""
-    run = impact(NormalLaw(STIFFNESS, own=UserFunction("soft", SOFT).trusted()), engine)
+    run = impact(NormalLaw(STIFFNESS, user_law=UserFunction("soft", SOFT).trusted()), engine)
     assert delivered(run, SPEED) == pytest.approx(delivered_restitution(0.4), abs=bound)
 
 
@@ -142,7 +142,7 @@ def test_two_laws_of_one_name_share_nothing() -> None:
     other = UserFunction("soft", SOFT.replace("0.4", "0.8")).trusted()
     engine = ENGINES[0][0]
     seen = [
-        delivered(impact(NormalLaw(STIFFNESS, own=own), engine), SPEED)
+        delivered(impact(NormalLaw(STIFFNESS, user_law=own), engine), SPEED)
         for own in (UserFunction("soft", SOFT).trusted(), other, UserFunction("soft", SOFT))
     ]
     assert seen[0] == seen[2] == pytest.approx(delivered_restitution(0.4), abs=1e-8)

@@ -289,7 +289,7 @@ def test_a_run_without_a_finished_stage_is_nothing_to_report(
     assert main(["report", str(path)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert f"go on with: presswear run wear-times --resume --out {path}" in error
+    assert f"continue with: presswear run wear-times --resume --out {path}" in error
 
 
 def test_the_command_goes_on_and_ends_as_if_never_stopped(
@@ -306,7 +306,7 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     assert folder_differences(whole, halted) == []
     before = (halted / "result.json").read_bytes()
     assert main(["run", "wear-times", "--resume", "--out", str(halted)]) == 0
-    assert "has come to its end before" in capsys.readouterr().out
+    assert "is already complete" in capsys.readouterr().out
     assert (halted / "result.json").read_bytes() == before
     assert json.loads(before)["status"] == "completed"
 

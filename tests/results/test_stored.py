@@ -186,7 +186,7 @@ def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("scene", "says"),
     [
-        ({"mechanism": {}}, "kind of mechanism = None"),
+        ({"mechanism": {}}, "'joints' is missing"),
         ({"press": {}}, "'joints' is missing"),
         (3, "scene: Expected `object`, got `int`"),
     ],

@@ -233,7 +233,8 @@ def test_the_command_writes_table_and_figure(
     assert extents == [replace(work_precision.QUICK, repeats=3)]
     shown = capsys.readouterr().out
     assert "step 0.0001 failed" in shown
-    assert max(map(len, shown.splitlines())) <= 80
+    lines = [line for line in shown.splitlines() if str(folder) not in line]
+    assert max(map(len, lines)) <= 80
     assert (folder / "benchmark.png").stat().st_size > 10_000
     with (folder / "benchmark.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -1,0 +1,48 @@
+"""Imports point downwards; names and docstrings are plain English."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BEGINNINGS = {"Of", "What", "Where", "Whether", "Which", "How", "Who", "That", "Those"}
+NAMES = {"own", "told", "found", "known", "given", "other", "begun"}
+
+
+def test_rooms_import_only_rooms_below_them() -> None:
+    """Floors are those of the table in CONTRIBUTING.md."""
+    floors: dict[str, int] = {}
+    for line in (ROOT / "CONTRIBUTING.md").read_text().splitlines():
+        if row := re.match(r"\| (\d+) \| (.*?) \|", line):
+            rooms = re.findall(r"`presswear/(\w+)/`", row[2])
+            floors |= dict.fromkeys(rooms, int(row[1]))
+            if "`presswear/__init__.py`" in row[2]:
+                floors[""] = int(row[1])
+    assert max(floors.values()) <= 12
+    assert set(floors) == {""} | {path.parent.name for path in ROOT.glob("presswear/*/__init__.py")}
+    for file in ROOT.glob("presswear/*/**/*.py"):
+        room = file.relative_to(ROOT).parts[1]
+        for name in re.findall(r"(?:from|import) presswear\b\.?(\w*)", file.read_text()):
+            assert name == room or floors.get(name, 99) < floors[room], f"{file}: {name}"
+
+
+@pytest.mark.parametrize("room", sorted(path.name for path in (ROOT / "presswear").iterdir()))
+def test_names_and_docstrings_are_plain(room: str) -> None:
+    path = ROOT / "presswear" / room
+    wrong = []
+    for file in [path] if path.is_file() else path.rglob("*.py"):
+        if file.suffix not in {".py", ".pyi"}:
+            continue
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.Module):
+                first = (ast.get_docstring(node) or "").split("\n")[0]
+                if first.split(" ")[0] in BEGINNINGS or first.startswith("The same"):
+                    wrong.append(f"{file}: {first}")
+            name = node.arg if isinstance(node, ast.arg) else ""
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                name = node.id
+            if name in NAMES:
+                wrong.append(f"{file}:{getattr(node, 'lineno', 0)}: {name}")
+    assert not wrong
