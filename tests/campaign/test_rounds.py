@@ -3,6 +3,7 @@
 import os
 import signal
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -135,7 +136,8 @@ class Kills(Observer):
     def on_progress(self, progress: Progress) -> None:
         if progress.part > 0.3:
             assert self.pool._executor is not None
-            os.kill(next(iter(self.pool._executor._processes)), signal.SIGKILL)
+            with suppress(ProcessLookupError):  # killed by the report before
+                os.kill(next(iter(self.pool._executor._processes)), signal.SIGKILL)
 
 
 def test_a_run_whose_worker_was_killed_is_resumed(tmp_path: Path) -> None:

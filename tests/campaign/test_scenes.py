@@ -78,7 +78,7 @@ def test_an_interrupted_study_keeps_what_is_finished_and_resumes(
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path])}
     process = subprocess.Popen(
-        [sys.executable, "-c", code, str(tmp_path)],
+        [sys.executable, "-P", "-c", code, str(tmp_path)],
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
