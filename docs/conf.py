@@ -21,7 +21,7 @@ import draw  # noqa: E402
 import formulas  # noqa: E402
 import lines  # noqa: E402
 
-from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
+from presswear.tools.quantities import Quantity, meaning_of  # noqa: E402
 
 # Tutorials call ``presswear`` and ``python`` of the environment that builds.
 os.environ["PATH"] = lines.PATH
@@ -113,15 +113,11 @@ def _tell_fields(
         return
     told: list[str] = []
     for item in fields(owner):
-        meaning, words = meaning_of(item), words_of(item)
-        if meaning is not None:
+        meaning = meaning_of(item)
+        if isinstance(meaning, Quantity):
             told += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
-        elif words is not None:
-            told += [f"{item.name} : {', '.join(words.listed())}", f"    {words.text}"]
-        elif "choice" in item.metadata:
-            allowed, text, *_ = item.metadata["choice"]
-            known = "" if callable(allowed) else f" : {', '.join(allowed)}"
-            told += [f"{item.name}{known}", f"    {text}"]
+        elif meaning is not None:
+            told += [f"{item.name} : {', '.join(meaning.allowed())}", f"    {meaning.text}"]
     if told:
         lines += ["", "Parameters", "----------", *(line.replace("|", "\\|") for line in told)]
 

@@ -92,7 +92,11 @@ def load(axes: Axes) -> None:
     blanking = Force("slider.centre", 0.0, OverPosition(table, sense="along", release=True))
     for label, loads in {"free": (), "blanking": (blanking,)}.items():
         scene = Scene(
-            replace(free, loads=loads), bearings={}, wear_updates=0, cycles=2, drive_torque="on"
+            free.changed(loads=list(loads)),
+            bearings={},
+            wear_updates=0,
+            cycles=2,
+            drive_torque="on",
         )
         stage = presswear.run(scene, engine="dae").stages[0]
         axes.plot(1e3 * stage.displacement, stage.arrays["drive_torque"][:, 0], label=label)

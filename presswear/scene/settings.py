@@ -300,6 +300,9 @@ class Change:
         return f"{self.key.replace('_', ' ')} {self.value} {self.unit}".rstrip()
 
 
+_NEEDED_BY_LIFE = "joints", "wear_updates", "replicates"
+
+
 def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     """Return the changes of a scene against another one.
 
@@ -314,9 +317,12 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
         and setting.value in _words(setting)
         and setting.value != before.get(setting.key, setting.value)
     }
-    aligned = _changed(base, sets)
+    # A life is only accepted where something wears.
+    needed = {s.key: s.value for s in settings if "life" in sets and s.key in _NEEDED_BY_LIFE}
+    needed = {key: value for key, value in needed.items() if value is not None}
+    aligned = _changed(base, {**sets, **needed})
     was = {setting.key: setting.value for setting in settings_of(aligned)}
-    was |= {key: before[key] for key in sets}
+    was |= {key: before[key] for key in (*sets, *needed)}
     # A set without a name is described by the values that differ in it.
     was |= {s.key: s.value for s in settings if _is_set(s) and s.value not in _words(s)}
     for joint in scene.joint_bearings:
