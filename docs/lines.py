@@ -41,7 +41,7 @@ MADE = {
     "results/long": "run wear-times --engine dae --cycles 2 --wear-updates 1 --out results/long",
     "results/press-blanking-life": "life press-blanking --engine dae --set replicates=2 "
     "--tolerance 1 --until 'C.depth > 0.01 um'",
-    "results/clearances": "sweep wear-times --vary clearance=0.2mm,1.0mm --measure A.force_max "
+    "results/clearances": "sweep wear-times --vary clearance=0.2mm,1.0mm --response A.force_max "
     "--set engine=dae --set cycles=2 --set wear_updates=0 --out results/clearances",
     "theirs.csv": "export results/mine theirs.csv",
     "my-press.toml": "new four-bar my-press.toml",
