@@ -14,6 +14,7 @@ from two_bodies import JOINT, Pair, joint_load
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Attachment, Body
 from presswear.linkage.laws import delivered_restitution
+from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import (
@@ -28,6 +29,7 @@ from presswear.physics.touchdown import (
     crossing,
     hermite,
     next_step,
+    peak_within,
     settle,
     shorter_step,
 )
@@ -337,6 +339,20 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided() -> None:
     wanted = line.shorter(h, *line.flown(h))
     assert wanted == pytest.approx(0.5 * h / (LEAST_STEPS - 3 + 1), rel=1e-6)
     assert line.memory["longest_step"][0] == wanted
+
+
+@pytest.mark.parametrize(("power", "is_found"), [(1.5, True), (12.0, False)])
+def test_a_peak_on_a_foundation_is_not_extrapolated_far(power: float, is_found: bool) -> None:
+    """Penetrations that rise and fall again within a step, under forces of a steep power."""
+    worn = replace(LINE, pin_surface=Surface(np.full(90, 1e-6)), contact="foundation")
+    joint = Pair(worn, np.zeros(3), np.zeros(3)).packed.joints[0]
+    last, contact = np.zeros(1, MEMORY), np.zeros(1, CONTACT)
+    for state, rate in ((last, 0.01), (contact, -0.01)):
+        state["penetration"], state["rate"], state["closing"] = 1e-6, rate, rate
+        state["elastic"], state["energy"] = 100.0, 100.0 * 1e-6 / (power + 1.0)
+    peak = peak_within(joint, 1.0, last[0], contact[0], 1e-5)
+    assert (peak > 0.0) == is_found
+    assert peak < 105.0
 
 
 def test_a_contact_of_enough_steps_may_end() -> None:
