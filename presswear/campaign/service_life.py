@@ -60,9 +60,7 @@ MAX_STEP_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # from block to block, from refine
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
 MIN_ORDER = {"bdc_drift": 1}  # with order 0 a drift would be exactly zero
-MARGIN = (
-    0.1  # of the cycles up to a crossing, that samples reach beyond it: a fit is loose at its end
-)
+MARGIN = 0.1  # of the cycles up to a crossing; samples reach this far beyond it
 MIN_BLOCKS = 4  # before samples can have exceeded a limit
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
 _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike

@@ -233,10 +233,6 @@ class RunObserver(Observer):
         text = step_text(self._scene, progress.stage, progress.word)
         self._bar.update(self._task, description=text, completed=progress.whole)
 
-    def on_message(self, line: str) -> None:
-        """Print the line."""
-        print_lines(self._bar.console, line)
-
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""
         print_lines(self._bar.console, f"{life}")

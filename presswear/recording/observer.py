@@ -91,9 +91,6 @@ class Observer:
     def on_life(self, life: Any) -> None:
         """Called with the service life (``LifeResult``), before the stages through it run."""
 
-    def on_message(self, line: str) -> None:
-        """Called with a line for the user, such as that a process was lost."""
-
 
 @dataclass
 class AdvanceObserver(Observer):

@@ -21,16 +21,14 @@ Array = NDArray[np.float64]
 Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 
 RESIDUAL = 3e-3  # energy that does not add up, of what the drives exchanged
-RESIDUAL_DISSIPATED = (
-    1e-2  # of the heat of damping and friction: wear is no more accurate than that
-)
+# Of the heat of damping and friction: wear is no more accurate than that.
+RESIDUAL_DISSIPATED = 1e-2
 MIN_RESIDUAL = 1e-4  # of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
 MIN_EXCHANGED = 1e-3  # of the kinetic energy: at an instant hardly any energy is exchanged
 MADE = 1.0  # energy made by the normal law, of the heat: beyond it the contacts drive the linkage
 MIN_MADE = 1e-3  # of the energy exchanged
-UNRESOLVED = (
-    0.5  # contacts of fewer than LEAST_STEPS steps; grazing contacts are a few in a hundred
-)
+# Contacts of fewer than LEAST_STEPS steps; grazing contacts are a few in a hundred.
+UNRESOLVED = 0.5
 MIN_CONTACTS = 20  # of a joint, before these are judged
 DRIFT = 0.01  # error of a constraint, m or rad, of the smallest clearance
 MIN_DRIFT = 1e-7  # m or rad, which harms no linkage

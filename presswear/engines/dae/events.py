@@ -48,9 +48,7 @@ NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
 EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
 DEPTH_TOL = 1e-12  # penetration up to which a place that round-off keeps from it is one, m
-MIN_SEPARATION = (
-    1e-14  # time, s, after which an event on which the last step has ended is another one
-)
+MIN_SEPARATION = 1e-14  # s; a later event differs from the one on which the last step ended
 # Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact.
 HELD_OPEN = -1.0
 CLASSICAL_STAGES = 4  # evaluations in a step of the classical method
