@@ -22,6 +22,7 @@ from presswear.results.folder import (
 )
 from presswear.results.result import Result, load
 from presswear.results.stage import StageStatistics, check_arrays
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import plain, write_json
@@ -35,7 +36,8 @@ NO_LEAVES: tuple[Any, ...] = (True, False, [], {})
 @pytest.fixture(scope="module")
 def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A run of two stages, as if it had failed and left a checkpoint."""
-    scene = wear_times(speed=60.0)
+    # On a foundation contacts make no energy, which would end the run.
+    scene = wear_times(speed=60.0, conventions=CONVENTIONS["refined"])
     scene = replace(scene, engine="dae", cycles=5, wear_updates=1)
     path = tmp_path_factory.mktemp("result") / "run"
     run(scene, path)
