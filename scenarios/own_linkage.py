@@ -16,4 +16,6 @@ bob = pw.Body("bob", mass=1.0, inertia=0.01)
 pendulum = pw.assemble((bob,), clearances=(pin,))
 swung = Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
 run = pw.InHouse().simulate(pendulum, swung, Plan(1.0, 2))
-print(f"after {run.time:g} s: {run.recorder.book.tally['contacts'][0]} contacts, {run.status}")
+print(
+    f"after {run.time:g} s: {run.recorder.records.counters['contacts'][0]} contacts, {run.status}"
+)

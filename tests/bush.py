@@ -121,7 +121,7 @@ class History(Observer):
     def on_cycle(self, recorder: Recorder, state: Callable[[], Any]) -> bool:
         """Keep them."""
         if len(recorder.cycles) > STARTUP_CYCLES:
-            self.depth.append(recorder.worn[0].copy())
+            self.depth.append(recorder.surface_depth[0].copy())
         return False
 
 

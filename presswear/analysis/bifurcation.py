@@ -282,7 +282,7 @@ def order_amplitudes(
         CONTACT_COLUMNS.index, ("touchdown", "separation", "closing_speed")
     )
     for k in range(joints):
-        contacts = recorder.episodes(k)
+        contacts = recorder.stored_contacts(k)
         duration = contacts[:, separation] - contacts[:, touchdown]
         frequency = resonance_frequency(duration, contacts[:, closing])
         resonance[k] = math.nan if frequency is None else frequency * period

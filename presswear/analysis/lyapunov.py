@@ -21,7 +21,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.prescribed import Tree, tree_of
-from presswear.recording.observe import Book
+from presswear.recording.observe import RecorderState
 from presswear.recording.statistics import batched, half_width
 from presswear.tools.errors import InputError, RunFailed
 
@@ -150,7 +150,7 @@ class Flow:
     ----------
     simulation : Simulation
         Integrator of the in-house engine.
-    book : Book
+    records : RecorderState
         State of its recorder.
     indices : ndarray, shape (n,)
         Indices of coordinates, rates and bristles in the integrated vector.
@@ -163,7 +163,7 @@ class Flow:
     """
 
     simulation: Simulation
-    book: Book
+    records: RecorderState
     indices: NDArray[np.int64]
     keeps_onset: NDArray[np.bool_]
     distance: Array
@@ -185,7 +185,7 @@ class Flow:
         recorder = recorder_of(linkage, start, plan)
         recorder.stop_recording()
         simulation = prepare(linkage, start, ENGINE, plan, recorder)
-        joints = recorder.book.packed.joints
+        joints = recorder.records.packed.joints
         friction = joints["friction"]
         bristles = np.flatnonzero(friction["bristle_stiffness"] > 0.0)
         deflections = [bristle_place(2 * tree.size, int(k)) for k in bristles]
@@ -195,7 +195,7 @@ class Flow:
         coordinates, onsets = np.repeat([length, speed], tree.size), np.full(len(joints), speed)
         return Flow(
             simulation,
-            recorder.book,
+            recorder.records,
             np.array([*range(2 * tree.size), *deflections]),
             np.array([_depends_on_onset(joint["normal"]) for joint in joints]),
             np.concatenate([coordinates, DISTANCE * slip, onsets]),
@@ -205,15 +205,15 @@ class Flow:
     @property
     def _arrays(self) -> Arrays:
         """Arrays of the integrator and the recorder that determine the further motion."""
-        book, loads = self.book, self.book.packed.loads
-        contact = {"contacts": book.contacts, "onset": book.onset, "memory": book.memory}
+        records, loads = self.records, self.records.packed.loads
+        contact = {"contacts": records.contacts, "onset": records.onset, "memory": records.memory}
         modes = {} if loads is None else {"modes": loads.modes}
         return {**self.simulation.arrays, **contact, **modes}
 
     def state(self) -> tuple[Array, Arrays]:
         """Return copies of the present state and its context."""
-        is_active = self.keeps_onset & (self.book.onset > ONSET_SPEED_FLOOR)
-        onset = np.where(is_active, self.book.onset, math.nan)
+        is_active = self.keeps_onset & (self.records.onset > ONSET_SPEED_FLOOR)
+        onset = np.where(is_active, self.records.onset, math.nan)
         context = {name: array.copy() for name, array in self._arrays.items()}
         return np.concatenate([self.simulation.arrays["y"][self.indices], onset]), context
 
@@ -225,7 +225,7 @@ class Flow:
         self.simulation.arrays["y"][self.indices] = state[: self.indices.size]
         onset = state[self.indices.size :]
         is_active = ~np.isnan(onset)
-        self.book.onset[is_active] = np.maximum(onset[is_active], ONSET_SPEED_FLOOR)
+        self.records.onset[is_active] = np.maximum(onset[is_active], ONSET_SPEED_FLOOR)
         control["has_slope"] = False
         finding = self.simulation.advance(float(control["time"][0]) + self.interval)
         if finding is not None:

@@ -430,7 +430,7 @@ class _Campaign:
             if finding:
                 yield update, replace(finding, what=f"{spec.label}: {finding.what}")
                 return
-            depth = np.array([recorder.worn for recorder in ensemble_of_pass.recorders])
+            depth = np.array([recorder.surface_depth for recorder in ensemble_of_pass.recorders])
             time = sum(run.time for run in ensemble_of_pass.runs)
             finding = _worn_out(joints, depth, f"the {spec.label}:", time)
             if finding is None:

@@ -308,7 +308,7 @@ class _UnitObserver(Observer):
         cycles, unit = len(recorder.cycles), self._unit
         if cycles > self._before:
             self.arrays = state()
-        is_worn_out = unit.spec.wear is not None and worn_out(self._joints, recorder.worn)
+        is_worn_out = unit.spec.wear is not None and worn_out(self._joints, recorder.surface_depth)
         if is_worn_out or cycles >= unit.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration

@@ -617,7 +617,7 @@ class SceneHistories:
             return replace(before[-1], cycles=0, ended_by=ensemble.failure)
         joints, recorders = ensemble.linkage.clearances, ensemble.recorders
         earlier = item[-1].depth if item else first
-        depth = np.array([recorder.worn for recorder in recorders])
+        depth = np.array([recorder.surface_depth for recorder in recorders])
         worn_through = [worn_out(joints, one) for one in depth]
         # A history whose surfaces are worn out ends early: all are taken back to that cycle.
         counts = np.array([len(recorder.cycles) - finished for recorder in recorders])

@@ -101,8 +101,8 @@ def _joint_statistics(
     added, maps, weights, coarser = wear.added, wear.maps, wear.weights, wear.coarser
     mean, volume = mean_of(recorders, alone), worn_volume(joint, added)
     force = [recorder.each_cycle("force_max", k) for recorder in recorders]
-    tallies = np.array([recorder.book.tally[k] for recorder in recorders])
-    contacts = int(tallies["contacts"].sum())
+    counters = np.array([recorder.records.counters[k] for recorder in recorders])
+    contacts = int(counters["contacts"].sum())
     time = sum(recorder.last_time for recorder in recorders)
     half = None
     if len(maps) > 1:
@@ -115,9 +115,9 @@ def _joint_statistics(
         peak_force_per_cycle=mean(lambda run: run.each_cycle("force_max", k)),
         contacts=contacts,
         contacts_per_cycle=mean(lambda run: run.each_cycle("contacts", k)),
-        unresolved_contacts=int(tallies["unresolved"].sum()),
-        min_steps_per_contact=int(tallies["fewest_steps"].min()) if contacts else None,
-        contact_time_fraction=float(tallies["closed_time"].sum()) / time,
+        unresolved_contacts=int(counters["unresolved"].sum()),
+        min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
+        contact_time_fraction=float(counters["closed_time"].sum()) / time,
         load_distance_per_cycle=mean(lambda run: run.each_cycle("load_distance", k)),
         wear_volume=Estimate.symmetric(volume, half, len(maps)),
         wear_volume_step_error=(
@@ -398,7 +398,7 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
                 is_single = recording.digits == "single"
                 rounded = values.astype(np.float32) if is_single else values
                 arrays[f"{name}_{word}"] = rounded.astype(np.float64)
-        arrays[f"{name}_contacts"] = recorder.episodes(k).copy()
+        arrays[f"{name}_contacts"] = recorder.stored_contacts(k).copy()
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
             arrays[f"{name}_wear_{side}"] = wear.added[k, i, : joint.bins]
@@ -437,7 +437,7 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
     time, moved, speed = (
         recorder.series(name)[recorded] for name in ("time", "displacement", "velocity")
     )
-    joints = range(recorder.book.memory.size)
+    joints = range(recorder.records.memory.size)
     flights = [
         (recorder.series("penetration", k)[recorded] <= 0.0).astype(np.float64) for k in joints
     ]

@@ -145,7 +145,7 @@ def cycle_by_cycle(
         Pass in half as many cycles.
     """
     joints, recorders = ensemble.linkage.clearances, ensemble.recorders
-    depth = np.array([recorder.worn for recorder in recorders])
+    depth = np.array([recorder.surface_depth for recorder in recorders])
     growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))

@@ -138,7 +138,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         rows_per_cycle=plan.rows_per_cycle,
         sections=len(plan.sections),
     )
-    loads = recorder.book.packed.loads
+    loads = recorder.records.packed.loads
     if loads is not None:
         place_loads(loads, start.position, start.velocity)
     return recorder

@@ -122,8 +122,8 @@ def _cycles(
             return finding
         time, position, velocity = running.state()
         ledger = _balance(running)
-        recorder.book.cycle[CONTACT_MADE] = ledger.made - running.sums[_MADE]
-        recorder.book.cycle[DRIVE_WORK] = ledger.drive_work - running.sums[_DRIVE_WORK]
+        recorder.records.cycle[CONTACT_MADE] = ledger.made - running.sums[_MADE]
+        recorder.records.cycle[DRIVE_WORK] = ledger.drive_work - running.sums[_DRIVE_WORK]
         running.sums.update({_MADE: ledger.made, _DRIVE_WORK: ledger.drive_work})
         now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
         return examine(linkage, recorder, now)

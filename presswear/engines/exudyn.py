@@ -87,11 +87,11 @@ class Solve:
 
     def is_sound(self) -> bool:
         """True while the contacts have made no energy; False ends the run."""
-        book = self.recorder.book
-        ledger = book.ledger[0]
+        records = self.recorder.records
+        ledger = records.ledger[0]
         if self.time > self.plan.settled:
             lost, exchange = ledger["contact_loss"], ledger["drive_exchange"]
-            self.reason = made_energy(book.packed, lost, exchange)
+            self.reason = made_energy(records.packed, lost, exchange)
         return not self.reason
 
 
@@ -279,7 +279,7 @@ def run_to_end(
     if solve.reached:
         return None
     if solve.reason:
-        advice = made_remedy(solve.recorder.book.packed, remedy)
+        advice = made_remedy(solve.recorder.records.packed, remedy)
         return Finding("energy", solve.reason, solve.time, "", advice)
     if solver.output.simulationStoppedByUser and not solve.is_broken:
         raise KeyboardInterrupt

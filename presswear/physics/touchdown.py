@@ -50,7 +50,7 @@ MEMORY = np.dtype(
 )
 
 # Counts of one joint
-TALLY = np.dtype(
+COUNTERS = np.dtype(
     [
         ("contacts", np.int64),  # that have ended
         ("contacts_before", np.int64),  # ... before the present cycle
@@ -65,7 +65,7 @@ TALLY = np.dtype(
 )
 
 # A contact that has ended
-PAST_CONTACT = np.dtype(
+STORED_CONTACT = np.dtype(
     [
         ("touchdown", np.float64),  # s
         ("separation", np.float64),  # s
@@ -76,7 +76,7 @@ PAST_CONTACT = np.dtype(
     ]
 )
 # Its numbers, where they are stored as columns
-CONTACT_COLUMNS: tuple[str, ...] = PAST_CONTACT.names or ()
+CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()
 
 POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
 
@@ -157,8 +157,8 @@ def touch_down(last: Records, t: float, started_closed: bool) -> None:
 @compiled
 def separate(
     last: Records,
-    tally: Records,
-    past: Records,
+    counters: Records,
+    stored_contacts: Records,
     onset_speed: float,
     t: float,
     rate: float,
@@ -170,19 +170,19 @@ def separate(
     """
     if last.started_closed:
         return
-    tally.contacts += 1
-    tally.fewest_steps = min(tally.fewest_steps, last.steps)
+    counters.contacts += 1
+    counters.fewest_steps = min(counters.fewest_steps, last.steps)
     if last.steps < needed:
-        tally.unresolved += 1
-    if tally.rows < past.shape[0] and not tally.full:
-        row = past[tally.rows]
+        counters.unresolved += 1
+    if counters.rows < stored_contacts.shape[0] and not counters.full:
+        row = stored_contacts[counters.rows]
         row.touchdown = last.touchdown_time
         row.separation = t
         row.closing_speed = onset_speed
         row.release_speed = rate
         row.peak_force = last.peak_force
         row.steps = last.steps
-        tally.rows += 1
+        counters.rows += 1
 
 
 @compiled
@@ -336,8 +336,8 @@ def settle(
     joints: Records,
     onset: Array,
     memory: Records,
-    tally: Records,
-    past: Records,
+    counters: Records,
+    stored_contacts: Records,
     contacts: Records,
     t: float,
     needed: int = LEAST_STEPS,
@@ -350,7 +350,7 @@ def settle(
     ----------
     onset : ndarray, shape (joints,)
         Latched closing speeds, m/s; 0 where open.
-    past : records of PAST_CONTACT, shape (joints, rows)
+    stored_contacts : records of STORED_CONTACT, shape (joints, rows)
     needed : int
         A contact of fewer steps counts as unresolved.
     """
@@ -373,7 +373,7 @@ def settle(
             touch_down(last, touchdown, started_closed)
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
-            separate(last, tally[k], past[k], onset[k], t, contact.rate, needed)
+            separate(last, counters[k], stored_contacts[k], onset[k], t, contact.rate, needed)
             onset[k] = 0.0
             events += 1
         if onset[k] > 0.0:

@@ -36,7 +36,7 @@ CYCLE_FIXED = (
 DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
 BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK = 6, 7, 8
 CYCLE_JOINT = ("force_max", "load_distance", "contacts")
-FORCE_MAX, WORK_DOSE, CONTACTS = range(3)  # columns of a cycle for each joint, after the linkage's
+FORCE_MAX, LOAD_DISTANCE, CONTACTS = range(3)  # columns of a joint, after those of the linkage
 CYCLE_DRIVE = (
     *("torque_integral", "torque_square_integral", "power_square_integral"),
     *("work_given", "work_returned", "torque_peak", "power_peak"),
@@ -58,7 +58,7 @@ SECTION_JOINT_NAMES = (
     *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
     "normal",
 )
-# Columns of a Poincare section: of the output point, then of each joint; see RECORD and CONTACT.
+# Columns of a Poincare section: of the output point, then of each joint; see OUTPUT and CONTACT.
 
 ROWS_AT_LEAST = 2000  # series rows in a cycle without contact
 ROWS_AT_MOST = 40_000  # room for series rows, per recorded cycle
@@ -68,7 +68,7 @@ BOTTOM_STEPS = 60  # of Newton's method towards the lowest position in a step
 BOTTOM_NOISE = 1e-14  # part of a step that is round-off
 FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
 
-DOSE = np.dtype(
+WEAR_INTEGRALS = np.dtype(
     [
         ("work", np.float64),  # F_n ds, N m
         ("pressure", np.float64),  # p ds, N/m
@@ -88,22 +88,22 @@ DRIVE = np.dtype(
 )
 """A drive in the recording; engines fill the integrals before they call ``observe``."""
 
-RECORD = np.dtype(
+OUTPUT = np.dtype(
     [
         ("rows", np.int64),  # series rows written
         ("last_time", np.float64),  # of the last row, s
         ("now", np.float64),  # of the last accepted state, s
         ("interval", np.float64),  # longest time between two rows, s
         ("force_step", np.float64),  # change of a force, part of its peak, that makes a row
-        ("probe", np.int64),  # index of the watched body's x in q
-        ("probe_cos", np.float64),
-        ("probe_sin", np.float64),
-        ("probe_x", np.float64),  # the watched point in the body's frame, m
-        ("probe_y", np.float64),
-        ("start", np.float64),  # watched coordinate at the start, m
+        ("index", np.int64),  # of the x of the output body in q
+        ("cos", np.float64),
+        ("sin", np.float64),
+        ("x", np.float64),  # the output point in the frame of its body, m
+        ("y", np.float64),
+        ("start", np.float64),  # output coordinate at the start, m
         ("steps", np.int64),
         ("room", np.int64),  # rows that may be written
-        ("place", np.float64),  # watched coordinate, m, in the last state
+        ("place", np.float64),  # output coordinate, m, in the last state
         ("velocity", np.float64),  # m/s
         ("acceleration", np.float64),  # m/s^2
         ("bottom", np.float64),  # its lowest place in the present stroke, m
@@ -114,10 +114,10 @@ RECORD = np.dtype(
         ("period", np.float64),  # from one stroke to the next, s
     ]
 )
-"""Recorder state in numbers."""
+"""Output point, its last state, and the sampling of series."""
 
 
-class Book(NamedTuple):
+class RecorderState(NamedTuple):
     """Recorder state: arrays that the kernels fill during one run.
 
     Attributes
@@ -130,9 +130,9 @@ class Book(NamedTuple):
         With their forces, in the last accepted state.
     onset : ndarray, shape (joints,)
         Latched closing speeds, 0 where open, m/s.
-    memory, tally : records of MEMORY and TALLY
-    past : records of PAST_CONTACT, shape (joints, rows)
-    record : one record of RECORD
+    memory, counters : records of MEMORY and COUNTERS
+    stored_contacts : records of STORED_CONTACT, shape (joints, rows)
+    output : one record of OUTPUT
     series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
         Without the torques of the drives where they are not asked for.
     film, sampler : ndarray and one record of FRAME_SAMPLER
@@ -142,7 +142,7 @@ class Book(NamedTuple):
     depth : ndarray, shape (joints, 2, m)
         Depth that the present cycle added to bearing and pin, each joint's in its own bins, the
         first of the m; m.
-    doses : records of DOSE
+    wear_integrals : records of WEAR_INTEGRALS
         Doses in the last step.
     shares : ndarray, shape (2, m)
         Working space of ``deposit_over_arc``.
@@ -158,15 +158,15 @@ class Book(NamedTuple):
     contacts: Records
     onset: Array
     memory: Records
-    tally: Records
-    past: Records
-    record: Records
+    counters: Records
+    stored_contacts: Records
+    output: Records
     series: Array
     film: Array
     sampler: Records
     cycle: Array
     depth: Array
-    doses: Records
+    wear_integrals: Records
     shares: Array
     torque: Array
     drives: Records
@@ -174,47 +174,54 @@ class Book(NamedTuple):
 
 
 @compiled
-def deposit(book: Book, k: int) -> None:
-    """Add the wear of the last step's doses to the maps of joint ``k``."""
-    joint = book.packed.joints[k]
-    contact = book.contacts[k]
+def deposit(records: RecorderState, k: int) -> None:
+    """Add the wear of the last step to the maps of joint ``k``."""
+    joint = records.packed.joints[k]
+    contact = records.contacts[k]
     bins = joint.map_bins
-    depth = book.depth[k, :, :bins]
+    depth = records.depth[k, :, :bins]
     if joint.over_arc:
         deposit_over_arc(
             depth,
             joint,
-            book.packed.surfaces[k],
+            records.packed.surfaces[k],
             contact,
-            book.doses[k].work,
-            book.shares[:, :bins],
+            records.wear_integrals[k].work,
+            records.shares[:, :bins],
         )
     else:
-        deposit_in_bin(depth, joint, contact, book.doses[k].pressure)
+        deposit_in_bin(depth, joint, contact, records.wear_integrals[k].pressure)
 
 
 @compiled
-def settle_state(book: Book, t: float, needed: int) -> int:
+def settle_state(records: RecorderState, t: float, needed: int) -> int:
     """Update contacts of an accepted state; see ``settle``."""
-    joints = book.packed.joints
+    joints = records.packed.joints
     events = settle(
-        joints, book.onset, book.memory, book.tally, book.past, book.contacts, t, needed
+        joints,
+        records.onset,
+        records.memory,
+        records.counters,
+        records.stored_contacts,
+        records.contacts,
+        t,
+        needed,
     )
-    note_forces(joints, book.onset, book.contacts)
+    note_forces(joints, records.onset, records.contacts)
     return events
 
 
 @inlined
-def watched(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
+def output_motion(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Return position, m, velocity and acceleration of the output along its direction."""
-    i = state.probe
-    along = state.probe_cos
-    across = state.probe_sin
+    i = state.index
+    along = state.cos
+    across = state.sin
     place: float = along * q[i] + across * q[i + 1]
     velocity: float = along * v[i] + across * v[i + 1]
     acceleration: float = along * a[i] + across * a[i + 1]
-    if state.probe_x != 0.0 or state.probe_y != 0.0:
-        x, y = lever(i, state.probe_x, state.probe_y, q)
+    if state.x != 0.0 or state.y != 0.0:
+        x, y = lever(i, state.x, state.y, q)
         spin = v[i + 2]
         place += along * x + across * y
         velocity += spin * (across * x - along * y)
@@ -285,7 +292,7 @@ def note_bottom(
     cycle : ndarray
         Row of the present cycle.
     now : tuple of float
-        Place, velocity and acceleration of the watched point in the step's end.
+        Place, velocity and acceleration of the output point in the step's end.
     """
     if t > state.stroke_begin:
         if now[0] < state.bottom:
@@ -305,7 +312,7 @@ def note_bottom(
 
 
 @compiled
-def sum_drives(book: Book, h: float, v: Array) -> None:
+def sum_drives(records: RecorderState, h: float, v: Array) -> None:
     """Integrate torque and power of the drives over a step by the trapezoidal rule.
 
     Parameters
@@ -313,12 +320,12 @@ def sum_drives(book: Book, h: float, v: Array) -> None:
     h : float
         Length of the step, s.
     v : ndarray, shape (3 bodies,)
-        At its end, where the torques are in the book.
+        At its end, where the torques are in the records.
     """
     half = 0.5 * h
-    for k in range(book.drives.shape[0]):
-        drive, torque = book.drives[k], book.torque[k]
-        power = torque * v[book.packed.driven[k]]
+    for k in range(records.drives.shape[0]):
+        drive, torque = records.drives[k], records.torque[k]
+        power = torque * v[records.packed.driven[k]]
         drive.torque_integral = half * (drive.torque + torque)
         drive.torque_square_integral = half * (drive.torque**2 + torque**2)
         drive.work = half * (drive.power + power)
@@ -326,18 +333,18 @@ def sum_drives(book: Book, h: float, v: Array) -> None:
 
 
 @compiled
-def note_drives(book: Book, h: float, v: Array) -> None:
+def note_drives(records: RecorderState, h: float, v: Array) -> None:
     """Add the integrals of a step of length ``h``, s, to the cycle, and update the peaks.
 
     Where the power changes its sign in the step, the smaller part of the work is that of a power
     that is linear over the step.  Given and returned work differ by the work of the step.
     """
-    first = book.cycle.shape[0] - CYCLE_DRIVE_COUNT * book.drives.shape[0]
-    for k in range(book.drives.shape[0]):
-        drive = book.drives[k]
-        cycle = book.cycle[first + CYCLE_DRIVE_COUNT * k :]
-        torque = book.torque[k]
-        power = torque * v[book.packed.driven[k]]
+    first = records.cycle.shape[0] - CYCLE_DRIVE_COUNT * records.drives.shape[0]
+    for k in range(records.drives.shape[0]):
+        drive = records.drives[k]
+        cycle = records.cycle[first + CYCLE_DRIVE_COUNT * k :]
+        torque = records.torque[k]
+        power = torque * v[records.packed.driven[k]]
         smaller = 0.0
         if power * drive.power < 0.0:
             least = min(abs(power), abs(drive.power))
@@ -355,16 +362,16 @@ def note_drives(book: Book, h: float, v: Array) -> None:
 
 
 @inlined
-def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
     """Record one accepted step of length ``h``, s, that ended in a state.
 
-    Contacts and loads of the state are in the book, settled.
+    Contacts and loads of the state are in the records, settled.
     """
-    memory, tally, series = book.memory, book.tally, book.series
-    cycle = book.cycle
-    state = book.record[0]
+    memory, counters, series = records.memory, records.counters, records.series
+    cycle = records.cycle
+    state = records.output[0]
     count = memory.shape[0]
-    place, velocity, acceleration = watched(state, q, v, a)
+    place, velocity, acceleration = output_motion(state, q, v, a)
     displacement = place - state.start
     cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], displacement)
     cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
@@ -372,15 +379,15 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
     cycle[ACCELERATION_MAX] = max(cycle[ACCELERATION_MAX], abs(acceleration))
     cycle[STEPS] += 1
     note_bottom(state, cycle, t, h, (place, velocity, acceleration))
-    note_drives(book, h, v)
+    note_drives(records, h, v)
     state.steps += 1
     state.now = t
     row = state.rows
     has_room = row < min(state.room, series.shape[0])
     is_due = row == 0 or t - state.last_time >= state.interval
     for k in range(count):
-        contact = book.contacts[k]
-        counts = tally[k]
+        contact = records.contacts[k]
+        counts = counters[k]
         base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
         peak = max(contact.normal, memory[k].step_peak)
         if peak > 0.0:
@@ -391,9 +398,9 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             duration = min(h, t - memory[k].touchdown_time)
             counts.closed_time += duration
             counts.deepest = max(counts.deepest, contact.penetration)
-        cycle[base + WORK_DOSE] += book.doses[k].work
-        if book.doses[k].work > 0.0:
-            deposit(book, k)
+        cycle[base + LOAD_DISTANCE] += records.wear_integrals[k].work
+        if records.wear_integrals[k].work > 0.0:
+            deposit(records, k)
         cycle[base + CONTACTS] = counts.contacts - counts.contacts_before
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k
@@ -406,8 +413,8 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             if row > 0:
                 change = abs(contact.normal - series[row - 1, column + NORMAL])
                 is_due = is_due or change > state.force_step * counts.peak_force
-    is_due = is_due or last_change(book.packed.loads) == t
-    take_frame(book.film, book.sampler, book.contacts, memory, t, q)
+    is_due = is_due or last_change(records.packed.loads) == t
+    take_frame(records.film, records.sampler, records.contacts, memory, t, q)
     if has_room and is_due:
         series[row, TIME] = t
         series[row, DISPLACEMENT] = displacement
@@ -415,6 +422,6 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
         series[row, ACCELERATION] = acceleration
         first = SERIES_FIXED + SERIES_JOINT * count
         for column in range(first, series.shape[1]):
-            series[row, column] = book.torque[column - first]
+            series[row, column] = records.torque[column - first]
         state.rows += 1
         state.last_time = t

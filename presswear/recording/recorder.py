@@ -13,7 +13,13 @@ from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.energy import LEDGER
 from presswear.physics.packed import depths_of, pack, pack_surfaces
-from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
+from presswear.physics.touchdown import (
+    CONTACT_COLUMNS,
+    COUNTERS,
+    LEAST_STEPS,
+    MEMORY,
+    STORED_CONTACT,
+)
 from presswear.physics.wear import map_shape
 from presswear.recording.film import Film, empty_film, frame_sampler
 from presswear.recording.observe import (
@@ -21,10 +27,9 @@ from presswear.recording.observe import (
     CYCLE_FIXED,
     CYCLE_JOINT,
     DISPLACEMENT_MAX,
-    DOSE,
     DRIVE,
     FORCE_STEP,
-    RECORD,
+    OUTPUT,
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
     ROWS_IN_ALL,
@@ -36,10 +41,11 @@ from presswear.recording.observe import (
     SERIES_NAMES,
     VELOCITY_MAX,
     VELOCITY_MIN,
-    Book,
+    WEAR_INTEGRALS,
+    RecorderState,
     cycle_columns,
+    output_motion,
     settle_state,
-    watched,
 )
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import State, named, part
@@ -52,12 +58,12 @@ _SMALL = (
     "contacts",
     "onset",
     "memory",
-    "tally",
-    "record",
+    "counters",
+    "output",
     "sampler",
     "cycle",
     "depth",
-    "doses",
+    "wear_integrals",
     "torque",
     "drives",
     "ledger",
@@ -70,14 +76,14 @@ class Recorder:
 
     Attributes
     ----------
-    book : Book
+    records : RecorderState
         Arrays that the kernels fill.
     maps : MapBatches
         Depth that the finished cycles added to bearing and pin, m.
     sections_per_cycle : int
     """
 
-    book: Book
+    records: RecorderState
     maps: MapBatches
     sections_per_cycle: int = 0
     _sections: list[Array] = field(default_factory=list, init=False)
@@ -86,8 +92,8 @@ class Recorder:
     _finished: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._rows = np.zeros((0, self.book.cycle.size))
-        self._growth = np.zeros((0, 2, self.book.memory.size, 2))
+        self._rows = np.zeros((0, self.records.cycle.size))
+        self._growth = np.zeros((0, 2, self.records.memory.size, 2))
 
     @staticmethod
     def of(
@@ -126,49 +132,49 @@ class Recorder:
             Poincare sections in a cycle.
         """
         count = len(linkage.clearances)
-        tally = np.zeros(count, TALLY)
-        tally["fewest_steps"] = np.iinfo(np.int64).max
-        record = np.zeros(1, RECORD)
-        record["room"] = np.iinfo(np.int64).max
-        record["interval"] = cycle / rows_per_cycle
-        record["force_step"] = FORCE_STEP
-        record["probe"] = 3 * linkage.index(linkage.output.body)
-        record["probe_cos"] = math.cos(linkage.output.direction)
-        record["probe_sin"] = math.sin(linkage.output.direction)
-        record["probe_x"], record["probe_y"] = linkage.output.x, linkage.output.y
-        record["start"] = watched(record[0], position, position, position)[0]
+        counters = np.zeros(count, COUNTERS)
+        counters["fewest_steps"] = np.iinfo(np.int64).max
+        output = np.zeros(1, OUTPUT)
+        output["room"] = np.iinfo(np.int64).max
+        output["interval"] = cycle / rows_per_cycle
+        output["force_step"] = FORCE_STEP
+        output["index"] = 3 * linkage.index(linkage.output.body)
+        output["cos"] = math.cos(linkage.output.direction)
+        output["sin"] = math.sin(linkage.output.direction)
+        output["x"], output["y"] = linkage.output.x, linkage.output.y
+        output["start"] = output_motion(output[0], position, position, position)[0]
         first, end = stroke or (0.0, cycle)
-        record["velocity"] = record["bottom"] = math.inf
-        record["period"], record["stroke_length"] = cycle, end - first
+        output["velocity"] = output["bottom"] = math.inf
+        output["period"], output["stroke_length"] = cycle, end - first
         # A cycle may end a rounding before its time.
-        record["stroke_end"] = run_up + end - STROKE_NOISE * cycle
+        output["stroke_end"] = run_up + end - STROKE_NOISE * cycle
         # What is observed at the very start lies in the first stroke too.
-        record["stroke_begin"] = run_up + max(first, 0.0) - STROKE_NOISE * cycle
+        output["stroke_begin"] = run_up + max(first, 0.0) - STROKE_NOISE * cycle
         rows = recorded_cycles + math.ceil(run_up / cycle)
         rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = map_shape(linkage.clearances)
-        book = Book(
+        records = RecorderState(
             packed=pack(linkage, wearing),
             motions=motions_of(linkage),
             contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
             memory=np.zeros(count, MEMORY),
-            tally=tally,
-            record=record,
+            counters=counters,
+            output=output,
             series=np.zeros((rows, columns)),
-            past=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), PAST_CONTACT),
+            stored_contacts=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT),
             film=empty_film(len(linkage.bodies), count),
             sampler=frame_sampler(cycle),
             cycle=np.zeros(cycle_columns(count, len(linkage.drives))),
             depth=np.zeros(shape),
-            doses=np.zeros(count, DOSE),
+            wear_integrals=np.zeros(count, WEAR_INTEGRALS),
             shares=np.zeros(shape[1:]),
             torque=np.zeros(len(linkage.drives)),
             drives=np.zeros(len(linkage.drives), DRIVE),
             ledger=np.zeros(1, LEDGER),
         )
-        recorder = Recorder(book, MapBatches(shape), sections)
+        recorder = Recorder(records, MapBatches(shape), sections)
         recorder.start_cycle()
         return recorder
 
@@ -180,7 +186,7 @@ class Recorder:
     @property
     def rows(self) -> Array:
         """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
-        return self.book.series[: int(self.book.record["rows"][0])]
+        return self.records.series[: int(self.records.output["rows"][0])]
 
     def series(self, name: str, joint: int | None = None) -> Array:
         """Return a recorded series of the linkage or of a joint, shape (n,); SI units."""
@@ -191,7 +197,7 @@ class Recorder:
     @property
     def torques(self) -> Array:
         """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
-        return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.book.memory.size :]
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.records.memory.size :]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,); SI units."""
@@ -203,32 +209,32 @@ class Recorder:
     @property
     def film(self) -> Film:
         """Frames kept so far."""
-        book = self.book
-        rows = book.film[: int(book.sampler["frames"][0])]
-        return Film.of(rows, book.memory.size)
+        records = self.records
+        rows = records.film[: int(records.sampler["frames"][0])]
+        return Film.of(rows, records.memory.size)
 
     def last_frames(self, count: int) -> Array:
         """Return the rows of the last frames for ``Film.of``; of a full film the present frame."""
-        book = self.book
-        frames = int(book.sampler["frames"][0])
-        first = frames if frames == len(book.film) - 1 else max(frames - count, 0)
-        return book.film[first : max(frames, first + 1)]
+        records = self.records
+        frames = int(records.sampler["frames"][0])
+        first = frames if frames == len(records.film) - 1 else max(frames - count, 0)
+        return records.film[first : max(frames, first + 1)]
 
-    def episodes(self, k: int) -> Array:
+    def stored_contacts(self, k: int) -> Array:
         """Return the recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
-        rows = self.book.past[k, : int(self.book.tally["rows"][k])]
+        rows = self.records.stored_contacts[k, : int(self.records.counters["rows"][k])]
         return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
 
     def stop_recording(self) -> None:
         """Record no further series rows and contacts."""
-        self.book.record["room"] = 0
-        self.book.tally["full"] = True
+        self.records.output["room"] = 0
+        self.records.counters["full"] = True
 
     def note_section(self) -> None:
         """Store the last accepted state as a Poincare section of the present cycle."""
-        output = [self.book.record[name] for name in SECTION_NAMES]
-        joints = [self.book.contacts[name] for name in SECTION_JOINT_NAMES]
-        self._sections.append(np.concatenate([*output, np.transpose(joints).ravel()]))
+        point = [self.records.output[name] for name in SECTION_NAMES]
+        joints = [self.records.contacts[name] for name in SECTION_JOINT_NAMES]
+        self._sections.append(np.concatenate([*point, np.transpose(joints).ravel()]))
 
     @property
     def sections(self) -> Array:
@@ -236,22 +242,22 @@ class Recorder:
 
         Columns SECTION_NAMES, then SECTION_JOINT_NAMES of each joint.
         """
-        columns = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.book.memory.size
+        columns = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.records.memory.size
         whole = self._sections[: self._finished * self.sections_per_cycle]
         return np.reshape(whole, (-1 if whole else 0, self.sections_per_cycle, columns))
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
-        self.book.tally["contacts_before"] = self.book.tally["contacts"]
-        self.book.cycle[:] = 0.0
-        self.book.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
-        self.book.cycle[VELOCITY_MIN] = math.inf
-        self.book.depth[:] = 0.0
+        self.records.counters["contacts_before"] = self.records.counters["contacts"]
+        self.records.cycle[:] = 0.0
+        self.records.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
+        self.records.cycle[VELOCITY_MIN] = math.inf
+        self.records.depth[:] = 0.0
 
     @property
     def last_time(self) -> float:
         """Time of the last accepted state, s."""
-        return float(self.book.record["now"][0])
+        return float(self.records.output["now"][0])
 
     @property
     def growth(self) -> Array:
@@ -262,12 +268,12 @@ class Recorder:
         return self._growth
 
     @property
-    def worn(self) -> Array:
+    def surface_depth(self) -> Array:
         """Present depth of bearings and pins, shape (joints, 2, bins), m; no bin: round."""
-        return depths_of(self.book.packed)
+        return depths_of(self.records.packed)
 
     def _rebuild(self, depth: Array) -> None:
-        packed = self.book.packed
+        packed = self.records.packed
         for k, sides in enumerate(depth):
             bearing, pin = sides[:, : packed.joints[k]["surface_bins"]]
             pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
@@ -277,24 +283,26 @@ class Recorder:
 
         Pins that rested on the lost material are open; a lasting contact keeps its closing speed.
         """
-        book = self.book
-        self._rebuild(self.worn + lost)
-        self._growth = np.append(self._growth, [[lost.max(axis=2), self.worn.max(axis=2)]], axis=0)
-        note_contacts(book.packed, book.contacts, q, v)
-        step = book.memory["step"].copy()
-        settle_state(book, self.last_time, LEAST_STEPS)
-        book.memory["step"] = step
+        records = self.records
+        self._rebuild(self.surface_depth + lost)
+        self._growth = np.append(
+            self._growth, [[lost.max(axis=2), self.surface_depth.max(axis=2)]], axis=0
+        )
+        note_contacts(records.packed, records.contacts, q, v)
+        step = records.memory["step"].copy()
+        settle_state(records, self.last_time, LEAST_STEPS)
+        records.memory["step"] = step
 
     def end_cycle(self) -> Array:
         """Store the present cycle and start the next; return the depth that it added, m."""
         if self._finished == len(self._rows):
             # A new array each time it is full: views of the old one stay what they are.
-            more = np.zeros((max(2 * self._finished, 64), self.book.cycle.size))
+            more = np.zeros((max(2 * self._finished, 64), self.records.cycle.size))
             more[: self._finished] = self.cycles
             self._rows = more
-        self._rows[self._finished] = self.book.cycle
+        self._rows[self._finished] = self.records.cycle
         self._finished += 1
-        depth = self.book.depth.copy()
+        depth = self.records.depth.copy()
         self.maps.add(depth)
         self.start_cycle()
         return depth
@@ -304,35 +312,40 @@ class Recorder:
 
         Rows of series, contacts, film and cycles are views: once written they do not change.
         """
-        book = self.book
-        frames = int(book.sampler["frames"][0])
+        records = self.records
+        frames = int(records.sampler["frames"][0])
         return {
-            **{name: getattr(book, name).copy() for name in _SMALL},
+            **{name: getattr(records, name).copy() for name in _SMALL},
             "series": self.rows,
-            **{f"past_{k}": book.past[k, :n] for k, n in enumerate(book.tally["rows"])},
-            "film": book.film[:frames],
-            "frame": book.film[frames].copy(),
+            **{
+                f"past_{k}": records.stored_contacts[k, :n]
+                for k, n in enumerate(records.counters["rows"])
+            },
+            "film": records.film[:frames],
+            "frame": records.film[frames].copy(),
             "cycles": self.cycles,
             **named("maps", self.maps.state()),
-            **({} if book.packed.loads is None else {"modes": book.packed.loads.modes.copy()}),
-            "worn": self.worn,
+            **(
+                {} if records.packed.loads is None else {"modes": records.packed.loads.modes.copy()}
+            ),
+            "worn": self.surface_depth,
             "growth": self.growth,
             **({"sections": self.sections} if self.sections_per_cycle else {}),
         }
 
     def restore(self, stored: State) -> None:
         """Resume from the state of a recorder of the same linkage, start and plan."""
-        book = self.book
+        records = self.records
         for name in _SMALL:
-            getattr(book, name)[...] = stored[name]
-        if book.packed.loads is not None:
-            book.packed.loads.modes[...] = stored["modes"]
-        book.series[: len(stored["series"])] = stored["series"]
-        for k in range(book.memory.size):
-            book.past[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]
+            getattr(records, name)[...] = stored[name]
+        if records.packed.loads is not None:
+            records.packed.loads.modes[...] = stored["modes"]
+        records.series[: len(stored["series"])] = stored["series"]
+        for k in range(records.memory.size):
+            records.stored_contacts[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]
         frames = len(stored["film"])
-        book.film[:frames] = stored["film"]
-        book.film[frames] = stored["frame"]
+        records.film[:frames] = stored["film"]
+        records.film[frames] = stored["frame"]
         self._rows = np.array(stored["cycles"])
         self._finished = len(self._rows)
         self.maps.restore(part(stored, "maps"))

@@ -109,7 +109,7 @@ def _check_state(now: Condition) -> Finding | None:
 
 def _check_contacts(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
     """Check penetration and steps of the contacts of each joint."""
-    pairs = list(zip(linkage.clearances, recorder.book.tally, strict=True))
+    pairs = list(zip(linkage.clearances, recorder.records.counters, strict=True))
     for joint, counters in pairs:
         deepest, limit = float(counters["deepest"]), joint.pin_radius
         if deepest > limit:
@@ -151,7 +151,7 @@ def _check_energy(linkage: Linkage, recorder: Recorder, now: Condition) -> Findi
             f"the contacts made {ledger.made:.3g} J, limit {limit:.3g} J: damping and friction "
             f"took {heat:.3g} J"
         )
-        remedy = made_remedy(recorder.book.packed, now.remedy)
+        remedy = made_remedy(recorder.records.packed, now.remedy)
         return Finding("energy", what, now.time, "", remedy)
     return None
 

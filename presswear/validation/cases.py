@@ -155,23 +155,26 @@ def sound(run: Run, plan: Plan) -> Run:
         "position": run.end.position,
         "velocity": run.end.velocity,
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
-        **{f"contacts {k}": recorder.episodes(k) for k in range(len(recorder.book.memory))},
+        **{
+            f"contacts {k}": recorder.stored_contacts(k)
+            for k in range(len(recorder.records.memory))
+        },
     }
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):
             raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
         raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    unresolved = int(recorder.book.tally["unresolved"].sum())
+    unresolved = int(recorder.records.counters["unresolved"].sum())
     if unresolved:
-        total = int(recorder.book.tally["contacts"].sum())
+        total = int(recorder.records.counters["contacts"].sum())
         raise RunFailed(f"{unresolved} of {total} contacts unresolved")
     return run
 
 
 def contacts_of(run: Run, k: int = 0) -> dict[str, Array]:
     """Return the recorded contacts of clearance joint ``k`` by column, shape (n,) each, SI."""
-    return dict(zip(CONTACT_COLUMNS, run.recorder.episodes(k).T, strict=True))
+    return dict(zip(CONTACT_COLUMNS, run.recorder.stored_contacts(k).T, strict=True))
 
 
 def first_contact(run: Run, k: int = 0) -> dict[str, float]:

@@ -217,11 +217,11 @@ def conservation_errors(tolerance: float, duration: float) -> tuple[int, float, 
     linkage, start = worn_pair()
     run = run_sound(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
     before = kinetic_energy(linkage, start)
-    elastic = float(run.recorder.book.memory["energy"].sum())
+    elastic = float(run.recorder.records.memory["energy"].sum())
     change = kinetic_energy(linkage, run.end) + elastic - before
     turned = angular_momentum(linkage, run.end) - angular_momentum(linkage, start)
     spins = (mass_of(linkage) * start.velocity)[2::3]
-    contacts = int(run.recorder.book.tally["contacts"].sum())
+    contacts = int(run.recorder.records.counters["contacts"].sum())
     return contacts, change / before, turned / float(np.abs(spins).sum())
 
 

@@ -76,13 +76,13 @@ def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:
     """Return the touchdowns of all recorded contacts, and of those that last to the end."""
     touchdowns = []
     recorder = run.recorder
-    time, book = recorder.series("time"), recorder.book
-    for k, last in enumerate(book.memory):
+    time, records = recorder.series("time"), recorder.records
+    for k, last in enumerate(records.memory):
         contacts, force = contacts_of(run, k), recorder.series("normal", k)
         columns = (contacts[name].tolist() for name in ("touchdown", "separation", "closing_speed"))
         intervals = list(zip(*columns, strict=True))
-        if book.onset[k] > 0.0 and not last["started_closed"]:
-            intervals.append((float(last["touchdown_time"]), math.inf, float(book.onset[k])))
+        if records.onset[k] > 0.0 and not last["started_closed"]:
+            intervals.append((float(last["touchdown_time"]), math.inf, float(records.onset[k])))
         for start, end, closing in intervals:
             within = slice(*np.searchsorted(time, [start, end]))
             touchdowns.append(Touchdown(k, start, closing, peak(time[within], force[within])))
@@ -117,10 +117,10 @@ def trajectory_of(run: Run) -> Trajectory:
     """Copy the series that are compared; RunFailed if the run failed."""
     recorder = finished(run).recorder
     # The series holds displacements, and a disturbed initial state is displaced already.
-    position = recorder.series("displacement") + float(recorder.book.record["start"][0])
+    position = recorder.series("displacement") + float(recorder.records.output["start"][0])
     eccentricity = [
         recorder.series(name, k)
-        for k in range(recorder.book.memory.size)
+        for k in range(recorder.records.memory.size)
         for name in ("eccentricity_x", "eccentricity_y")
     ]
     return Trajectory(

@@ -199,7 +199,7 @@ def test_intervals_end_where_the_run_does() -> None:
     for _ in range(5):
         state = flow.step(*state)
     run = ENGINE.simulate(LINKAGE, START, Plan(0.1 * CYCLE, 1))
-    assert len(run.recorder.episodes(0)) > 0
+    assert len(run.recorder.stored_contacts(0)) > 0
     _, position, velocity = flow.simulation.state()
     np.testing.assert_allclose(position, run.end.position, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(velocity, run.end.velocity, rtol=0.0, atol=1e-6)
@@ -255,7 +255,7 @@ def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
     elastic = changed(SUSTAINED, {"restitution": "1"})
     flow = Flow.of(elastic.linkage(), start_of(elastic), CYCLE, 20)
     state, _ = flow.step(*flow.state())
-    assert flow.book.onset[0] > 0.0
+    assert flow.records.onset[0] > 0.0
     assert np.isnan(state[-1])
 
 

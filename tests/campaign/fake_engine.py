@@ -34,7 +34,7 @@ class FakeEngine:
     def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
         self.runs += 1
         recorder = recorder_of(linkage, start, plan)
-        recorder.book.record["now"] = plan.cycle * plan.cycles
+        recorder.records.output["now"] = plan.cycle * plan.cycles
         for observer in plan.observers:
             observer.on_start(recorder)
         if plan.resume is not None:
@@ -44,8 +44,8 @@ class FakeEngine:
             plan.advanced((cycle + 0.5) * plan.cycle)
             if self.runs == self.stopped and cycle == 1:
                 raise KeyboardInterrupt
-            recorder.book.cycle[:] = 100.0 * self.runs
-            recorder.book.depth[...] = self.law(self.runs, depth_of(recorder, linkage))
+            recorder.records.cycle[:] = 100.0 * self.runs
+            recorder.records.depth[...] = self.law(self.runs, depth_of(recorder, linkage))
             added = recorder.end_cycle()
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
@@ -67,7 +67,7 @@ class FakeEngine:
 
 
 def depth_of(recorder: Recorder, linkage: Linkage) -> Array:
-    worn = recorder.worn
+    worn = recorder.surface_depth
     return worn if worn.size else np.zeros((len(linkage.clearances), 2, 360))
 
 

@@ -247,7 +247,7 @@ def fails_at(depth: float) -> Callable[..., Finding | None]:
     """An examination that finds something once a surface is so deep, m."""
 
     def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
-        if recorder.worn.size and recorder.worn.max() > depth:
+        if recorder.surface_depth.size and recorder.surface_depth.max() > depth:
             return Finding("state", "the state is no longer finite", now.time, "B", "")
         return None
 

@@ -38,7 +38,7 @@ def ran(engine: Engine, bins: dict[str, int], worn: bool) -> Run:
     plan = Plan(PART * period, 1, 1)
     run = engine.for_cycle(period).simulate(linkage, start_of(scene), plan)
     assert run.status == "completed", run.message
-    assert run.recorder.book.tally["contacts"].min() > 1
+    assert run.recorder.records.counters["contacts"].min() > 1
     return run
 
 

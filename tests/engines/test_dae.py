@@ -108,7 +108,7 @@ def smooth() -> tuple[Run, Run]:
 
 
 def test_drive_torques_agree_with_exudyn(smooth: tuple[Run, Run]) -> None:
-    ours, theirs = (run.recorder.book.torque for run in smooth)
+    ours, theirs = (run.recorder.records.torque for run in smooth)
     assert np.abs(ours).max() > 0.1
     np.testing.assert_allclose(ours, theirs, atol=1e-5 * np.abs(ours).max())
 
@@ -155,9 +155,9 @@ def test_constraints_hold_over_a_cycle(cycle: Run) -> None:
 
 def test_touches_are_placed_on_the_surface(cycle: Run) -> None:
     """At the recorded onset the penetration is zero; the contacts alternate with flights."""
-    assert np.all(cycle.recorder.book.tally["contacts"] > 10)
+    assert np.all(cycle.recorder.records.counters["contacts"] > 10)
     for k in range(2):
-        onset, end = cycle.recorder.episodes(k)[:, :2].T
+        onset, end = cycle.recorder.stored_contacts(k)[:, :2].T
         assert np.all(end > onset)
         assert np.all(onset[1:] >= end[:-1])
 
@@ -274,7 +274,7 @@ def test_touches_on_steep_walls_are_located_inside_their_steps() -> None:
     exchange = float(run.diagnostics["drive_exchange_J"])
     assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-4 * exchange
     for k in range(2):
-        onset, end = run.recorder.episodes(k)[:, :2].T
+        onset, end = run.recorder.stored_contacts(k)[:, :2].T
         assert np.all(end > onset)
 
 

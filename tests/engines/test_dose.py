@@ -40,7 +40,7 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
         run = InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)
     else:
         run = ExudynJoints(50, 10, free_step=2e-5).simulate(linkage, start, plan)
-    assert run.recorder.book.tally["contacts"][0] == 1
+    assert run.recorder.records.counters["contacts"][0] == 1
     load_distance, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]
     # The arm is R_j - delta / 2, and the penetration is some micrometres.

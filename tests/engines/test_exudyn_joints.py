@@ -19,7 +19,7 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.linkage import Linkage
-from presswear.recording.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, WORK_DOSE
+from presswear.recording.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, LOAD_DISTANCE
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, wear_times
 
@@ -59,7 +59,7 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     errors = {}
     for steps in (50, 100, 400):
         run = run_pair(linkage, start, 0.001, steps)
-        assert run.recorder.book.tally["contacts"][0] == 1
+        assert run.recorder.records.counters["contacts"][0] == 1
         change = np.abs(momenta(linkage, run.end) - before)
         assert change[:2].max() < 1e-14 * np.abs(before[:2]).max()
         errors[steps] = change[2]
@@ -73,7 +73,7 @@ def test_central_impact_gives_back_the_closed_form(restitution: float) -> None:
     linkage = free_pair(restitution)
     speed = 0.25
     run = run_pair(linkage, at((0.0,) * 6, (0.0, 0.0, 0.0, speed, 0.0, 0.0)), 0.005)
-    onset, _, closing, release = run.recorder.episodes(0)[0, :4]
+    onset, _, closing, release = run.recorder.stored_contacts(0)[0, :4]
     assert onset == pytest.approx(CLEARANCE / speed, rel=1e-9)
     assert closing == pytest.approx(speed, rel=1e-9)
     delivered = delivered_restitution(lankarani_nikravesh_damping(restitution))
@@ -110,8 +110,8 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     run = ExudynJoints(50, 10, free_step=5e-5).simulate(linkage, start, Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
-    onset, _, closing = run.recorder.episodes(0)[0, :3]
-    assert run.recorder.book.tally["contacts"][0] >= 1
+    onset, _, closing = run.recorder.stored_contacts(0)[0, :3]
+    assert run.recorder.records.counters["contacts"][0] >= 1
     assert onset == pytest.approx(2.0 * half / spin, rel=1e-6)
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
@@ -131,9 +131,9 @@ def press_runs() -> dict[str, Run]:
 def test_every_contact_of_the_press_is_resolved(press_runs: dict[str, Run]) -> None:
     for run in press_runs.values():
         assert run.status == "completed"
-        assert np.all(run.recorder.book.tally["contacts"] > 5)
-        assert np.all(run.recorder.book.tally["unresolved"] == 0)
-        assert np.all(run.recorder.book.tally["fewest_steps"] >= 20)
+        assert np.all(run.recorder.records.counters["contacts"] > 5)
+        assert np.all(run.recorder.records.counters["unresolved"] == 0)
+        assert np.all(run.recorder.records.counters["fewest_steps"] >= 20)
 
 
 def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
@@ -144,7 +144,9 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     bins = recorder.maps.sampled.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
-        load_distance = recorder.cycles[0][CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k + WORK_DOSE]
+        load_distance = recorder.cycles[0][
+            CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k + LOAD_DISTANCE
+        ]
         assert load_distance > 0.0
         volume = recorder.maps.sampled[k].sum() * area
         assert volume == pytest.approx(joint.wear.coefficient * load_distance, rel=1e-12)

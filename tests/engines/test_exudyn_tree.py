@@ -42,8 +42,8 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
     """Onset, joint, closing speed and end of all finished contacts, by time."""
     rows = [
         (float(row[0]), k, float(row[2]), float(row[1]))
-        for k in range(len(run.recorder.book.memory))
-        for row in run.recorder.episodes(k)
+        for k in range(len(run.recorder.records.memory))
+        for row in run.recorder.stored_contacts(k)
     ]
     return sorted(rows)
 
@@ -77,7 +77,9 @@ def test_errors_fall_with_the_tolerance() -> None:
 
 def test_torques_agree_with_multipliers(tight: tuple[Run, Run]) -> None:
     ours, reference = tight
-    assert ours.recorder.book.torque == pytest.approx(reference.recorder.book.torque, abs=2e-6)
+    assert ours.recorder.records.torque == pytest.approx(
+        reference.recorder.records.torque, abs=2e-6
+    )
     # Up to the first touch torques are smooth enough to be read between the rows.
     rows, expected_rows = ours.recorder.rows, reference.recorder.rows
     expected_rows = expected_rows[expected_rows[:, 0] < 0.01]
@@ -155,8 +157,8 @@ def test_every_touch_is_landed_on_and_resolved() -> None:
     scene = wear_times()
     plan = Plan(scene.mechanism.period, 1)
     run = accuracy(1e-7).simulate(scene.linkage(), start_of(scene), plan)
-    assert run.recorder.book.tally["contacts"].sum() > 15
-    assert run.recorder.book.tally["fewest_steps"].min() >= 20
+    assert run.recorder.records.counters["contacts"].sum() > 15
+    assert run.recorder.records.counters["fewest_steps"].min() >= 20
     assert float(run.diagnostics["deepest_touch_m"]) < 1e-9
 
 
@@ -178,7 +180,9 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> N
     reference = InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan)
     assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
     assert ours.end.velocity == pytest.approx(reference.end.velocity, abs=1e-7)
-    assert ours.recorder.book.torque == pytest.approx(reference.recorder.book.torque, abs=1e-6)
+    assert ours.recorder.records.torque == pytest.approx(
+        reference.recorder.records.torque, abs=1e-6
+    )
     work = float(reference.diagnostics["drive_work_J"])
     assert abs(work) > 1.0
     assert ours.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-7)

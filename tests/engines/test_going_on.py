@@ -118,8 +118,8 @@ def test_contacts_are_kept_of_recorded_cycles_only() -> None:
     run = case.run(None)
     recorded = RECORDED * case.scene.mechanism.period
     for k in range(2):
-        episodes = run.recorder.episodes(k)
-        assert 0 < len(episodes) < run.recorder.book.tally["contacts"][k]
+        episodes = run.recorder.stored_contacts(k)
+        assert 0 < len(episodes) < run.recorder.records.counters["contacts"][k]
         assert episodes[:, 1].max() <= recorded
         assert run.recorder.rows[-1, 0] <= recorded * (1.0 + 1e-12)
 

@@ -362,7 +362,7 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy() -> None:
         ran = engine.for_cycle(scene.mechanism.period).simulate(linkage, start_of(scene), plan)
         assert ran.status == "completed", ran.message
         assert residual(ran) < 1e-7 * float(ran.diagnostics["drive_exchange_J"])
-        times = sorted(t for k in joints for t in ran.recorder.episodes(k)[:, 0].tolist())
+        times = sorted(t for k in joints for t in ran.recorder.stored_contacts(k)[:, 0].tolist())
         runs.append(ran)
         touches.append(times[:10])
     assert len(touches[0]) == 10

@@ -109,7 +109,7 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
         plan = Plan(0.1 * crank.period, 1)
         run = engine.for_cycle(crank.period).simulate(scene.linkage(), start_of(scene), plan)
         assert run.status == "completed"
-        assert len(run.recorder.episodes(0)) > 0
+        assert len(run.recorder.stored_contacts(0)) > 0
         ends.append(np.array([run.end.position, run.end.velocity]))
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-9, atol=1e-9)
 

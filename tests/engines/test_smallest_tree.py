@@ -55,9 +55,9 @@ def test_tree_and_in_house_solver_agree_over_ten_touches(name: str) -> None:
     scene = SCENES[name]
     assert isinstance(scene.solver, ExudynTree)
     reference, ours = agreed_over_ten_touches(scene, within=1e-8)
-    torques = reference.recorder.book.torque
+    torques = reference.recorder.records.torque
     assert np.abs(torques).min() > 0.0
-    np.testing.assert_allclose(ours.recorder.book.torque, torques, rtol=1e-6)
+    np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
     exchanged = float(reference.diagnostics["drive_exchange_J"])
     work = float(reference.diagnostics["drive_work_J"])
     assert ours.diagnostics["drive_work_J"] == pytest.approx(work, abs=1e-7 * exchanged)

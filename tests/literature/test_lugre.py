@@ -40,7 +40,7 @@ def test_what_is_pulled_too_weakly_stays(engine: Engine) -> None:
     """Bristles bend until sigma_0 z bears the pull: then nothing moves, where a ramp creeps."""
     run = pulled(0.8, 1.1, engine=engine)
     bent = 0.8 / PRESS / STIFF
-    contact = run.recorder.book.contacts[0]
+    contact = run.recorder.records.contacts[0]
     assert contact["bristle"] == pytest.approx(bent, rel=1e-3)
     assert abs(run.end.velocity[0]) < 1e-7
     # Slipping on the way there adds to it: z' = x' (1 - sigma_0 z / g).
@@ -64,7 +64,7 @@ def test_steady_sliding_follows_the_stribeck_curve(speed: float) -> None:
     """A pull of g(v) N holds a speed: it changes by second order only, in the beginning."""
     held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((speed / STRIBECK) ** 2))
     run = pulled(held * PRESS, 2e-2, speed=speed)
-    bristle = run.recorder.book.contacts[0]["bristle"]
+    bristle = run.recorder.records.contacts[0]["bristle"]
     ratio = run.end.velocity[0] / STRIBECK
     now = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-ratio * ratio)
     assert now / STIFF == pytest.approx(bristle, rel=0.2)

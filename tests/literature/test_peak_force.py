@@ -33,15 +33,15 @@ def simulated(impact: Impact, engine: Engine, law: NormalLaw | None = None) -> R
         replace(linkage, joints=guides, clearances=(joint,)), start, Plan(5e-3, 1)
     )
     assert run.status == "completed", run.message
-    assert len(run.recorder.episodes(0)) == 1
+    assert len(run.recorder.stored_contacts(0)) == 1
     return run
 
 
 def peaks(run: Run) -> list[float]:
     """Return the peak force in the list of contacts, the counts, the film and the cycle, N."""
     recorder = run.recorder
-    counts, film = recorder.book.tally, recorder.film
-    found = (recorder.episodes(0)[0, 4], counts["peak_force"][0], film.joints[..., 5].max())
+    counts, film = recorder.records.counters, recorder.film
+    found = (recorder.stored_contacts(0)[0, 4], counts["peak_force"][0], film.joints[..., 5].max())
     return [*map(float, found), float(recorder.each_cycle("force_max", 0)[0])]
 
 
@@ -128,11 +128,11 @@ def test_peaks_in_the_press_do_not_depend_on_the_step(conventions: str | None) -
         worn = {"A": (bearing, Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
     linkage, start, plan = scene.linkage(worn), start_of(scene), Plan(0.0175, 1)
     fine = InHouse("dop853", 1e-12, free_step=2e-7).simulate(linkage, start, plan)
-    exact = [fine.recorder.episodes(k)[:3] for k in range(2)]
+    exact = [fine.recorder.stored_contacts(k)[:3] for k in range(2)]
     assert min(len(own) for own in exact) > 0
     for tolerance in (1e-12, 1e-9):
         run = InHouse("dop853", tolerance).simulate(linkage, start, plan)
         for k, own in enumerate(exact):
-            found = run.recorder.episodes(k)[: len(own)]
+            found = run.recorder.stored_contacts(k)[: len(own)]
             assert found[:, 5].max() < 0.2 * own[:, 5].max()
             np.testing.assert_allclose(found[:, 4], own[:, 4], rtol=2e-5)

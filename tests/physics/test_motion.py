@@ -223,7 +223,7 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     kept: list[State] = []
     plan = Plan(0.07 * period, 3, observers=(Keeps(kept.append),))
     run = ExudynJoints().for_cycle(period).simulate(linkage, start_of(scene), plan)
-    touches = int(run.recorder.book.tally["contacts"].sum())
+    touches = int(run.recorder.records.counters["contacts"].sum())
     assert run.status == "completed", run.message
     assert (touches < 3) == is_far
     for count, state in enumerate(kept, 1):
@@ -279,7 +279,7 @@ def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
     scene = flying(PIECES["table, run-up"])
     run = flown(scene, engine, 2.4)
     time = run.recorder.series("time")
-    motion = run.recorder.book.motions[0]
+    motion = run.recorder.records.motions[0]
     breaks = [0.0]
     while breaks[-1] < run.time:
         breaks.append(break_after(motion, breaks[-1]))

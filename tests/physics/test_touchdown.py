@@ -18,13 +18,13 @@ from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import (
+    COUNTERS,
     LANDING,
     LEAST_STEPS,
     MEMORY,
     OVERSHOOT,
-    PAST_CONTACT,
     STEPS,
-    TALLY,
+    STORED_CONTACT,
     contact_step,
     crossing,
     hermite,
@@ -181,12 +181,12 @@ class _Line:
         self.packed = Pair(LINE, self.q, self.v).packed
         self.onset = np.zeros(1)
         self.memory = np.zeros(1, MEMORY)
-        self.tally = np.zeros(1, TALLY)
-        self.tally["fewest_steps"] = np.iinfo(np.int64).max
+        self.counters = np.zeros(1, COUNTERS)
+        self.counters["fewest_steps"] = np.iinfo(np.int64).max
         self.steps = np.zeros(1, STEPS)
         self.steps["free"], self.steps["per_contact"] = FREE, PARTS
         self.steps["sustained"], self.steps["least"] = 10.0, LEAST
-        self.past = np.zeros((1, 20), PAST_CONTACT)
+        self.past = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
         self.settle()
 
@@ -198,7 +198,7 @@ class _Line:
 
     def settle(self) -> None:
         note_contacts(self.packed, self.contacts, self.q, self.v)
-        states = self.memory, self.tally, self.past, self.contacts
+        states = self.memory, self.counters, self.past, self.contacts
         settle(self.packed.joints, self.onset, *states, self.time)
 
     def acceleration(self, x: float, speed: float) -> float:
@@ -373,7 +373,7 @@ def test_a_pin_that_bounces_is_counted_timed_and_loses_what_the_law_says(speed: 
     line = _Line().start(0.0, speed)
     sent_back = 0
     h = line.wanted()
-    while line.tally["contacts"][0] < 3:
+    while line.counters["contacts"][0] < 3:
         x, after = line.moved(h)
         shorter = line.shorter(h, x, after)
         if shorter > 0.0:
@@ -397,9 +397,9 @@ def test_a_pin_that_bounces_is_counted_timed_and_loses_what_the_law_says(speed: 
     np.testing.assert_allclose(flights, 2 * LINE.clearance / closing[1:], rtol=0.01)
     assert np.all(rows["steps"] >= 0.9 * PARTS)
     assert np.all(rows["steps"] <= 1.6 * PARTS)
-    assert line.tally["unresolved"][0] == 0
-    assert line.tally["fewest_steps"][0] == rows["steps"].min()
-    assert line.tally["rows"][0] == 3
+    assert line.counters["unresolved"][0] == 0
+    assert line.counters["fewest_steps"][0] == rows["steps"].min()
+    assert line.counters["rows"][0] == 3
     assert sent_back <= 3
 
 
@@ -411,7 +411,7 @@ def test_a_run_that_starts_closed_counts_no_contact() -> None:
     assert line.onset[0] > 0.0
     line.accept(1e-4, LINE.clearance - 1e-6, -0.1)
     assert line.onset[0] == 0.0
-    assert line.tally["contacts"][0] == 0
+    assert line.counters["contacts"][0] == 0
 
 
 def test_settle_takes_the_speed_at_touchdown_not_at_the_step() -> None:
@@ -464,4 +464,4 @@ def test_a_contact_of_one_state_has_no_peak_between_steps() -> None:
     for x, speed in ((1e-6, 0.4), (-1e-6, -0.4), (-2e-6, -0.4)):
         line.accept(4e-6, LINE.clearance + x, speed)
         assert line.memory["step_peak"][0] == 0.0
-    assert line.tally["contacts"][0] == 1
+    assert line.counters["contacts"][0] == 1

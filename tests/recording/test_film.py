@@ -57,10 +57,10 @@ def test_a_frame_is_the_state_of_the_series_at_its_time(rattling: Run) -> None:
 
 
 def test_no_peak_is_lost_between_frames(rattling: Run) -> None:
-    film, tally = rattling.recorder.film, rattling.recorder.book.tally
+    film, counters = rattling.recorder.film, rattling.recorder.records.counters
     for k in range(2):
         columns = film.joints[:, k]
-        assert columns[:, 5].max() == tally["peak_force"][k]
+        assert columns[:, 5].max() == counters["peak_force"][k]
         assert columns[:, 0].max() < columns[:, 5].max()  # frames alone miss it
         assert (columns[:, 5] >= columns[:, 0]).all()
 

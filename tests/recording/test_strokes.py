@@ -69,13 +69,15 @@ def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int)
     scene = ideal()
     plan = Plan(PERIOD, cycles, stroke=stroke)
     recorder = recorder_of(scene.linkage(), start_of(scene), plan)
-    state, draw = recorder.book.record[0], np.random.default_rng(seed)
-    note_bottom(state, recorder.book.cycle, 0.0, 0.0, swing(0.0, bottom))
+    state, draw = recorder.records.output[0], np.random.default_rng(seed)
+    note_bottom(state, recorder.records.cycle, 0.0, 0.0, swing(0.0, bottom))
     for cycle in range(cycles):
         times = (np.arange(100) + draw.uniform(0.0, 1.0, 100)) / 100.0
         times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
         for before, time in pairwise(times):
-            note_bottom(state, recorder.book.cycle, time, time - before, swing(float(time), bottom))
+            note_bottom(
+                state, recorder.records.cycle, time, time - before, swing(float(time), bottom)
+            )
         recorder.end_cycle()
     return recorder.cycles[:, [BOTTOM_HEIGHT, BOTTOM_TIME]]
 
@@ -114,7 +116,7 @@ def test_a_run_that_goes_on_keeps_the_stroke_that_it_was_in() -> None:
         for own in (one, other):
             if own is not None:
                 now = swing(float(time), 0.1)
-                note_bottom(own.book.record[0], own.book.cycle, time, time - before, now)
+                note_bottom(own.records.output[0], own.records.cycle, time, time - before, now)
                 if number % 100 == 0:
                     own.end_cycle()
         if number == 130:

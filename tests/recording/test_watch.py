@@ -44,7 +44,7 @@ def energies(**values: float) -> Change:
 def tallied(**given: object) -> Change:
     def change(observed: Recorder, now: Condition) -> Condition:
         for name, values in given.items():
-            observed.book.tally[name] = values
+            observed.records.counters[name] = values
         return now
 
     return change
@@ -155,7 +155,7 @@ def test_steep_surfaces_are_named_only_where_worn_ones_meet_radially(
     scene = changed(SCENE, {"contact": contact})
     notched = Surface(np.where(np.arange(360) % 30 == 0, depth, 0.0))
     linkage = scene.linkage(dict.fromkeys("AC", (notched, Surface())))
-    packed = Recorder.of(linkage, START.position, 1, scene.mechanism.period).book.packed
+    packed = Recorder.of(linkage, START.position, 1, scene.mechanism.period).records.packed
     what = made_energy(packed, -1.5, 2.0)
     assert ("worn surfaces are too steep" in what) == is_steep
     assert "the steps are too coarse" in what

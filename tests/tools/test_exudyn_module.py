@@ -22,7 +22,8 @@ scene, found = wear_times(), []
 for engine in (ExudynTree(1e-11), ExudynJoints()):
     engine = engine.for_cycle(scene.mechanism.period)
     run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.012, 1, 1))
-    found.append([*map(float, run.end.position), float(run.recorder.book.tally["contacts"].sum())])
+    contacts = float(run.recorder.records.counters["contacts"].sum())
+    found.append([*map(float, run.end.position), contacts])
 print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, found]))
 """
 

@@ -88,7 +88,7 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
     assert energy_check(run, "exudyn-joints").passed
     with pytest.raises(RunFailed, match=r"ended at 0.01 s, not at 0.02 s"):
         sound(run, guarded(0.02))
-    run.recorder.book.tally["unresolved"][1] = 1
+    run.recorder.records.counters["unresolved"][1] = 1
     with pytest.raises(RunFailed, match="1 of 2 contacts unresolved"):
         sound(run, plan)
     run.recorder.rows[1, 2] = math.nan

@@ -99,13 +99,13 @@ def prepare(
     began = clock.perf_counter()
     constraints = constraints_of(linkage)
     check_start(constraints, start)
-    book = recorder.book
+    records = recorder.records
     tree = None if settings.takes_all_coordinates else tree_of(linkage)
     if isinstance(tree, Tree):
-        system = tree_system_of(book.packed, tree, start.position)
+        system = tree_system_of(records.packed, tree, start.position)
         x, u = tree.coordinates(start.position, start.velocity)
     else:
-        system = system_of(book.packed, constraints, settings.alpha, settings.beta)
+        system = system_of(records.packed, constraints, settings.alpha, settings.beta)
         x, u = start.position, start.velocity
     n = system.size
     joints_end = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
@@ -124,8 +124,8 @@ def prepare(
 
     def march(end: float, most: int) -> int:
         if fixed:
-            return int(march_fixed(system, book, control, motion, end, most))
-        return int(march_controlled(system, tableau, book, control, motion, end, most))
+            return int(march_fixed(system, records, control, motion, end, most))
+        return int(march_controlled(system, tableau, records, control, motion, end, most))
 
     def worn() -> None:
         control["has_slope"] = False
@@ -138,7 +138,7 @@ def prepare(
         return float(control["time"][0]), system.state[0].copy(), system.state[1].copy()
 
     def stored() -> float:
-        return stored_energy(book.packed, book.memory["energy"], *state()[1:])
+        return stored_energy(records.packed, records.memory["energy"], *state()[1:])
 
     energy_before = stored()
     sums = {"solve": 0.0}
@@ -154,9 +154,9 @@ def prepare(
             plan.advanced(time)
             lost = float(y[2 * n + DRIVE_INTEGRALS : joints_end : JOINT_INTEGRALS].sum())
             exchange = float(y[2 * n + 1])
-            made = made_energy(book.packed, lost, exchange) if time > plan.settled else ""
+            made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
             if made:
-                return Finding("energy", made, time, "", made_remedy(book.packed, REMEDY))
+                return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
         sums["solve"] += clock.perf_counter() - began
         return None if status == DONE else _problem(status, constraints, *state())
 

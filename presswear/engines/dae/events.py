@@ -16,7 +16,7 @@ from presswear.engines.dormand_prince import Tableau
 from presswear.physics.friction_and_normal import corner_ahead
 from presswear.physics.loads import Loads, count_transitions, transition_at_start, transition_value
 from presswear.physics.touchdown import crossing, separate, touch_down
-from presswear.recording.observe import Book
+from presswear.recording.observe import RecorderState
 from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def reach_end(
 def event_value(
     system: System,
     tableau: Tableau | None,
-    book: Book,
+    records: RecorderState,
     motion: Integration,
     k: int,
     t: float,
@@ -87,7 +87,7 @@ def event_value(
     joints = system.contacts.shape[0]
     if k < joints:
         depth, rate = system.contacts[k].penetration, system.contacts[k].rate
-        return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
+        return (-depth, -rate) if records.onset[k] > 0.0 else (depth, rate)
     reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
     corners = first_of_corners(system)
@@ -95,7 +95,7 @@ def event_value(
         return transition_value(system.packed.loads, k - joints, q, v, a)
     sense = 1.0 - 2.0 * ((k - corners) & 1)
     k = (k - corners) >> 1
-    start, end = book.contacts[k].sliding, system.contacts[k].sliding
+    start, end = records.contacts[k].sliding, system.contacts[k].sliding
     corner = corner_ahead(start, sense, system.packed.joints[k].friction)
     # The mean rate over the step: sliding bends little in one.
     return sense * (end - corner), sense * (end - start) / h
@@ -109,7 +109,7 @@ def first_of_corners(system: System) -> int:
 
 @compiled
 def first_corner(
-    system: System, book: Book, first: int, excluded: int | np.int64, joints: int
+    system: System, records: RecorderState, first: int, excluded: int | np.int64, joints: int
 ) -> tuple[int, float]:
     """Corner of friction that a closed joint slides past first in a trial step; or -1.
 
@@ -123,11 +123,11 @@ def first_corner(
     event = -1
     part = 2.0
     for k in range(joints):
-        start, end = book.contacts[k].sliding, system.contacts[k].sliding
+        start, end = records.contacts[k].sliding, system.contacts[k].sliding
         for down in range(2):
             sense = 1.0 - 2.0 * down
             number = first + 2 * k + down
-            if book.onset[k] <= 0.0 or number == excluded:
+            if records.onset[k] <= 0.0 or number == excluded:
                 continue
             ahead = sense * (corner_ahead(start, sense, system.packed.joints[k].friction) - start)
             way = sense * (end - start)
@@ -180,7 +180,7 @@ def first_change(
 def first_event(
     system: System,
     tableau: Tableau | None,
-    book: Book,
+    records: RecorderState,
     control: Records,
     motion: Integration,
     t: float,
@@ -205,9 +205,9 @@ def first_event(
     for k in range(joints):
         if k == excluded:
             continue
-        memory = book.memory[k]
+        memory = records.memory[k]
         depth, rate = system.contacts[k].penetration, system.contacts[k].rate
-        sign = -1.0 if book.onset[k] > 0.0 else 1.0
+        sign = -1.0 if records.onset[k] > 0.0 else 1.0
         start = min(sign * memory.penetration, 0.0)
         s = crossing(start, sign * memory.rate, sign * depth, sign * rate, h)
         # A state that was just placed on an event moves away from it and does not repeat it, but
@@ -219,7 +219,7 @@ def first_event(
     if s < part:
         event, part = k, s
     if tableau is not None and tableau.ends_at_corners and not control[0].past_corners:
-        k, s = first_corner(system, book, first_of_corners(system), excluded, joints)
+        k, s = first_corner(system, records, first_of_corners(system), excluded, joints)
         if s < part:
             event, part = k, s
     return event, part
@@ -229,7 +229,7 @@ def first_event(
 def trial_step(
     system: System,
     tableau: Tableau | None,
-    book: Book,
+    records: RecorderState,
     control: Records,
     motion: Integration,
     t: float,
@@ -239,17 +239,17 @@ def trial_step(
     # The compiler leaves out the branch that is not taken.
     if tableau is None:
         control[0].evaluations += CLASSICAL_STAGES
-        classical_step(system, book.onset, motion, t, h)
+        classical_step(system, records.onset, motion, t, h)
         return 0.0
     control[0].evaluations += tableau.b.shape[0]
-    return embedded_step(system, tableau, book.onset, motion, t, h)
+    return embedded_step(system, tableau, records.onset, motion, t, h)
 
 
 @compiled
 def locate(
     system: System,
     tableau: Tableau | None,
-    book: Book,
+    records: RecorderState,
     control: Records,
     motion: Integration,
     t: float,
@@ -279,8 +279,8 @@ def locate(
     for _ in range(NEWTON_STEPS):
         # The state is that of the length tried last, however the search ends.
         length = following
-        trial_step(system, tableau, book, control, motion, t, length)
-        value, rate = event_value(system, tableau, book, motion, k, t, length)
+        trial_step(system, tableau, records, control, motion, t, length)
+        value, rate = event_value(system, tableau, records, motion, k, t, length)
         value -= aim
         if abs(value) <= near or is_last:
             break
@@ -315,7 +315,7 @@ def last_slope(tableau: Tableau | None) -> int:
 def end_on_event(
     system: System,
     tableau: Tableau | None,
-    book: Book,
+    records: RecorderState,
     control: Records,
     motion: Integration,
     t: float,
@@ -342,21 +342,31 @@ def end_on_event(
         if earlier < 0:
             break
         k = earlier
-        located, is_located = locate(system, tableau, book, control, motion, t, k, located, part)
+        located, is_located = locate(system, tableau, records, control, motion, t, k, located, part)
         if not is_located:
             break
-        earlier, part = first_event(system, tableau, book, control, motion, t, located, k, joints)
+        earlier, part = first_event(
+            system, tableau, records, control, motion, t, located, k, joints
+        )
     return k, located, is_located
 
 
 @compiled
-def switch(system: System, book: Book, k: int, t: float) -> float:
+def switch(system: System, records: RecorderState, k: int, t: float) -> float:
     """Open or close joint ``k`` in the state on its event; returns its closing speed, m/s."""
     rate = system.contacts[k].rate
-    if book.onset[k] > 0.0:
-        separate(book.memory[k], book.tally[k], book.past[k], book.onset[k], t, rate, 0)
-        book.onset[k] = HELD_OPEN
+    if records.onset[k] > 0.0:
+        separate(
+            records.memory[k],
+            records.counters[k],
+            records.stored_contacts[k],
+            records.onset[k],
+            t,
+            rate,
+            0,
+        )
+        records.onset[k] = HELD_OPEN
     else:
-        book.onset[k] = max(rate, 1e-300)
-        touch_down(book.memory[k], t, False)
+        records.onset[k] = max(rate, 1e-300)
+        touch_down(records.memory[k], t, False)
     return rate

@@ -45,7 +45,7 @@ from presswear.physics.touchdown import (
     skim_step,
     step_after_touchdown,
 )
-from presswear.recording.observe import Book, observe, settle_state
+from presswear.recording.observe import RecorderState, observe, settle_state
 from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
@@ -56,36 +56,41 @@ SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 
 @inlined
 def finish_step(
-    system: System, book: Book, control: Records, motion: Integration, t: float, h: float
+    system: System,
+    records: RecorderState,
+    control: Records,
+    motion: Integration,
+    t: float,
+    h: float,
 ) -> None:
     """Account for an accepted state in ``motion.y``, the one that slopes were evaluated in last."""
     n = system.size
     y = motion.y
     for k in range(system.contacts.shape[0]):
-        book.contacts[k] = system.contacts[k]
-    note_forces(book.packed.joints, book.onset, book.contacts)
+        records.contacts[k] = system.contacts[k]
+    note_forces(records.packed.joints, records.onset, records.contacts)
     for k in range(system.contacts.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
         # Integrals are emptied into the account, so that they never lose digits.
-        book.doses[k].work = y[base + WORK]
-        book.doses[k].pressure = y[base + PRESSURE]
+        records.wear_integrals[k].work = y[base + WORK]
+        records.wear_integrals[k].pressure = y[base + PRESSURE]
         y[base + WORK] = y[base + PRESSURE] = 0.0
-        last = book.memory[k]
-        remember(last, book.packed.joints[k], book.onset[k], book.contacts[k], t)
-        if book.onset[k] > 0.0:
+        last = records.memory[k]
+        remember(last, records.packed.joints[k], records.onset[k], records.contacts[k], t)
+        if records.onset[k] > 0.0:
             last.steps += 1
     accelerate(system, motion.slopes[0])
-    for k in range(book.drives.shape[0]):
+    for k in range(records.drives.shape[0]):
         base = system.first_torque + TORQUE_INTEGRALS * k
-        drive = book.drives[k]
+        drive = records.drives[k]
         drive.torque_integral = y[base + TORQUE]
         drive.torque_square_integral = y[base + TORQUE_SQUARE]
         drive.work = y[base + POWER]
         drive.power_square_integral = y[base + POWER_SQUARE]
         y[base : base + TORQUE_INTEGRALS] = 0.0
-        book.torque[k] = motion.slopes[0, base + TORQUE]
+        records.torque[k] = motion.slopes[0, base + TORQUE]
     q, v, a, _, _ = system.state
-    observe(book, t, h, q, v, a)
+    observe(records, t, h, q, v, a)
     state = control[0]
     state.time = t
     state.steps += 1
@@ -96,7 +101,7 @@ def finish_step(
 
 @compiled
 def start_march(
-    system: System, book: Book, control: Records, motion: Integration, most: int
+    system: System, records: RecorderState, control: Records, motion: Integration, most: int
 ) -> None:
     """Evaluate the slopes of the state if necessary, and record the initial state once.
 
@@ -104,17 +109,17 @@ def start_march(
     """
     state, y, slope = control[0], motion.y, motion.slopes[0]
     if most > 0 and not state.has_slope:
-        rates(system, book.onset, state.time, y, slope)
+        rates(system, records.onset, state.time, y, slope)
         state.has_slope = True
     if most == 0 or not state.has_started:
         place(system, state.time, y)
     if not state.has_started:
         accelerate(system, slope)
-        copy_to(book.torque, system.torque)
+        copy_to(records.torque, system.torque)
         q, v, a, _, _ = system.state
-        note_contacts(book.packed, book.contacts, q, v)
-        settle_state(book, 0.0, LEAST_STEPS)
-        observe(book, 0.0, 0.0, q, v, a)
+        note_contacts(records.packed, records.contacts, q, v)
+        settle_state(records, 0.0, LEAST_STEPS)
+        observe(records, 0.0, 0.0, q, v, a)
         state.has_started = True
 
 
@@ -129,7 +134,7 @@ def settle_state_modes(system: System, t: float) -> int:
 def march_controlled(
     system: System,
     tableau: Tableau,
-    book: Book,
+    records: RecorderState,
     control: Records,
     motion: Integration,
     end: float,
@@ -138,19 +143,19 @@ def march_controlled(
     """Integrate towards ``end`` for at most so many steps; returns how far it got."""
     n = system.size
     state = control[0]
-    start_march(system, book, control, motion, most)
+    start_march(system, records, control, motion, most)
     # No step feels a contact before its touchdown, because steps end there.
-    for k in range(book.onset.shape[0]):
-        if book.onset[k] == 0.0:
-            book.onset[k] = HELD_OPEN
+    for k in range(records.onset.shape[0]):
+        if records.onset[k] == 0.0:
+            records.onset[k] = HELD_OPEN
     for _ in range(most):
         t = state.time
         left = end - t
         if left <= 0.0:
             return DONE
-        longest = skim_step(system.packed, book.memory, state.longest)
-        longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
-        h = min(step_to_break(book.motions, t, min(state.step, longest)), left)
+        longest = skim_step(system.packed, records.memory, state.longest)
+        longest = step_after_touchdown(system.packed.joints, records.onset, records.memory, longest)
+        h = min(step_to_break(records.motions, t, min(state.step, longest)), left)
         loaded = count_transitions(system.packed.loads) > 0
         if loaded:
             h = min(h, next_break(system.packed.loads) - t)
@@ -158,7 +163,7 @@ def march_controlled(
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        error = embedded_step(system, tableau, book.onset, motion, t, h)
+        error = embedded_step(system, tableau, records.onset, motion, t, h)
         state.evaluations += tableau.b.shape[0]
         if not error <= 1.0:
             state.rejected += 1
@@ -174,10 +179,10 @@ def march_controlled(
         joints = system.contacts.shape[0]
         # Not a literal, for which numba would compile the search for events twice.
         no_event = np.int64(-1)
-        k, part = first_event(system, tableau, book, control, motion, t, h, no_event, joints)
+        k, part = first_event(system, tableau, records, control, motion, t, h, no_event, joints)
         if k >= 0:
             k, located, is_located = end_on_event(
-                system, tableau, book, control, motion, t, h, k, part, joints
+                system, tableau, records, control, motion, t, h, k, part, joints
             )
             if not is_located:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
@@ -196,24 +201,24 @@ def march_controlled(
         copy_to(motion.y, motion.trial)
         changed = settle_state_modes(system, t) if loaded else 0
         if 0 <= k < joints:
-            rate = switch(system, book, k, t)
+            rate = switch(system, records, k, t)
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
             state.step = min(state.step, part)
         if state.projected:
             keep_constraints(system.held, t, motion.y)
         if state.projected or k >= 0 or changed > 0:
-            rates(system, book.onset, t, motion.y, motion.slopes[0])
+            rates(system, records.onset, t, motion.y, motion.slopes[0])
             state.evaluations += 1
         else:
             copy_to(motion.slopes[0], motion.slopes[tableau.b.shape[0]])
-        finish_step(system, book, control, motion, t, h)
+        finish_step(system, records, control, motion, t, h)
     return RUNNING
 
 
 @compiled
 def march_fixed(
     system: System,
-    book: Book,
+    records: RecorderState,
     control: Records,
     motion: Integration,
     end: float,
@@ -222,7 +227,7 @@ def march_fixed(
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.size
     state = control[0]
-    start_march(system, book, control, motion, most)
+    start_march(system, records, control, motion, most)
     for _ in range(most):
         t = state.time
         left = end - t
@@ -233,18 +238,18 @@ def march_fixed(
         if state.due > t:
             h = min(state.due - t, left)
         whole = h
-        h = min(step_to_break(book.motions, t, h), next_break(system.packed.loads) - t)
-        trial_step(system, None, book, control, motion, t, h)
-        k, part = first_event(system, None, book, control, motion, t, h, -1, 0)
+        h = min(step_to_break(records.motions, t, h), next_break(system.packed.loads) - t)
+        trial_step(system, None, records, control, motion, t, h)
+        k, part = first_event(system, None, records, control, motion, t, h, -1, 0)
         if k >= 0:
             k, located, is_located = end_on_event(
-                system, None, book, control, motion, t, h, k, part, 0
+                system, None, records, control, motion, t, h, k, part, 0
             )
             if is_located:
                 h = located
                 state.events += 1
             else:
-                trial_step(system, None, book, control, motion, t, h)
+                trial_step(system, None, records, control, motion, t, h)
         copy_to(motion.y, motion.trial)
         # What is left of a step that was cut follows by itself.
         state.due = t + whole if h < whole else 0.0
@@ -257,10 +262,10 @@ def march_fixed(
                 return BROKEN
         place(system, t, motion.y)
         q, v, _, _, _ = system.state
-        note_contacts(book.packed, book.contacts, q, v)
-        settle_state(book, t, LEAST_STEPS)
+        note_contacts(records.packed, records.contacts, q, v)
+        settle_state(records, t, LEAST_STEPS)
         if state.projected:
             keep_constraints(system.held, t, motion.y)
-        rates(system, book.onset, t, motion.y, motion.slopes[0])
-        finish_step(system, book, control, motion, t, h)
+        rates(system, records.onset, t, motion.y, motion.slopes[0])
+        finish_step(system, records, control, motion, t, h)
     return RUNNING

@@ -95,7 +95,7 @@ def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
 
 def _send_back(frame: Frame, solve: Solve, steps: Records) -> Callable[[Any, float], list[float]]:
     """The function for PostNewton: repeats a step that ran too far past a touch or bend."""
-    kernel = bind(shorter_joint_step, frame, solve.recorder.book, steps)
+    kernel = bind(shorter_joint_step, frame, solve.recorder.records, steps)
 
     def send_back(system: Any, t: float) -> list[float]:
         shorter = kernel(t)
@@ -116,16 +116,16 @@ def prepare(
     times: dict[str, float] = {}
     # Compiling, or loading what was compiled, is part of building the model.
     with timed(times, "wall_build_s"):
-        book = recorder.book
+        records = recorder.records
         model = assemble(linkage, start, recorder)
         solve = Solve.of(recorder, plan, _COUNTS)
-        drives = _drives(model, linkage, book.packed.mass)
-        accept = bind(accept_joint_step, model.frame, drives, book, steps)
+        drives = _drives(model, linkage, records.packed.mass)
+        accept = bind(accept_joint_step, model.frame, drives, records, steps)
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances or linkage.live_loads:
             model.system.SetPostNewtonUserFunction(_send_back(model.frame, solve, steps))
-    energies = book.memory["energy"]
-    before = stored_energy(book.packed, energies, start.position, start.velocity)
+    energies = records.memory["energy"]
+    before = stored_energy(records.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
@@ -140,8 +140,8 @@ def prepare(
         return solve.time, np.array(model.frame.q), np.array(model.frame.v)
 
     def ledger() -> Ledger:
-        stored = stored_energy(book.packed, energies, *state()[1:])
-        return Ledger.of(book.ledger[0], stored - before)
+        stored = stored_energy(records.packed, energies, *state()[1:])
+        return Ledger.of(records.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
         sums, omitted = solve.sums, left_out(linkage)

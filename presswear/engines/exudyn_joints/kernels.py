@@ -36,7 +36,7 @@ from presswear.physics.touchdown import (
     shorter_step,
 )
 from presswear.physics.wear import wear_rates
-from presswear.recording.observe import Book, observe, settle_state, sum_drives
+from presswear.recording.observe import RecorderState, observe, settle_state, sum_drives
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, unpack
 
 Array = NDArray[np.float64]
@@ -196,7 +196,7 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 
 
 @compiled
-def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, float]:
+def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tuple[float, float]:
     """Fill the torques of the drives, with contacts noted.
 
     Returns
@@ -205,22 +205,26 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
         Power of the drives, and of loads and dampers, W.
     """
     prescribed = frame.prescribed
-    load_power = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
+    load_power = applied_forces(records.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
-        add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
+        add_contacts(
+            records.packed.joints, records.onset, records.contacts, drives.force, drives.rates
+        )
         subtract_inertia(prescribed.parts, frame.a, drives.force)
-        drive_torques(prescribed, frame.q, frame.axes, drives.force, book.torque)
+        drive_torques(prescribed, frame.q, frame.axes, drives.force, records.torque)
     power = 0.0
-    for i in range(book.motions.shape[0]):
+    for i in range(records.motions.shape[0]):
         if drives.multiplier[i] >= 0:
-            book.torque[i] = -drives.multipliers[drives.multiplier[i]]
-        power += book.torque[i] * drive_motion(book.motions[i], t)[1]
+            records.torque[i] = -drives.multipliers[drives.multiplier[i]]
+        power += records.torque[i] * drive_motion(records.motions[i], t)[1]
     return power, load_power
 
 
 @compiled
-def sum_step(book: Book, drive_power: float, load_power: float, t: float, h: float) -> None:
-    """Fill the doses of wear of a step, and add to the ledger of energy.
+def sum_step(
+    records: RecorderState, drive_power: float, load_power: float, t: float, h: float
+) -> None:
+    """Fill the wear integrals of a step, and add to the ledger of energy.
 
     Doses are taken from the state at the step's end: over a whole contact that is the
     trapezoidal rule, since the force is zero at both ends.  A step that began open
@@ -229,17 +233,17 @@ def sum_step(book: Book, drive_power: float, load_power: float, t: float, h: flo
     contact_power = 0.0
     friction_power = 0.0
     made_power = 0.0
-    for k in range(book.memory.shape[0]):
-        contact = book.contacts[k]
-        work, pressure = wear_rates(book.packed.joints[k], contact, contact.normal)
-        duration = min(h, t - book.memory[k].touchdown_time)
-        book.doses[k].work = work * duration
-        book.doses[k].pressure = pressure * duration
+    for k in range(records.memory.shape[0]):
+        contact = records.contacts[k]
+        work, pressure = wear_rates(records.packed.joints[k], contact, contact.normal)
+        duration = min(h, t - records.memory[k].touchdown_time)
+        records.wear_integrals[k].work = work * duration
+        records.wear_integrals[k].pressure = pressure * duration
         lost, rubbed, made = loss_powers(contact, contact.normal, contact.tangential)
         contact_power += lost
         friction_power += rubbed
         made_power += made
-    ledger = book.ledger[0]
+    ledger = records.ledger[0]
     half = 0.5 * h
     ledger.drive_work += half * (ledger.drive_power + drive_power)
     ledger.load_work += half * (ledger.load_power + load_power)
@@ -261,32 +265,32 @@ def accept_joint_step(run: PackedArguments, t: float) -> float:
     Parameters
     ----------
     run : PackedArguments
-        Frame, Drives, Book and one record of STEPS.
+        Frame, Drives, RecorderState and one record of STEPS.
     """
-    frame, drives, book, steps = unpack(run)
-    h = t - book.record[0].now
+    frame, drives, records, steps = unpack(run)
+    h = t - records.output[0].now
     refresh(frame, t)
     hold(frame, drives, drives.held, t)
-    note_contacts(book.packed, book.contacts, frame.q, frame.v)
-    advance_bristles(book.packed.joints, book.memory, book.contacts, t)
-    power, load_power = powers(frame, drives, book, t)
+    note_contacts(records.packed, records.contacts, frame.q, frame.v)
+    advance_bristles(records.packed.joints, records.memory, records.contacts, t)
+    power, load_power = powers(frame, drives, records, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
-    settle_state(book, t, LEAST_STEPS)
-    sum_step(book, power, load_power, t, h)
-    sum_drives(book, h, frame.v)
-    packed = book.packed
-    book.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
+    settle_state(records, t, LEAST_STEPS)
+    sum_step(records, power, load_power, t, h)
+    sum_drives(records, h, frame.v)
+    packed = records.packed
+    records.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
     changes = settle_modes(packed, t, frame.q, frame.v, frame.a)
-    observe(book, t, h, frame.q, frame.v, frame.a)
-    following = next_step(packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    observe(records, t, h, frame.q, frame.v, frame.a)
+    following = next_step(packed, records.onset, records.memory, steps, records.contacts, frame.a)
     if changes > 0:
-        book.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
+        records.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
         if greatest_jump(packed.loads) > JUMP:
             # The rule begins from accelerations that no longer hold.
             following = steps[0].least
     left = next_break(packed.loads) - t
-    following = step_to_break(book.motions, t, min(following, left))
+    following = step_to_break(records.motions, t, min(following, left))
     return max(following, 0.1 * steps[0].least)
 
 
@@ -297,15 +301,15 @@ def shorter_joint_step(run: PackedArguments, t: float) -> float:
     Parameters
     ----------
     run : PackedArguments
-        Frame, Book and one record of STEPS.
+        Frame, RecorderState and one record of STEPS.
     """
-    frame, book, steps = unpack(run)
+    frame, records, steps = unpack(run)
     refresh(frame, t)
     shorter = shorter_step(
-        book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v
+        records.packed, records.onset, records.memory, steps, frame.contacts, t, frame.q, frame.v
     )
-    h = t - book.record[0].now
-    wanted = late_change(book.packed.loads, steps, h, frame.q, frame.v, frame.a)
+    h = t - records.output[0].now
+    wanted = late_change(records.packed.loads, steps, h, frame.q, frame.v, frame.a)
     return wanted if shorter < 0.0 or 0.0 < wanted < shorter else shorter
 
 

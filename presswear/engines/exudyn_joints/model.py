@@ -143,7 +143,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         # makes of another is put right behind each step (``kernels.hold``).
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
-            speed = _speed_function(recorder.book.motions[place])
+            speed = _speed_function(recorder.records.motions[place])
             turning = {"offset": 0.0, "offsetUserFunction_t": speed}
         markers = [fixed, turned]
         constraints[drive.name] = add_object(
@@ -170,8 +170,8 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     joined = tuple(name for name in dict.fromkeys(ends + loaded) if name in nodes)
     places = [3 * joined.index(name) if name in joined else -1 for name in ends]
     slots = np.array(places, dtype=np.int64).reshape(-1, 2)
-    book = recorder.book
-    packed, onset, memory = book.packed, book.onset, book.memory
+    records = recorder.records
+    packed, onset, memory = records.packed, records.onset, records.memory
     # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
     out = array("d", bytes(8 * 3 * len(joined)))
     first = [3 * linkage.index(name) for name in joined]

@@ -43,7 +43,7 @@ from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.prescribed import Tree, begin_motion, tree_of
 from presswear.physics.tree import CARRIED
-from presswear.recording.observe import Book
+from presswear.recording.observe import RecorderState
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.compile import PackedArguments, bind, specialised
@@ -85,7 +85,7 @@ def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> Tre
     )
 
 
-def inside_of(system: TreeSystem, book: Book) -> Inside:
+def inside_of(system: TreeSystem, records: RecorderState) -> Inside:
     """Working space for the states inside a step of a tree."""
     state = np.zeros((3, system.balance.size))
     prescribed = system.prescribed._replace(work=system.prescribed.work.copy())
@@ -98,10 +98,10 @@ def inside_of(system: TreeSystem, book: Book) -> Inside:
             carried=np.zeros_like(system.carried),
             balance=np.zeros_like(system.balance),
         ),
-        book=book._replace(contacts=book.contacts.copy(), torque=book.torque.copy()),
+        records=records._replace(contacts=records.contacts.copy(), torque=records.torque.copy()),
         start=state,
         state=state.copy(),
-        bristles=np.zeros(len(book.contacts)),
+        bristles=np.zeros(len(records.contacts)),
     )
 
 
@@ -131,10 +131,15 @@ def _accelerations_at_start(model: TreeModel) -> Array:
 
 
 def _build(
-    tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book, inside: Inside
+    tree: Tree,
+    linkage: Linkage,
+    start: Start,
+    system: TreeSystem,
+    records: RecorderState,
+    inside: Inside,
 ) -> tuple[TreeModel, Accept]:
     """The tree with its user function, and what accounts for a step and chooses the next."""
-    packed, contacts = book.packed, book.contacts
+    packed, contacts = records.packed, records.contacts
     # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
     out = array("d", bytes(8 * tree.size))
     filled, rates = np.frombuffer(out), np.zeros(len(contacts))
@@ -158,13 +163,13 @@ def _build(
     functions = (bristly_forces, bristle_rates) if is_bristly else (forces,)
     model = assemble(tree, linkage, start, *functions)
     x, u = model.x, model.u
-    stage = bind(stage_forces, system, book, x, u, model.u_t, filled)
+    stage = bind(stage_forces, system, records, x, u, model.u_t, filled)
     if is_bristly:
         arguments = system, packed, contacts.copy(), x, u, model.bristles, rates
         bristles = bind(stage_bristles, *arguments)
-    end = bind(accept_tree_step, system, book, inside, x, u, model.u_t)
+    end = bind(accept_tree_step, system, records, inside, x, u, model.u_t)
     at_start = _accelerations_at_start(model)
-    first = bind(accept_tree_step, system, book, inside, x, u, at_start)
+    first = bind(accept_tree_step, system, records, inside, x, u, at_start)
     system.pace["evaluations"] = 0
 
     def accept(t: float) -> float:
@@ -193,10 +198,10 @@ def prepare(
     with timed(times, "wall_compile_s"):
         _warm_up(tree, linkage, start)
     with timed(times, "wall_build_s"):
-        book = recorder.book
+        records = recorder.records
         system = system_of(tree, linkage, start, longest)
-        inside = inside_of(system, book)
-        model, accept = _build(tree, linkage, start, system, book, inside)
+        inside = inside_of(system, records)
+        model, accept = _build(tree, linkage, start, system, records, inside)
         counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
         solve = Solve.of(recorder, plan, counts, FIRST_STEP)
         limit = StepLimit(solve)
@@ -205,12 +210,12 @@ def prepare(
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(book.packed, book.memory["energy"], q, v)
+        stored = stored_energy(records.packed, records.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
-    bind(stage_forces, system, book, model.x, model.u, model.u_t, np.zeros(tree.size))(0.0)
+    bind(stage_forces, system, records, model.x, model.u, model.u_t, np.zeros(tree.size))(0.0)
     system.pace["evaluations"] = 0
-    book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
+    records.memory["energy"] = records.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
 
@@ -220,7 +225,7 @@ def prepare(
 
     def ledger() -> Ledger:
         stored, momentum = energy()
-        sums = book.ledger[0].copy()
+        sums = records.ledger[0].copy()
         sums["drive_work"] += momentum - momentum_before
         return Ledger.of(sums, stored - stored_before)
 
@@ -262,13 +267,13 @@ def prepare(
 
 def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
-    book = Recorder.of(linkage, start.position, 1, 1.0).book
+    records = Recorder.of(linkage, start.position, 1, 1.0).records
     system = system_of(tree, linkage, start, 1.0)
     x = np.zeros(tree.size)
     run = PackedArguments()
-    run.arguments = system, book, inside_of(system, book), x, x, x
+    run.arguments = system, records, inside_of(system, records), x, x, x
     specialised(accept_tree_step, run, 0.0)
     run = PackedArguments()
-    run.arguments = system, book, x, x, x, x
+    run.arguments = system, records, x, x, x, x
     specialised(stage_forces, run, 0.0)
     specialised(hinge_power_integral, system)

@@ -1,7 +1,7 @@
 """Compiled part of the open tree: forces of a stage, and one call per accepted step.
 
 Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step
-ends in.  Each leaves its powers in a row, so that work, losses and doses of wear are
+ends in.  Each leaves its powers in a row, so that work, losses and wear integrals are
 integrated with the weights of the method and at its order.
 
 The law of force changes where a pin touches down or leaves, and where the law of a load does.
@@ -33,7 +33,7 @@ from presswear.physics.packed import applied_forces, settle_modes
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
-from presswear.recording.observe import Book, observe, settle_state
+from presswear.recording.observe import RecorderState, observe, settle_state
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, copy_to, unpack
 
 Array = NDArray[np.float64]
@@ -106,7 +106,7 @@ class Inside(NamedTuple):
 
     Attributes
     ----------
-    system, book : TreeSystem and Book
+    system, records : TreeSystem and RecorderState
         With contacts, torques and states of their own.
     start : ndarray, shape (3, coordinates)
         Coordinates of the tree, rates and accelerations at the start of the step.
@@ -117,7 +117,7 @@ class Inside(NamedTuple):
     """
 
     system: TreeSystem
-    book: Book
+    records: RecorderState
     start: Array
     state: Array
     bristles: Array
@@ -137,15 +137,15 @@ def stage_forces(run: PackedArguments, t: float) -> int:
     Parameters
     ----------
     run : PackedArguments
-        TreeSystem, Book, coordinates of the tree, rates, accelerations, and the forces.
+        TreeSystem, RecorderState, coordinates of the tree, rates, accelerations, and the forces.
 
     Returns
     -------
     int
         Stages since the last accepted step.
     """
-    system, book, x, u, _, out = unpack(run)
-    packed, contacts = book.packed, book.contacts
+    system, records, x, u, _, out = unpack(run)
+    packed, contacts = records.packed, records.contacts
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
@@ -244,9 +244,9 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float]
 
 
 @compiled
-def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float:
+def step_to_changes(records: RecorderState, system: TreeSystem, t: float, h: float) -> float:
     """Step, s, no longer than ``h``, that does not run past the next change of a load's law."""
-    loads = book.packed.loads
+    loads = records.packed.loads
     h = min(h, next_break(loads) - t)
     smooth = system.pace[0].smooth
     for k in range(count_transitions(loads)):
@@ -266,26 +266,26 @@ def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float
 
 
 @compiled
-def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
+def step_to_events(records: RecorderState, system: TreeSystem, h: float) -> float:
     """Step, s, no longer than ``h``, that does not run past the next change of law.
 
     Leaves the closing speeds that the stages of that step use in ``expected``.
     """
     pace = system.pace[0]
     a = system.state[2]
-    for k in range(book.memory.shape[0]):
-        joint = book.packed.joints[k]
-        last = book.memory[k]
-        closed = book.onset[k] > 0.0
+    for k in range(records.memory.shape[0]):
+        joint = records.packed.joints[k]
+        last = records.memory[k]
+        closed = records.onset[k] > 0.0
         acceleration = penetration_acceleration(
-            joint, book.packed.surfaces[k, :, : joint.surface_bins], book.contacts[k], a
+            joint, records.packed.surfaces[k, :, : joint.surface_bins], records.contacts[k], a
         )
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
             last.longest_step = 2.0 * last.rate / -acceleration / LEAST_PARTS
             h = min(h, last.longest_step)
-        system.expected[k] = book.onset[k]
+        system.expected[k] = records.onset[k]
         sign = -1.0 if closed else 1.0
         jerk = sign * jerk if pace.smooth else 0.0
         p, r, a_n = sign * last.penetration, sign * last.rate, sign * acceleration
@@ -313,12 +313,12 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
 
 
 @compiled
-def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
-    """Sum doses and energies of a step of length ``h`` from the powers of its stages."""
-    ledger = book.ledger[0]
-    count = book.memory.shape[0]
+def sum_stages(records: RecorderState, system: TreeSystem, h: float) -> None:
+    """Sum wear integrals and energies of a step of length ``h`` from the powers of its stages."""
+    ledger = records.ledger[0]
+    count = records.memory.shape[0]
     for k in range(count):
-        book.doses[k].work = book.doses[k].pressure = 0.0
+        records.wear_integrals[k].work = records.wear_integrals[k].pressure = 0.0
     for j in range(STAGES):
         weight = h * WEIGHTS[j]
         row = system.stages[j]
@@ -329,40 +329,42 @@ def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
             ledger.contact_loss += weight * row[base + CONTACT_LOSS]
             ledger.friction_loss += weight * row[base + FRICTION_LOSS]
             ledger.made += weight * row[base + MADE]
-            book.doses[k].work += weight * row[base + WORK]
-            book.doses[k].pressure += weight * row[base + PRESSURE]
+            records.wear_integrals[k].work += weight * row[base + WORK]
+            records.wear_integrals[k].pressure += weight * row[base + PRESSURE]
     for k in range(count):
         # One weight is negative: a step at the end of a contact may sum to less than nothing.
-        book.doses[k].work = max(book.doses[k].work, 0.0)
-        book.doses[k].pressure = max(book.doses[k].pressure, 0.0)
+        records.wear_integrals[k].work = max(records.wear_integrals[k].work, 0.0)
+        records.wear_integrals[k].pressure = max(records.wear_integrals[k].pressure, 0.0)
 
 
 @compiled
-def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array) -> float:
+def tree_state(
+    system: TreeSystem, records: RecorderState, t: float, x: Array, u: Array, u_t: Array
+) -> float:
     """Place all bodies with rates and accelerations; returns the power of the drives, W.
 
-    Leaves the drives' torques in the book, and in the forces of each body what it and
+    Leaves the drives' torques in the records, and in the forces of each body what it and
     all that hangs from it bear.
     """
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
     accelerate_links(system.links, u_t, v, axes, a)
-    applied_forces(book.packed, t, q, v, force)
+    applied_forces(records.packed, t, q, v, force)
     rates = system.stages[0, 1:]
     if t != system.pace[0].noted:
-        note_contacts(book.packed, book.contacts, q, v, axes)
+        note_contacts(records.packed, records.contacts, q, v, axes)
         system.pace[0].noted = t
-    add_contacts(book.packed.joints, system.expected, book.contacts, force, rates)
+    add_contacts(records.packed.joints, system.expected, records.contacts, force, rates)
     for c in range(force.shape[0]):
-        force[c] -= book.packed.mass[c] * a[c]
+        force[c] -= records.packed.mass[c] * a[c]
     gather_forces(system.links, q, axes, force, system.balance)
-    drive_torques(system.prescribed, q, axes, force, book.torque)
+    drive_torques(system.prescribed, q, axes, force, records.torque)
     parts = system.prescribed.parts
     power = 0.0
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
-            power += book.torque[parts[i].drive] * v[parts[i].body + 2]
+            power += records.torque[parts[i].drive] * v[parts[i].body + 2]
     return power
 
 
@@ -397,7 +399,7 @@ def interpolate(inside: Inside, s: float, h: float, x: Array, u: Array, u_t: Arr
 def sum_torques(
     inside: Inside,
     system: TreeSystem,
-    book: Book,
+    records: RecorderState,
     t: float,
     h: float,
     x: Array,
@@ -411,8 +413,8 @@ def sum_torques(
     work = system.prescribed.work
     for i in range(work.shape[0]):
         copy_to(inside.system.prescribed.work[i], work[i])
-    for k in range(book.drives.shape[0]):
-        drive = book.drives[k]
+    for k in range(records.drives.shape[0]):
+        drive = records.drives[k]
         drive.torque_integral = drive.torque_square_integral = 0.0
         drive.work = drive.power_square_integral = 0.0
     if h > 0.0:
@@ -421,14 +423,16 @@ def sum_torques(
             interpolate(inside, s, h, x, u, u_t)
             for k in range(inside.bristles.shape[0]):
                 first = inside.bristles[k]
-                inside.book.contacts[k].bristle = first + s * (book.contacts[k].bristle - first)
+                inside.records.contacts[k].bristle = first + s * (
+                    records.contacts[k].bristle - first
+                )
             xs, us, accelerations = inside.state[0], inside.state[1], inside.state[2]
-            tree_state(inside.system, inside.book, t - h + s * h, xs, us, accelerations)
+            tree_state(inside.system, inside.records, t - h + s * h, xs, us, accelerations)
             v = inside.system.state[1]
-            for k in range(book.drives.shape[0]):
-                drive = book.drives[k]
-                torque = inside.book.torque[k]
-                power = torque * v[book.packed.driven[k]]
+            for k in range(records.drives.shape[0]):
+                drive = records.drives[k]
+                torque = inside.records.torque[k]
+                power = torque * v[records.packed.driven[k]]
                 drive.torque_integral += 0.5 * h * torque
                 drive.torque_square_integral += 0.5 * h * torque * torque
                 drive.work += 0.5 * h * power
@@ -437,28 +441,32 @@ def sum_torques(
     copy_to(inside.start[1], u)
     copy_to(inside.start[2], u_t)
     for k in range(inside.bristles.shape[0]):
-        inside.bristles[k] = book.contacts[k].bristle
+        inside.bristles[k] = records.contacts[k].bristle
 
 
 @compiled
-def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: int) -> float:
+def next_tree_step(
+    records: RecorderState, system: TreeSystem, t: float, h: float, events: int
+) -> float:
     """Limit of the step from a time, s, after one of length ``h``; error control may go below."""
     pace = system.pace[0]
     if not (pace.cut and h >= 0.999 * pace.asked):
         # A step cut short says little: what was reached before it still holds.
         pace.reach = max(h, pace.shortest)
-    for k in range(book.memory.shape[0]):
-        if book.onset[k] > 0.0 and book.memory[k].steps == 1:
-            pace.deepest_touch = max(pace.deepest_touch, book.memory[k].penetration)
+    for k in range(records.memory.shape[0]):
+        if records.onset[k] > 0.0 and records.memory[k].steps == 1:
+            pace.deepest_touch = max(pace.deepest_touch, records.memory[k].penetration)
     pace.events += events
     # A break changes the third derivatives by which events are foreseen.
     pace.smooth = events == 0 and not (pace.to_break and h >= 0.999 * pace.asked)
     limit = min(
-        step_after_touchdown(book.packed.joints, book.onset, book.memory, GROWTH * pace.reach),
-        skim_step(book.packed, book.memory, pace.longest),
+        step_after_touchdown(
+            records.packed.joints, records.onset, records.memory, GROWTH * pace.reach
+        ),
+        skim_step(records.packed, records.memory, pace.longest),
     )
-    broken = step_to_break(book.motions, t, limit)
-    pace.asked = step_to_events(book, system, step_to_changes(book, system, t, broken))
+    broken = step_to_break(records.motions, t, limit)
+    pace.asked = step_to_events(records, system, step_to_changes(records, system, t, broken))
     pace.cut = pace.asked < limit
     pace.to_break = broken < limit and pace.asked == broken
     return pace.asked
@@ -471,21 +479,21 @@ def accept_tree_step(run: PackedArguments, t: float) -> float:
     Parameters
     ----------
     run : PackedArguments
-        TreeSystem, Book, Inside, coordinates of the tree, rates, and accelerations in the state.
+        TreeSystem, RecorderState, Inside, coordinates of the tree, rates, and accelerations.
     """
-    system, book, inside, x, u, u_t = unpack(run)
+    system, records, inside, x, u, u_t = unpack(run)
     system.pace[0].accepted = system.pace[0].evaluations
     if not all_finite(x, u) or not all_finite(u, u_t):
         return math.nan
-    h = t - book.record[0].now
-    sum_stages(book, system, h)
-    sum_torques(inside, system, book, t, h, x, u, u_t)
-    power = tree_state(system, book, t, x, u, u_t)
-    ledger = book.ledger[0]
+    h = t - records.output[0].now
+    sum_stages(records, system, h)
+    sum_torques(inside, system, records, t, h, x, u, u_t)
+    power = tree_state(system, records, t, x, u, u_t)
+    ledger = records.ledger[0]
     ledger.drive_exchange += 0.5 * h * (abs(ledger.drive_power) + abs(power))
     ledger.drive_power = power
     q, v, a, _, _ = system.state
-    events = settle_state(book, t, LEAST_STEPS)
-    events += settle_modes(book.packed, t, q, v, a)
-    observe(book, t, h, q, v, a)
-    return next_tree_step(book, system, t, h, events)
+    events = settle_state(records, t, LEAST_STEPS)
+    events += settle_modes(records.packed, t, q, v, a)
+    observe(records, t, h, q, v, a)
+    return next_tree_step(records, system, t, h, events)
