@@ -1,7 +1,4 @@
-"""How Sphinx builds the site: ``sphinx-build -W docs site``.
-
-Needs no network: formulas are MathML, which browsers draw themselves.
-"""
+"""Configuration of Sphinx: ``sphinx-build --fail-on-warning docs site``; needs no network."""
 
 import os
 import sys
@@ -23,11 +20,11 @@ import lines  # noqa: E402
 
 from presswear.tools.quantities import Quantity, meaning_of  # noqa: E402
 
-# Tutorials call ``presswear`` and ``python`` of the environment that builds.
+# Pages call ``presswear`` and ``python`` of the environment of the build.
 os.environ["PATH"] = lines.PATH
 os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
 os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
-# Pages show what tests against the literature find.
+# Pages import tests against the literature.
 tests = [DOCS.parent / "tests", DOCS.parent / "tests" / "literature"]
 os.environ["PYTHONPATH"] = os.pathsep.join(
     [*map(str, tests), *filter(None, [os.environ.get("PYTHONPATH")])]
@@ -56,7 +53,7 @@ html_math_renderer = "mathml"
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 
-# A page with code is run at each build, and ends it where anything fails.
+# Pages with code are executed in each build; a failure ends the build.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
@@ -70,7 +67,7 @@ numpydoc_show_class_members = False
 
 
 def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
-    """Write a formula in MathML; what the converter does not know ends the build."""
+    """Write a formula in MathML; an unknown command ends the build."""
     is_block = isinstance(node, nodes.math_block)
     try:
         body = formulas.mathml_of(node.astext(), is_block)
@@ -80,52 +77,52 @@ def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
-_TYPED: list[Future[list[str]]] = []
+_FAILURES: list[Future[list[str]]] = []
 
 
-def _type(app: Sphinx) -> None:
-    """Begin to run the command lines of pages without cells."""
+def _start_lines(app: Sphinx) -> None:
+    """Start the command lines of pages without cells in a thread."""
     threads = ThreadPoolExecutor(1)
-    _TYPED.append(threads.submit(lines.failures, lines.all_lines()))
+    _FAILURES.append(threads.submit(lines.failures, lines.all_lines()))
     threads.shutdown(wait=False)
 
 
-def _typed(app: Sphinx, error: Exception | None) -> None:
-    """End the build where one of them failed."""
-    wrong = [own for typed in _TYPED for own in typed.result()]
-    if wrong and error is None:
-        raise SphinxError("\n".join(wrong))
+def _check_lines(app: Sphinx, error: Exception | None) -> None:
+    """End the build if a command line failed."""
+    messages = [message for future in _FAILURES for message in future.result()]
+    if messages and error is None:
+        raise SphinxError("\n".join(messages))
 
 
 def _draw(app: Sphinx) -> None:
-    """Draw what no page with code draws."""
+    """Draw the pictures of pages without code."""
     folder = DOCS / "_drawn"
     folder.mkdir(exist_ok=True)
     for name in ("restitution", "motion", "load"):
         draw.save(name, folder)
 
 
-def _tell_fields(
+def _document_fields(
     app: Sphinx, what: str, name: str, owner: object, options: object, lines: list[str]
 ) -> None:
-    """Write what the fields of a data class mean, with units and ranges, as its parameters."""
+    """Write the fields of a data class, with units and ranges, as its parameters."""
     if not (isinstance(owner, type) and is_dataclass(owner)) or "----------" in lines:
         return
-    told: list[str] = []
+    text: list[str] = []
     for item in fields(owner):
         meaning = meaning_of(item)
         if isinstance(meaning, Quantity):
-            told += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
+            text += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
         elif meaning is not None:
-            told += [f"{item.name} : {', '.join(meaning.allowed())}", f"    {meaning.text}"]
-    if told:
-        lines += ["", "Parameters", "----------", *(line.replace("|", "\\|") for line in told)]
+            text += [f"{item.name} : {', '.join(meaning.allowed())}", f"    {meaning.text}"]
+    if text:
+        lines += ["", "Parameters", "----------", *(line.replace("|", "\\|") for line in text)]
 
 
 def setup(app: Sphinx) -> None:
-    """Add formulas in MathML, pictures, commands, and the fields of data classes."""
+    """Register MathML formulas, pictures, command lines and fields of data classes."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
-    app.connect("builder-inited", _type)
+    app.connect("builder-inited", _start_lines)
     app.connect("builder-inited", _draw)
-    app.connect("build-finished", _typed)
-    app.connect("autodoc-process-docstring", _tell_fields, priority=1)  # before numpydoc
+    app.connect("build-finished", _check_lines)
+    app.connect("autodoc-process-docstring", _document_fields, priority=1)  # before numpydoc

@@ -1,6 +1,6 @@
-"""Pictures of the documentation that no study draws.
+"""Draw pictures of the documentation:  python docs/draw.py [NAME ...]
 
-Those that take seconds are drawn when the site is built.  Run:  python docs/draw.py [NAME ...]
+The build of the site draws all but ``life``, which takes minutes.
 """
 
 import math
@@ -48,7 +48,7 @@ COLOURS = [colour for colour, _ in LINES]
 
 
 def restitution(axes: Axes) -> None:
-    """What each normal law gives back: its closed form, and single impacts in-house."""
+    """Draw the delivered restitution of each normal law: closed form and single impacts."""
     engine = InHouse(integration_tolerance=1e-11)
     case = references.Impact(1.0, clearance=1e-4)
     for name, law in DAMPINGS.items():
@@ -71,13 +71,13 @@ def restitution(axes: Axes) -> None:
 
 
 def motion(axes: Axes) -> None:
-    """Acceleration of a drive that rises, dwells and returns, under each law of rises."""
+    """Draw the acceleration of a drive that rises, dwells and returns, for each law."""
     time = np.linspace(0.0, 1.0, 2001)
     for law in RISES:
         rises = [Rise(0.0, 2.0, 1.0, law), Rise(3.0, 5.0, -1.0, law)]
         drive = Drive("servo", frequency=2.0 * np.pi, rises=rises)
-        angle, _, faster = drive.motion(time)
-        axes.plot(360.0 * time, faster, label=law)
+        angle, _, acceleration = drive.motion(time)
+        axes.plot(360.0 * time, acceleration, label=law)
     axes.plot(360.0 * time, 100.0 * angle, color="0.6", label="angle, 100 times")
     axes.set_xlabel("phase of the cycle, degrees")
     axes.set_ylabel("acceleration, rad/s²")
@@ -85,9 +85,9 @@ def motion(axes: Axes) -> None:
 
 
 def load(axes: Axes) -> None:
-    """Torque of the crank of a slider-crank that blanks, and that runs free."""
+    """Draw the crank torque of a slider-crank with and without a blanking load."""
     free = SliderCrank(speed=10.0).linkage()
-    # 3 kN at most, against the way out only, and nothing once the part has broken through.
+    # 3 kN at most, against the outward motion only, and zero after the fracture
     table = [(0.150, 0.0), (0.151, -2.5e3), (0.158, -3e3), (0.160, -2.9e3)]
     blanking = Force("slider.centre", 0.0, OverPosition(table, sense="along", release=True))
     for label, loads in {"free": (), "blanking": (blanking,)}.items():
@@ -100,60 +100,58 @@ def load(axes: Axes) -> None:
         )
         stage = presswear.run(scene, engine="dae").stages[0]
         axes.plot(1e3 * stage.displacement, stage.arrays["drive_torque"][:, 0], label=label)
-    axes.set_xlabel("slider from where it starts, mm")
+    axes.set_xlabel("displacement of the slider, mm")
     axes.set_ylabel("torque of the crank, N m")
-    axes.legend(frameon=False, title="against the way out, until the part breaks through")
+    axes.legend(frameon=False, title="load against the outward motion, up to the fracture")
 
 
 UNTIL = Limit("depth", "A", 1e-5)
-CHANGES = (5e-3, 2e-3, 1e-3, 5e-4)
-"""Parts of the clearance that a cycle, or a jump, takes off."""
-TINY = 1.25e-4
-STARTS = 4
-JUMP = 10
-"""Cycles of which a jump multiplies the mean map."""
+STEPS = (5e-3, 2e-3, 1e-3, 5e-4)  # wear of a cycle, or of a jump, relative to the clearance
+REFERENCE_STEP = 1.25e-4
+REPLICATES = 4
+JUMP = 10  # cycles of the mean map that a jump multiplies
 
 
 def life(axes: Axes) -> None:
-    """Error of a life of wear-times over cycles: cycle by cycle, and in jumps of ten cycles."""
+    """Draw the error of a life of wear-times: cycle by cycle, and in jumps of ten cycles."""
     scene = changed(presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"})
-    scene = replace(scene, replicates=STARTS)
+    scene = replace(scene, replicates=REPLICATES)
     with workers_of(scene, None) as workers:
-        right = np.log(_steps(scene, TINY, workers)[1])
-        truth = float(right.mean())
-        print(f"tiny steps: {math.exp(truth):.4g} strokes, {half_width(right):.2g} of it")
+        reference = np.log(_steps(scene, REFERENCE_STEP, workers)[1])
+        truth = float(reference.mean())
+        print(f"reference: {math.exp(truth):.4g} strokes ± {half_width(reference):.2g} relative")
         for label, run in {"cycle by cycle": _steps, "jumps of ten cycles": _jumps}.items():
-            found = [run(scene, change, workers) for change in CHANGES]
-            cycles = [own[0] for own in found]
-            off = np.array([np.log(own[1]) - truth for own in found])
-            for place, error in zip(cycles, off, strict=True):
+            results = [run(scene, step, workers) for step in STEPS]
+            cycles = [count for count, _ in results]
+            errors = np.array([np.log(lives) - truth for _, lives in results])
+            for count, error in zip(cycles, errors, strict=True):
                 print(
-                    f"{label}: {place} cycles of each start, off by {error.mean():+.3f}, one "
-                    f"start by {np.sqrt((error**2).mean()):.3f}"
+                    f"{label}: {count} cycles per replicate, error of mean {error.mean():+.3f}, "
+                    f"one replicate {np.sqrt((error**2).mean()):.3f}"
                 )
-            (line,) = axes.loglog(cycles, np.sqrt((off**2).mean(axis=1)), "o-", label=label)
-            axes.loglog(cycles, np.abs(off.mean(axis=1)), "o:", color=line.get_color())
+            (line,) = axes.loglog(cycles, np.sqrt((errors**2).mean(axis=1)), "o-", label=label)
+            axes.loglog(cycles, np.abs(errors.mean(axis=1)), "o:", color=line.get_color())
     axes.set_xlabel("simulated cycles until A is worn 10 µm deep")
-    axes.set_ylabel("error of the life, part of it")
-    axes.legend(frameon=False, title="whole: root mean square of one start; dotted: mean of four")
+    axes.set_ylabel("relative error of the life")
+    axes.legend(frameon=False, title="solid: one replicate (rms); dotted: mean of four")
 
 
-def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
-    """Cycles of each start, and the life of each, where each cycle takes a part off."""
+def _steps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
+    """Return the cycles of a replicate and the life of each, with one update per cycle."""
     runner = Runner(scene, ProgressEstimate(scene, ()), workers)
     histories = SceneHistories(runner, initial_depth(scene), ())
     problem = LifeProblem((UNTIL,), (), 1e12, 1.0, 1_000_000)
-    own = Refinement(change, 1)
-    while isinstance(plan := next_block(problem, own), BlockPlan):
-        own = replace(own, blocks=(*own.blocks, histories.advance(1, own.blocks, plan)))
-        each = [crossing(own.blocks, UNTIL, np.array([k])) for k in range(scene.replicate_count)]
-        if np.all(np.isfinite(each)):
+    level = Refinement(step, 1)
+    while isinstance(plan := next_block(problem, level), BlockPlan):
+        level = replace(level, blocks=(*level.blocks, histories.advance(1, level.blocks, plan)))
+        lives = [crossing(level.blocks, UNTIL, np.array([k])) for k in range(REPLICATES)]
+        if np.all(np.isfinite(lives)):
             break
-    return sum(block.cycles for block in own.blocks[1:]), np.array(each)
+    return sum(block.cycles for block in level.blocks[1:]), np.array(lives)
 
 
-def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
-    """The same where each jump multiplies the mean map of ten cycles on surfaces that stay."""
+def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
+    """Return the same for jumps that multiply the mean map of ten cycles on fixed surfaces."""
     worn, strokes, jumps = initial_depth(scene), [0.0], 0
     depth = [np.zeros(scene.replicate_count)]
     joint = scene.linkage().clearances[0]
@@ -162,15 +160,13 @@ def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
             scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wear_updates=0, purpose="wear"
         )
         maps = run_stage(seeded, 0, worn, workers=workers)[1].added_by_run()
-        share = change * joint.clearance / float(maps[:, 0].mean(axis=0).max())
+        share = step * joint.clearance / float(maps[:, 0].mean(axis=0).max())
         worn = update_surfaces(worn, share * maps)
         jumps += 1
         strokes.append(strokes[-1] + share)
         depth.append(worn[:, 0].max(axis=(1, 2)))
-    each = [
-        np.interp(UNTIL.value, np.array(depth)[:, k], strokes) for k in range(scene.replicate_count)
-    ]
-    return JUMP * jumps, np.array(each)
+    lives = [np.interp(UNTIL.value, np.array(depth)[:, k], strokes) for k in range(REPLICATES)]
+    return JUMP * jumps, np.array(lives)
 
 
 PICTURES: dict[str, Callable[[Axes], None]] = {

@@ -1,4 +1,4 @@
-"""Formulas of the pages in MathML, which browsers draw themselves."""
+"""Convert formulas of the pages to MathML, which browsers display without scripts."""
 
 import re
 
@@ -9,24 +9,24 @@ _PRIMED = re.compile(r"<m(sub)?sup>((?:<mi>[^<]*</mi>){1,2})<mi>&#x02032;</mi></
 _THIN = '<mspace width="0.17em"></mspace>'
 
 
-def _spaced(found: re.Match[str]) -> str:
-    """The name of a function with the spaces of print: none before a bracket."""
-    before, _, name, after = (part or "" for part in found.groups())
+def _spaced(match: re.Match[str]) -> str:
+    """Return a function name with thin spaces, but none before a bracket."""
+    before, _, name, after = (part or "" for part in match.groups())
     spaces = _THIN if before else "", "" if after else _THIN
     return f"{before}<mrow>{spaces[0]}<mi>{name}</mi>{spaces[1]}</mrow>{after}"
 
 
-def _primed(found: re.Match[str]) -> str:
-    """A prime at its own height: small as an exponent it would be read as the dot of a rate."""
-    base = f"<msub>{found[2]}</msub>" if found[1] else found[2]
+def _primed(match: re.Match[str]) -> str:
+    """Return a prime at full size; a small one looks like the dot of a time derivative."""
+    base = f"<msub>{match[2]}</msub>" if match[1] else match[2]
     return f'<mrow>{base}<mo lspace="0" rspace="0">&#x02032;</mo></mrow>'
 
 
 def mathml_of(text: str, is_block: bool = False) -> str:
-    """A formula of TeX in MathML, with the spaces of print; ValueError where it cannot be shown."""
+    """Convert a TeX formula to MathML; raise ValueError if a command is unknown."""
     body = str(convert(text, display="block" if is_block else "inline"))
     if "\\" in body:
-        raise ValueError(f"a formula that MathML does not show: {text}")
+        raise ValueError(f"formula cannot be converted to MathML: {text}")
     body = _FUNCTION.sub(_spaced, body)
     body = body.replace('<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;')
     return _PRIMED.sub(_primed, body)

@@ -1,7 +1,6 @@
-"""What pages with code have at hand while the site is built.
+"""Define ``%%bash`` and ``table`` for the pages with code.
 
-``%%bash`` cells that give whole lines: IPython's own cuts what is printed into pieces, and minds
-the last command alone.  ``table`` shows rows as a table of the page.
+IPython's ``%%bash`` splits the output and checks only the last command.
 """
 
 import subprocess
@@ -13,20 +12,20 @@ from IPython.display import Markdown
 
 @register_cell_magic
 def bash(line: str, cell: str) -> None:
-    """Run commands; the first that fails ends the page, and with it the build."""
-    ran = subprocess.run(
+    """Run commands; the first one that fails ends the build."""
+    process = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", cell],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         check=False,
     )
-    print(ran.stdout, end="")
-    ran.check_returncode()
+    print(process.stdout, end="")
+    process.check_returncode()
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Markdown:
-    """Rows as a table; columns whose name begins with ``>`` stand to the right."""
+    """Return a table; columns whose name begins with ``>`` are aligned to the right."""
     lines = [
         [name.lstrip(">") for name in columns],
         ["---:" if name.startswith(">") else ":---" for name in columns],

@@ -1,8 +1,8 @@
-"""Runs the command lines of pages and helps as they are typed, while the site is built.
+"""Run the command lines of pages and help texts:  python docs/lines.py [PAGE ...]
 
-Those in cells run with their page; the others here, each page's in their order in a folder of its
-own, behind what they speak of.  One that takes long is stopped as a person stops it, and has to end
-as it then should.  Run:  python docs/lines.py [PAGE ...]
+The build of the site calls this.  Command lines in cells run with their page.  The others run in
+the order of their page, in one folder per page that contains the results which they read.  A
+command that takes longer than ``LONGEST`` is stopped as by Ctrl-C.
 """
 
 import os
@@ -28,13 +28,11 @@ PAGES = sorted(
     for page in [*ROOT.glob("*.md"), *DOCS.rglob("*.md")]
     if page.relative_to(ROOT).parts[1:2] != ("_build",)
 )
-LONGEST = 3.0
-"""Time after which a command is stopped, s."""
-LEFT = 60.0
-"""Time that it then has to end, s."""
+LONGEST = 3.0  # s; a command that takes longer is stopped
+TIME_TO_END = 60.0  # s; after it was stopped
 PAGES_AT_ONCE = 2
 PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-"""Where commands are looked for: in the environment that runs this, first."""
+# Commands that make small versions of the results that command lines read
 MADE = {
     "results/wear-times": "run wear-times --engine dae --cycles 4 --wear-updates 1",
     "results/mine": "run wear-times --engine dae --cycles 2 --wear-updates 1 --out results/mine",
@@ -47,92 +45,87 @@ MADE = {
     "my-press.toml": "new four-bar my-press.toml",
     "press.toml": "new press press.toml",
 }
-"""What lines speak of, by the command that makes a small one."""
-WORN = ["joint,side,angle (deg),depth (um)", *(f"A,bearing,{10 * k},{k % 6}" for k in range(36))]
-"""Lines of ``worn.csv``: a surface that somebody measured."""
+WORN_CSV = "joint,side,angle (deg),depth (um)\n" + "\n".join(
+    f"A,bearing,{10 * k},{k % 6}" for k in range(36)
+)
 
 
 def lines_of(text: str) -> Iterator[str]:
-    """Command lines in blocks of code, each whole, comments and what comes before them left out."""
+    """Yield the presswear commands of a text, without ``presswear`` itself."""
     joined = re.sub(r"\\\n\s*", " ", text)
     for line in joined.splitlines():
         for part in re.split(r"&&|\|\|", line.strip()):
-            if found := re.match(r"(?:\S*/)?presswear (?=[a-z-])(.*)", part.strip()):
-                yield found[1]
+            if match := re.match(r"(?:\S*/)?presswear (?=[a-z-])(.*)", part.strip()):
+                yield match[1]
 
 
 def lines_in_cells(text: str) -> list[str]:
-    """The lines that run with their page."""
+    """Return the commands in code cells."""
     cells = re.findall(r"^```\{code-cell\} ipython3\n%%bash\n(.*?)^```", text, re.M | re.S)
     return [line for cell in cells for line in lines_of(cell)]
 
 
+def all_lines() -> dict[str, list[str]]:
+    """Return the commands outside of cells of each page, and the examples of help texts."""
+    places = {}
+    for page in PAGES:
+        text = page.read_text()
+        in_cells = lines_in_cells(text)
+        places[str(page.relative_to(ROOT))] = [x for x in lines_of(text) if x not in in_cells]
+    parsers = parser_with(COMMANDS)[1].parsers.values()
+    epilogs = [parser.epilog.removeprefix("example: ") for parser in parsers if parser.epilog]
+    examples = [part for epilog in epilogs for part in epilog.split("; ")]
+    return {**places, "help": [line for part in examples for line in lines_of(part)]}
+
+
 def _failure(line: str, folder: Path, longest: float | None) -> str:
-    """How a command fails, or nothing; after some time it is stopped by Ctrl-C."""
-    with tempfile.TemporaryFile("w+") as said:
-        running = subprocess.Popen(
+    """Run a command and return its output if it fails, else an empty text."""
+    with tempfile.TemporaryFile("w+") as output:
+        process = subprocess.Popen(
             ["bash", "-c", f"exec presswear {line}"],
             cwd=folder,
             env={**os.environ, "HOME": str(folder), "PATH": PATH},
             stdin=subprocess.DEVNULL,
-            stdout=said,
+            stdout=output,
             stderr=subprocess.STDOUT,
         )
-        allowed = {0}  # else stopped; while Python ends it is ended by the signal itself
+        allowed = {0}
         try:
-            code = running.wait(longest)
+            code = process.wait(longest)
         except subprocess.TimeoutExpired:
-            running.send_signal(signal.SIGINT)
-            allowed |= {128 + signal.SIGINT, -signal.SIGINT}
+            process.send_signal(signal.SIGINT)
+            allowed |= {128 + signal.SIGINT, -signal.SIGINT}  # the latter while Python exits
             try:
-                code = running.wait(LEFT)
+                code = process.wait(TIME_TO_END)
             except subprocess.TimeoutExpired:
-                running.kill()
-                code = running.wait()
-        said.seek(0)
-        return "" if code in allowed else f"presswear {line}: exit code {code}\n{said.read()}"
-
-
-def lines_to_run(page: Path) -> list[str]:
-    """The lines of a page that do not run with it."""
-    text = page.read_text()
-    of_cells = lines_in_cells(text)
-    return [line for line in lines_of(text) if line not in of_cells]
-
-
-def examples() -> list[str]:
-    """The lines that the helps of commands give as examples."""
-    parsers = parser_with(COMMANDS)[1].parsers.values()
-    told = [parser.epilog.removeprefix("example: ") for parser in parsers if parser.epilog]
-    return [line for epilog in told for own in epilog.split("; ") for line in lines_of(own)]
+                process.kill()
+                code = process.wait()
+        output.seek(0)
+        return "" if code in allowed else f"presswear {line}: exit code {code}\n{output.read()}"
 
 
 def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[str]:
-    """How the lines of a place fail."""
+    """Run the commands of a page and return the messages of those that fail."""
     failed = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "scenarios").symlink_to(ROOT / "scenarios")
         for line in lines:
-            makes = line.startswith("new ") or ("--out" in line and "--resume" not in line)
-            for thing in () if makes else [own for own in (*MADE, "worn.csv") if own in line]:
-                copy = shutil.copytree if (made / thing).is_dir() else shutil.copy
-                shutil.rmtree(folder / thing, ignore_errors=True)
-                (folder / thing).parent.mkdir(exist_ok=True)
-                copy(made / thing, folder / thing)
-            if "DISPLAY" in os.environ or not _wants_window(line):
+            writes = line.startswith("new ") or ("--out" in line and "--resume" not in line)
+            for item in () if writes else [x for x in (*MADE, "worn.csv") if x in line]:
+                copy = shutil.copytree if (made / item).is_dir() else shutil.copy
+                shutil.rmtree(folder / item, ignore_errors=True)
+                (folder / item).parent.mkdir(exist_ok=True)
+                copy(made / item, folder / item)
+            replays = line.startswith("replay ") and not re.search("--(movie|still) ", line)
+            if "DISPLAY" in os.environ or not (replays or "--live" in line):
                 failed.append(_failure(line, folder, longest))
-    return [f"{place}: {own}" for own in failed if own]
-
-
-def _wants_window(line: str) -> bool:
-    is_replay = line.startswith("replay ") and not re.search("--(movie|still) ", line)
-    return is_replay or "--live" in line
+    return [f"{place}: {message}" for message in failed if message]
 
 
 @contextmanager
 def display() -> Iterator[None]:
-    """A display that nobody looks at, where there is none and one can be had."""
+    """Start a virtual display if there is none and Xvfb is installed."""
     if "DISPLAY" in os.environ or shutil.which("Xvfb") is None:
         yield
         return
@@ -143,8 +136,8 @@ def display() -> Iterator[None]:
         stderr=subprocess.DEVNULL,
     )
     os.close(write)
-    with os.fdopen(read) as told:
-        os.environ["DISPLAY"] = f":{told.readline().strip()}"
+    with os.fdopen(read) as number:
+        os.environ["DISPLAY"] = f":{number.readline().strip()}"
     try:
         yield
     finally:
@@ -153,27 +146,21 @@ def display() -> Iterator[None]:
         server.wait()
 
 
-def all_lines() -> dict[str, list[str]]:
-    """What there is to run, by the place where it stands."""
-    places = {str(page.relative_to(ROOT)): lines_to_run(page) for page in PAGES}
-    return {**places, "help": examples()}
-
-
 def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str]:
-    """How commands fail, by the places where they stand."""
-    named = " ".join(line for lines in places.values() for line in lines)
+    """Run all commands and return a message for each that fails, with its place."""
+    text = " ".join(line for lines in places.values() for line in lines)
     cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
     os.environ["XDG_CACHE_HOME"] = cache
     with tempfile.TemporaryDirectory() as name, display():
         made = Path(name)
-        (made / "worn.csv").write_text("\n".join(WORN))
-        needed = " ".join([named, *(line for thing, line in MADE.items() if thing in named)])
-        not_made = [_failure(line, made, None) for thing, line in MADE.items() if thing in needed]
+        (made / "worn.csv").write_text(WORN_CSV)
+        needed = " ".join([text, *(line for item, line in MADE.items() if item in text)])
+        not_made = [_failure(line, made, None) for item, line in MADE.items() if item in needed]
         if any(not_made):
-            return [own for own in not_made if own]
+            return [message for message in not_made if message]
         with ThreadPoolExecutor(PAGES_AT_ONCE) as threads:
-            found = threads.map(partial(_failures, made, longest), places, places.values())
-            return [own for page in found for own in page]
+            messages = threads.map(partial(_failures, made, longest), places, places.values())
+            return [message for page in messages for message in page]
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Formulas as a browser shows them."""
+"""MathML of formulas."""
 
 import re
 
@@ -11,29 +11,29 @@ THIN = '<mspace width="0.17em"></mspace>'
 
 
 def body(text: str) -> str:
-    found = re.fullmatch(r"<math [^>]*><mrow>(.*)</mrow></math>", mathml_of(text))
-    assert found
-    return found[1]
+    match = re.fullmatch(r"<math [^>]*><mrow>(.*)</mrow></math>", mathml_of(text))
+    assert match
+    return match[1]
 
 
-def test_functions_stand_apart_from_their_neighbours_but_not_from_a_bracket() -> None:
+def test_function_names_have_spaces_except_before_a_bracket() -> None:
     function = f"<mrow>{THIN}<mi>cos</mi>{THIN}</mrow>"
     assert body(r"e \cos x") == f"<mi>e</mi>{function}<mi>x</mi>"
     assert body(r"\cos x") == f"<mrow><mi>cos</mi>{THIN}</mrow><mi>x</mi>"
     assert body(r"\cos(x)").startswith("<mrow><mi>cos</mi></mrow><mo ")
 
 
-def test_a_prime_stands_at_its_own_height_with_and_without_an_index() -> None:
+def test_prime_has_full_size_with_and_without_an_index() -> None:
     prime = '<mo lspace="0" rspace="0">&#x02032;</mo>'
     assert body("f'") == f"<mrow><mi>f</mi>{prime}</mrow>"
     assert body("h_b'") == f"<mrow><msub><mi>h</mi><mi>b</mi></msub>{prime}</mrow>"
 
 
-def test_bars_of_a_magnitude_have_no_space_inside() -> None:
+def test_bars_of_a_magnitude_have_no_inner_space() -> None:
     bar = '<mo lspace="0" rspace="0">&#x0007C;</mo>'
     assert body("|x|") == f"{bar}<mi>x</mi>{bar}"
 
 
-def test_what_the_converter_does_not_know_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"does not show: \\foo x"):
+def test_unknown_command_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"cannot be converted to MathML: \\foo x"):
         mathml_of(r"\foo x")

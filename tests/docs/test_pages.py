@@ -1,4 +1,4 @@
-"""What the documentation says can be typed, imported and called, is there."""
+"""Commands, names and links in the documentation exist."""
 
 import math
 import re
@@ -23,13 +23,11 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 THEORY = sorted((DOCS / "theory").glob("*.md"))
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
-REFUSED = "clearence"
-"""A mistake that a tutorial shows on purpose."""
+REFUSED = "clearence"  # a tutorial shows this mistake
 COMMAND_LINES = [(page, line) for page in PAGES for line in lines_of(page.read_text())]
 
 
-def test_pages_hold_commands() -> None:
-    """The search finds them: else nothing below would be tested."""
+def test_commands_are_found() -> None:
     assert len({page for page, _ in COMMAND_LINES}) >= 10
     called = {line.split()[0] for _, line in COMMAND_LINES}
     assert {"run", "list", "life", "replay", "crosscheck", "export"} <= called
@@ -38,49 +36,48 @@ def test_pages_hold_commands() -> None:
 @pytest.mark.parametrize(
     "line", [pytest.param(line, id=f"{page.stem}: {line[:40]}") for page, line in COMMAND_LINES]
 )
-def test_a_command_line_is_one(line: str) -> None:
-    """It is parsed, and a named scene takes the settings that it is given."""
+def test_command_line_is_valid(line: str) -> None:
+    """The parser accepts it, and the scene accepts its settings."""
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
     arguments = parser_for(words).parse_args(words)
-    scene, given = getattr(arguments, "scene", None), getattr(arguments, "set", None)
-    if scene not in SCENES or not given:
+    scene, settings = getattr(arguments, "scene", None), getattr(arguments, "set", None)
+    if scene not in SCENES or not settings:
         return
     if REFUSED in line:
         with pytest.raises(InputError, match=REFUSED):
-            changed(SCENES[scene].make(), parse_settings(given))
+            changed(SCENES[scene].make(), parse_settings(settings))
     else:
-        changed(SCENES[scene].make(), parse_settings(given))
+        changed(SCENES[scene].make(), parse_settings(settings))
 
 
-def test_commands_in_prose_have_a_name_that_is_known() -> None:
+def test_commands_in_prose_exist() -> None:
     for page in PAGES:
         for name in re.findall(r"`presswear ([a-z]+)", page.read_text()):
             assert name in COMMANDS, f"{page.name}: presswear {name}"
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_commands_of_a_tutorial_run_when_the_site_is_built(page: Path) -> None:
-    """They stand in cells, which the build runs and which end it where one fails."""
+def test_all_commands_of_a_tutorial_are_in_cells(page: Path) -> None:
     text = page.read_text()
     assert list(lines_of(text)) == lines_in_cells(text)
 
 
-def test_all_other_commands_run_when_the_site_is_built_those_of_helps_too() -> None:
+def test_the_build_runs_all_other_commands() -> None:
     ran = {line for lines in all_lines().values() for line in lines}
     ran |= {line for page in PAGES for line in lines_in_cells(page.read_text())}
     assert {line for _, line in COMMAND_LINES} <= ran
     assert all_lines()["help"]
 
 
-def test_a_command_that_fails_is_told_and_one_that_takes_long_is_stopped() -> None:
-    (told,) = failures({"page": ["list", "list wear-tims"]}, longest=60.0)
-    assert told.startswith("page: presswear list wear-tims: exit code 2")
+def test_failing_command_is_reported_and_long_command_is_stopped() -> None:
+    (message,) = failures({"page": ["list", "list wear-tims"]}, longest=60.0)
+    assert message.startswith("page: presswear list wear-tims: exit code 2")
     assert failures({"page": ["run wear-times --cycles 200"]}) == []
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_a_tutorial_can_be_had_as_a_notebook(page: Path) -> None:
-    """The link is to the page itself; jupytext refuses a kernel without a name to show."""
+def test_tutorial_links_to_its_notebook(page: Path) -> None:
+    """Jupytext needs the display name of the kernel."""
     text = page.read_text()
     links = re.findall(r"\{nb-download\}`[^<]+<(\w+)\.ipynb>`", text)
     assert links == ([page.stem] if "{code-cell}" in text else [])
@@ -88,45 +85,45 @@ def test_a_tutorial_can_be_had_as_a_notebook(page: Path) -> None:
 
 
 def functions_named(page: Path) -> set[str]:
-    """Dotted names below presswear in a page."""
+    """Return the dotted names below presswear in a page."""
     return set(re.findall(r"`((?:[a-z_]+\.)+[A-Za-z_0-9]+)`", page.read_text()))
 
 
 @pytest.mark.parametrize("page", THEORY, ids=lambda page: page.stem)
-def test_what_a_page_of_theory_names_is_there(page: Path) -> None:
+def test_functions_named_in_the_theory_exist(page: Path) -> None:
     for name in functions_named(page):
         if name.endswith(".md"):
             continue
         parts = name.split(".")
         while not (ROOT / "presswear" / "/".join(parts)).with_suffix(".py").exists():
             parts.pop()
-            assert parts, f"{page.name}: there is no {name}"
+            assert parts, f"{page.name}: {name} does not exist"
         owner: object = import_module(f"presswear.{'.'.join(parts)}")
         for part in name.split(".")[len(parts) :]:
-            assert hasattr(owner, part), f"{page.name}: there is no {name}"
+            assert hasattr(owner, part), f"{page.name}: {name} does not exist"
             owner = getattr(owner, part)
 
 
-def test_theory_names_functions_of_every_part() -> None:
+def test_theory_names_functions_of_every_room() -> None:
     named = {name.partition(".")[0] for page in THEORY for name in functions_named(page)}
     assert {"physics", "linkage", "recording", "campaign", "engines"} <= named
 
 
-def test_the_reference_lists_everything_that_may_be_imported() -> None:
-    """The modules ``scenes`` and ``statistics`` are described in words."""
+def test_reference_lists_all_public_names() -> None:
+    """``scenes`` and ``statistics`` are described in text."""
     listed = set(re.findall(r"(?m)^   (\w+)$", (DOCS / "api.md").read_text()))
     assert listed == set(pw.__all__) - {"scenes", "statistics"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_pictures_and_pages_that_are_linked_are_there(page: Path) -> None:
+def test_links_lead_to_existing_files(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
         drawn = "_drawn" in target  # by the build, from docs/draw.py
         assert drawn or "://" in target or (page.parent / target).exists(), target
 
 
-def test_a_life_in_the_readme_carries_the_scatter_of_its_wear_coefficient() -> None:
-    """The second interval is the one that the program prints for the first."""
+def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> None:
+    """The second interval follows from the first one and the scatter."""
     text = (ROOT / "README.md").read_text().replace("\n", " ")
     found = re.search(
         r"makes ([\d.]+) million strokes \(([\d.]+) to ([\d.]+) million\).*?"
