@@ -19,7 +19,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.physics.ideal import DWELL, IdealMotion, bottom_of, dwell_of
+from presswear.physics.ideal import DWELL, bottom_of, dwell_of
 from presswear.physics.wear import worn_volume
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -444,7 +444,7 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
     deviations = []
     for rows in whole_cycles(time - scene.run_up, scene.mechanism.period):
         at = time[rows]
-        ideal = scene.ideal_slider(at, IdealMotion.interpolated)
+        ideal = scene.ideal_slider(at, closed=False)
         off, faster, wanted = moved[rows] - ideal[:, 0], speed[rows] - ideal[:, 1], ideal[:, 1]
         centred, square = off - _time_mean(at, off), _time_mean(at, wanted**2)
         lag = -_time_mean(at, centred * wanted) / square if square > 0.0 else 0.0

@@ -7,7 +7,6 @@ that makes a point follow a curve.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -18,7 +17,15 @@ from numpy.typing import NDArray
 from presswear.linkage.drives import MAX_PIECES, MIN_PIECE, run_up_motion
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Mechanism
-from presswear.physics.assembly import ROUND_OFF, Levels, Rows, assembled, closed, stuck
+from presswear.physics.assembly import (
+    ROUND_OFF,
+    Levels,
+    Rows,
+    assembled,
+    closed,
+    motion_of_row,
+    stuck,
+)
 from presswear.tools.errors import AssemblyError
 
 Array = NDArray[np.float64]
@@ -88,20 +95,16 @@ class IdealMotion:
         """Instants of the nodes, s."""
         return np.linspace(0.0, self.period, len(self.position))
 
-    def at(self, time: Array) -> Motion:
-        """Return the motion of every body at some instants, s, to round-off."""
-        return self._moved(time, self._closed)
+    def at(self, time: Array, closed: bool = True) -> Motion:
+        """Return the motion of every body at some instants, s, to round-off.
 
-    def interpolated(self, time: Array) -> Motion:
-        """Return the motion of every body at instants, s, by the polynomials through the nodes.
-
-        Where what drives it is smooth, positions are known to round-off, velocities to 1e-11 of
-        the greatest and accelerations to 1e-8, in a tenth of the time.
+        Parameters
+        ----------
+        closed : bool
+            False: by the polynomials between the nodes alone, in a tenth of the time. Where what
+            drives it is smooth, positions are known to round-off, velocities to 1e-11 of the
+            greatest and accelerations to 1e-8.
         """
-        return self._moved(time, lambda time, levels: levels)
-
-    def _moved(self, time: Array, closer: Callable[[Array, Levels], Levels]) -> Motion:
-        """Return the motion at some instants, made better by ``closer``."""
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 2.0 * self.rows.linkage.run_up * self.period
         time, rate, rise = run_up_motion(now, duration)
@@ -109,42 +112,33 @@ class IdealMotion:
         within = time - cycle * self.period
         nodes = len(self.position) - 1
         place = np.clip((within / self.period * nodes).astype(int), 0, nodes - 1)
-        q, v, a = self._between(place, within * nodes / self.period - place)
+        q, v, a = self.between(place, within * nodes / self.period - place)
         q = q + cycle[:, None, None] * (self.position[-1] - self.position[0])
-        q, v, a = closer(time, Levels(q, v, a))
+        if closed:
+            self._close(time, q, v, a)
         if duration > 0.0:
             rate, rise = rate[:, np.newaxis, np.newaxis], rise[:, np.newaxis, np.newaxis]
             a = a * rate**2 + v * rise
             v = v * rate
-        flat = (level.reshape(time.size, -1) for level in (q, v, a))
-        return Motion(now, *flat)
+        return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
 
-    def _closed(self, time: Array, levels: Levels) -> Levels:
-        """Close the linkage wherever round-off can be seen."""
-        q, v, a = levels
+    def _close(self, time: Array, q: Array, v: Array, a: Array) -> None:
+        """Close the linkage wherever more than round-off is missing."""
+        scale = self.rows.size * np.array([1.0, 1.0 / self.period, 1.0 / self.period**2])
         for some in np.array_split(np.arange(time.size), 1 + time.size // 2000):
-            item = (time[some], q[some], v[some], a[some])
-            off = [np.abs(level).max(axis=1) for level in self.rows.errors(*item)]
-            scale = self.rows.size * np.array([1.0, 1.0 / self.period, 1.0 / self.period**2])
-            far = [item > 1e2 * ROUND_OFF * unit for item, unit in zip(off, scale, strict=True)]
-            rough = some[np.any(far, axis=0)]
+            errors = self.rows.errors(time[some], q[some], v[some], a[some])
+            off = np.array([np.abs(level).max(axis=1) for level in errors])
+            rough = some[(off > 1e2 * ROUND_OFF * scale[:, np.newaxis]).any(axis=0)]
             if rough.size:
                 q[rough], v[rough], a[rough] = closed(self.rows, time[rough], q[rough])
-        return levels
 
-    def _ahead(self, nodes: int) -> Array:
-        part = np.linspace(0.0, len(self.position) - 1, nodes + 1)
-        place = np.minimum(part.astype(int), len(self.position) - 2)
-        return self._between(place, part - place)[0]
-
-    def _between(self, place: NDArray[np.int64], part: Array) -> Levels:
-        """Return the quintic polynomials through two nodes, between these nodes."""
+    def between(self, place: NDArray[np.int64], part: Array) -> Levels:
+        """Return the quintic polynomials through two nodes, at parts of the way between them."""
         h = self.period / (len(self.position) - 1)
         x = part[:, None, None]
-        q0, v0, a0 = (level[place] for level in (self.position, self.velocity, self.acceleration))
-        q1, v1, a1 = (
-            level[place + 1] for level in (self.position, self.velocity, self.acceleration)
-        )
+        levels = self.position, self.velocity, self.acceleration
+        q0, v0, a0 = (level[place] for level in levels)
+        q1, v1, a1 = (level[place + 1] for level in levels)
         c1, c2 = h * v0, 0.5 * h * h * a0
         d0 = q1 - q0 - c1 - c2
         d1 = h * (v1 - v0) - 2.0 * c2
@@ -160,12 +154,7 @@ class IdealMotion:
 
 @lru_cache(maxsize=256)
 def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
-    """Return the motion of a linkage over a cycle.
-
-    Parameters
-    ----------
-    period : float
-        s.
+    """Return the motion of a linkage over a cycle, s.
 
     Raises
     ------
@@ -175,26 +164,27 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     initial = assembled(linkage)
     rows = Rows(linkage, initial)
     start = closed(rows, np.zeros(1), initial[np.newaxis])
-    coarse = _followed(rows, start, np.linspace(0.0, period, _COARSE + 1))
-    ahead = coarse._ahead(_NODES)
-    times = np.linspace(0.0, period, _NODES + 1)
+    coarse = _follow_cycle(rows, start, np.linspace(0.0, period, _COARSE + 1))
+    times, part = np.linspace(0.0, period, _NODES + 1), np.linspace(0.0, _COARSE, _NODES + 1)
+    place = np.minimum(part.astype(int), _COARSE - 1)
+    ahead = coarse.between(place, part - place).q
     try:
         motion = IdealMotion(rows, period, *closed(rows, times, ahead))
-        is_near = _near(motion.position, ahead)
+        is_near = _is_near(motion.position, ahead)
         is_near = is_near and not np.any(rows.side(motion.position) != rows.side(start.q))
     except AssemblyError:  # Newton's method strays from a place that is predicted badly.
         is_near = False
     if not is_near:
-        motion = _followed(rows, start, times)
-    _check(motion)
+        motion = _follow_cycle(rows, start, times)
+    _check_cycle(motion)
     return motion
 
 
-def _near(result: Array, expected: Array) -> bool:
+def _is_near(result: Array, expected: Array) -> bool:
     return bool(np.abs(result - expected)[..., 2].max() < _JUMP)
 
 
-def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
+def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
     """Follow a linkage from one instant to the next, in shorter steps where it turns fast.
 
     A step is halved where it fails, and doubled behind one that succeeds.
@@ -208,8 +198,8 @@ def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             there = min(now + step, time)
             try:
                 reached = closed(rows, np.array([there]), ahead)
-                is_near = bool(_near(reached.q, ahead) and rows.side(reached.q) == side)
-                if rows.follows:
+                is_near = bool(_is_near(reached.q, ahead) and rows.side(reached.q) == side)
+                if rows.following:
                     is_near = is_near and _is_smooth(levels, reached, there - now)
             except AssemblyError:
                 is_near = False
@@ -238,7 +228,7 @@ def _is_smooth(before: Levels, after: Levels, step: float) -> bool:
     return bool(off[..., 2].max() < allowed)
 
 
-def _check(motion: IdealMotion) -> None:
+def _check_cycle(motion: IdealMotion) -> None:
     """Raise AssemblyError for a cycle that comes too near a dead point or does not come back."""
     rows = motion.rows
     scale = np.ones((rows.bodies, 3))
@@ -247,7 +237,7 @@ def _check(motion: IdealMotion) -> None:
     measure = 1.0 / np.sqrt((inverse**2).sum(axis=(1, 2)))
     worst = int(measure.argmin())
     # Where points follow curves, those of the joints are seen when the motion is found.
-    if not (rows.follows or measure[worst] > NEAREST_DEAD_POINT):
+    if not (rows.following or measure[worst] > NEAREST_DEAD_POINT):
         raise stuck(rows, motion.times[worst : worst + 1], motion.position[worst : worst + 1])
     turned = motion.position[-1] - motion.position[0]
     turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))
@@ -269,20 +259,21 @@ _STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
 class Bottom:
     """Bottom dead centre of an ideal motion, and the stroke to it.
 
+    Times are counted from the beginning of the cycle in which the stroke ends, s.
+
     Attributes
     ----------
     time : float
-        Since the beginning of the cycle in which the stroke ends, s; below zero where it lies in
-        the cycle before.
+        Below zero where it lies in the cycle before.
     height : float
-        Of the watched coordinate there, m, in the axes of the frame.
+        Of the output point there, m, in the axes of the frame.
     stroke : float
         Between its lowest and highest place, m.
     top : float
-        Time of the highest place before it, at which the stroke begins, s, as ``time`` is counted.
+        Of the highest place before it, at which the stroke begins.
     window : tuple of float
-        Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
-        no bottom dead centre falls between two windows, whatever a clearance does to it.
+        In which the lower half of the stroke begins and ends: no bottom dead centre falls between
+        two windows, whatever a clearance does to it.
     period : float
         Of a cycle, s.
     """
@@ -300,13 +291,7 @@ class Bottom:
         return 1 if self.time < 0.0 else 0
 
     def delay(self, time: Array) -> Array:
-        """Return the delay of instants against the nearest ideal bottom dead centre, s.
-
-        Parameters
-        ----------
-        time : ndarray, shape (n,)
-            Since the start, s.
-        """
+        """Return the delay of instants since the start against the nearest bottom, s."""
         # A run-up takes whole cycles.
         late = time - self.time
         return np.asarray(late - self.period * np.round(late / self.period))
@@ -314,7 +299,7 @@ class Bottom:
 
 @lru_cache(maxsize=64)
 def bottom_of(ideal: IdealMotion) -> Bottom | None:
-    """Return the bottom dead centre of an ideal motion; None where the watched coordinate stands.
+    """Return the bottom dead centre of an ideal motion; None where the output point stands.
 
     Of several bottoms in a cycle the lowest, and of those that are alike the first.
     """
@@ -322,8 +307,8 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     nodes = place.size
     if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
-    time, height = _turning(ideal, place, 1.0)
-    top, negative = _turning(ideal, -place, -1.0)
+    time, height = _lowest(ideal, place, 1.0)
+    top, negative = _lowest(ideal, -place, -1.0)
     top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
@@ -337,13 +322,7 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
 
 
 def dwell_of(ideal: IdealMotion, within: float) -> float:
-    """Return the duration of the dwell at bottom dead centre, s, to a 1440th of the cycle.
-
-    Parameters
-    ----------
-    within : float
-        Height over it up to which it does, m.
-    """
+    """Return how long a motion stays within a height of its bottom, s, to a 1440th of the cycle."""
     place = _places(ideal)
     is_above = np.roll(place, -int(place.argmin())) > place.min() + within
     above = np.flatnonzero(is_above)
@@ -352,31 +331,25 @@ def dwell_of(ideal: IdealMotion, within: float) -> float:
 
 
 def _places(ideal: IdealMotion) -> Array:
+    """Return the places of the output point at the nodes of a cycle, m."""
     nodes = len(ideal.position) - 1
     levels = (ideal.position, ideal.velocity, ideal.acceleration)
     flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
     return Motion(ideal.times[:nodes], *flat).output(ideal.rows.linkage)[:, 0]
 
 
-def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
-    """Return time, s, and place, m, at which a coordinate is lowest, from its nodes.
-
-    Parameters
-    ----------
-    sign : float
-        With which the watched coordinate is taken, 1 or -1.
-    """
+def _lowest(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
+    """Return time, s, and place, m, of the lowest of a coordinate, which ``sign`` may turn."""
     linkage, period = ideal.rows.linkage, ideal.period
-    started = linkage.run_up_time
     step = period / len(place)
     lowest = int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
     low, high = (lowest - 1) * step, (lowest + 1) * step
     time = lowest * step
 
-    def moved(time: float) -> tuple[float, float, float]:
+    def moved(time: float) -> list[float]:
         # Behind a run-up, and a cycle on: a time may lie before the first.
-        result = sign * ideal.at(np.array([started + period + time])).output(linkage)[0]
-        return float(result[0]), float(result[1]), float(result[2])
+        at = np.array([linkage.run_up_time + period + time])
+        return list(map(float, sign * ideal.at(at).output(linkage)[0]))
 
     for _ in range(_STEPS):
         _, speed, faster = moved(time)
@@ -419,35 +392,35 @@ def followed(linkage: Linkage) -> Linkage:
     period = linkage.period
     inverse = ideal_motion(replace(linkage, run_up=0), period)
     base = 2.0 * math.pi / period
-    columns = [linkage.index(linkage.drives[k].body) for k in following]
-    turned = (inverse.position[-1] - inverse.position[0])[columns, 2]
-    for k, turn in zip(following, turned, strict=True):
-        drive, speed = linkage.drives[k], base * round(turn / (2.0 * math.pi))
+    for drive in (linkage.drives[k] for k in following):
+        place = linkage.index(drive.body)
+        turned = (inverse.position[-1] - inverse.position[0])[place, 2]
+        speed = base * round(turned / (2.0 * math.pi))
         if abs(speed - drive.speed) > 1e-9 * max(base, abs(speed)):
             raise AssemblyError(
                 f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
                 f"a mean speed of {speed:g} rad/s"
             )
-    breaks = _breaks(linkage, period)
-    curves = inverse.rows.coordinates(inverse.position)
-    size = inverse.rows.size
-    allowed = max(FOLLOWED * (np.ptp(curves, axis=0).max() or size), ROUND_OFF * size)
+    rows, breaks = inverse.rows, _breaks(linkage, period)
+    curves = [motion_of_row(linkage.drives[k], inverse.times)[0] for k in following]
+    allowed = max(FOLLOWED * (np.ptp(curves, axis=1).max() or rows.size), ROUND_OFF * rows.size)
     off = math.inf
     for parts in (*_PIECES[:-1], _PIECES[-1] - len(breaks), MAX_PIECES - len(breaks)):
-        counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)
-        if np.maximum(counts, 1).sum() > MAX_PIECES:
+        counts = np.maximum(np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int), 1)
+        if counts.sum() > MAX_PIECES:
             continue
-        ends = [
-            np.linspace(*pair, max(n, 1) + 1)
-            for pair, n in zip(pairwise(breaks), counts, strict=True)
-        ]
-        nodes = np.concatenate([item[:-1] for item in ends])
+        nodes = np.concatenate(
+            [
+                np.linspace(begin, end, count, endpoint=False)
+                for begin, end, count in zip(breaks[:-1], breaks[1:], counts, strict=True)
+            ]
+        )
         result = _through(linkage, inverse, nodes)
         length = np.diff(nodes, append=period)
         between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
         near = inverse.at(between).position.reshape(between.size, -1, 3)
         reached = closed(Rows(result), between, near).q
-        off = float(np.abs(inverse.rows.off_curves(between, reached)).max())
+        off = float(np.abs(rows.errors(between, reached)[0][:, rows.following]).max())
         if off <= allowed:
             return result
     name = linkage.drives[following[0]].name

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,8 @@ from presswear.physics.constraints import constraints_of, lever
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
 from presswear.physics.ideal import IdealMotion, bottom_of, ideal_motion
-from presswear.physics.loads import place_loads
-from presswear.physics.packed import applied_forces, pack, pack_joints, settle_modes
+from presswear.physics.loads import place_loads, settle_loads
+from presswear.physics.packed import applied_forces, pack
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity
@@ -58,7 +59,7 @@ def _multipliers(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     force = np.zeros(packed.mass.size)
     levels = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
     for k, (t, level) in enumerate(zip(time, levels, strict=True)):
-        settle_modes(packed, t, *level)
+        settle_loads(packed.loads, t, *level)
         applied_forces(packed, t, *level[:2], force)
         right[k] -= force
     jacobian = ideal.rows.jacobian(motion.position.reshape(time.size, -1, 3))
@@ -80,26 +81,15 @@ def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
             )
 
 
-# Force by which a total clearance is told where none is given, N, and over the weight
+# Least default force for a total clearance, N, and over the weight
 LEAST_PULL, PULL_OVER_WEIGHT = 100.0, 10.0
 _FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
 _SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
-
 MAX_UNBALANCED = 1e-8  # part of the joint forces that a solution may leave
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """A linkage at rest.
-
-    Attributes
-    ----------
-    position : ndarray, shape (3 bodies,)
-    height : float
-        Of the output point along its direction, m, in the axes of the frame.
-    contacts : records of CONTACT, shape (joints,)
-        Pins in their bearings, with their forces.
-    """
+class Equilibrium(NamedTuple):
+    """Linkage at rest: position, height of the output point, m, and contacts with forces."""
 
     position: Array
     height: float
@@ -123,23 +113,28 @@ class _Rest:
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
         ideal = ideal_motion(closed(linkage), linkage.period)
         self.position = ideal.at(np.array([time])).position[0]
-        self._packed = pack(replace(linkage, loads=linkage.dead_loads))
+        self.packed = pack(replace(linkage, loads=linkage.dead_loads))
         self._rows = constraints_of(closed(linkage))
         first = 2 * len(linkage.revolutes)
         self._pins = slice(first, first + 2 * len(linkage.clearances))
         self._time, self._pull, self._output = time, pull, linkage.output
         self._place = 3 * linkage.index(linkage.output.body)
+        self._direction = np.array(
+            [math.cos(linkage.output.direction), math.sin(linkage.output.direction)]
+        )
         self._still = np.zeros(self.position.size)
         self._onset = np.zeros(len(linkage.clearances))
         self.tolerance = ROUND_OFF * ideal.rows.size
         self.contacts = np.zeros(len(linkage.clearances), CONTACT)
 
+    def _arm(self) -> Array:
+        """Return the vector from the mass centre of the output body to its point, m."""
+        return np.array(lever(self._place, self._output.x, self._output.y, self.position))
+
     def height(self) -> float:
         """Return the place of the output point along its direction, m."""
-        output, i, q = self._output, self._place, self.position
-        x, y = lever(i, output.x, output.y, q)
-        cosine, sine = math.cos(output.direction), math.sin(output.direction)
-        return cosine * (q[i] + x) + sine * (q[i + 1] + y)
+        centre = self.position[self._place : self._place + 2]
+        return float(self._direction @ (centre + self._arm()))
 
     def move(self, eccentricities: Array) -> None:
         """Move all bodies to eccentricities of the pins, shape (joints, 2), m."""
@@ -149,19 +144,17 @@ class _Rest:
             self.position = self.position - np.linalg.solve(jacobian, phi)
             if float(np.abs(phi).max()) <= self.tolerance:
                 break
-        note_contacts(self._packed, self.contacts, self.position, self._still)
+        note_contacts(self.packed, self.contacts, self.position, self._still)
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
         """Return the forces that push the pins out of the middle, shape (joints, 2), N."""
         q, i = self.position, self._place
         force = np.empty_like(q)
-        applied_forces(self._packed, self._time, q, self._still, force)
-        x, y = lever(i, self._output.x, self._output.y, q)
-        fx = self._pull * math.cos(self._output.direction)
-        fy = self._pull * math.sin(self._output.direction)
+        applied_forces(self.packed, self._time, q, self._still, force)
+        (x, y), (fx, fy) = self._arm(), self._pull * self._direction
         force[i : i + 3] += fx, fy, x * fy - y * fx
         if with_contacts:
-            joints, rates = self._packed.joints, np.zeros(JOINT_RATES * self._onset.size)
+            joints, rates = self.packed.joints, np.zeros(JOINT_RATES * self._onset.size)
             note_forces(joints, self._onset, self.contacts)
             add_contacts(joints, self._onset, self.contacts, force, rates)
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
@@ -169,67 +162,46 @@ class _Rest:
 
 
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:
-    """Return a linkage at rest, its drives held where they are at a time.
-
-    Parameters
-    ----------
-    time : float
-        Since the start, s.
-    force : float
-        On the output point along its direction, N.
-
-    Raises
-    ------
-    RunFailed
-        Where it does not come to rest.
-    """
+    """Return a linkage at rest, its drives held as at a time, s, its output point pulled, N."""
     rest = _Rest(linkage, time, force)
     needed = rest.unbalanced(with_contacts=False)
     size = np.hypot(*needed.T)
     # A joint without a force stays in the middle.
     loaded = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-9)
     eccentricities = np.zeros_like(needed)
-    if loaded.any():
-        direction = needed[loaded] / size[loaded, np.newaxis]
-        law = pack_joints(linkage)["normal"][loaded]
-        exponent = law["estimated_exponent"]
-        depth = (size[loaded] / law["estimated_stiffness"]) ** (1.0 / exponent)
-        distance = np.array([joint.clearance for joint in linkage.clearances])[loaded]
-        for _ in range(3):  # to the bottom of a worn surface
-            eccentricities[loaded] = direction * distance[:, np.newaxis]
-            rest.move(eccentricities)
-            distance = distance + depth - rest.contacts["penetration"][loaded]
-        start = eccentricities[loaded].ravel()
-        scale = np.repeat(size[loaded], 2)
-
-        def residual(x: Array) -> Array:
-            eccentricities[loaded] = x.reshape(-1, 2)
-            rest.move(eccentricities)
-            return np.asarray(rest.unbalanced()[loaded].ravel() / scale)
-
-        solution = root(residual, start, tol=1e-15, options={"maxfev": 4000})
-        left = float(np.abs(residual(solution.x)).max())
-        # A small penetration is known to round-off of the position only.
-        if not (left <= MAX_UNBALANCED or left * depth.max() <= rest.tolerance):
-            raise RunFailed(
-                f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
-                "forces are not balanced"
-            )
-    else:
+    if not loaded.any():
         rest.move(eccentricities)
+        return Equilibrium(rest.position, rest.height(), rest.contacts)
+    direction = needed[loaded] / size[loaded, np.newaxis]
+    joints = rest.packed.joints[loaded]
+    law = joints["normal"]
+    depth = (size[loaded] / law["estimated_stiffness"]) ** (1.0 / law["estimated_exponent"])
+    distance = joints["clearance"]
+    for _ in range(3):  # to the bottom of a worn surface
+        eccentricities[loaded] = direction * distance[:, np.newaxis]
+        rest.move(eccentricities)
+        distance = distance + depth - rest.contacts["penetration"][loaded]
+    scale = np.repeat(size[loaded], 2)
+
+    def residual(x: Array) -> Array:
+        eccentricities[loaded] = x.reshape(-1, 2)
+        rest.move(eccentricities)
+        return np.asarray(rest.unbalanced()[loaded].ravel() / scale)
+
+    start = eccentricities[loaded].ravel()
+    solution = root(residual, start, tol=1e-15, options={"maxfev": 4000})
+    left = float(np.abs(residual(solution.x)).max())
+    # A small penetration is known to round-off of the position only.
+    if not (left <= MAX_UNBALANCED or left * depth.max() <= rest.tolerance):
+        raise RunFailed(
+            f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
+            "forces are not balanced"
+        )
     return Equilibrium(rest.position, rest.height(), rest.contacts)
 
 
 def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
-    """Return heights at bottom dead centre under static forces, m, the drives held there.
-
-    Raises
-    ------
-    InputError
-        Where the output point stands.
-    RunFailed
-        Where the linkage does not come to rest.
-    """
+    """Return heights at bottom dead centre under static forces, m, the drives held there."""
     bottom = bottom_of(ideal_motion(closed(linkage), linkage.period))
     if bottom is None:
         raise InputError(f"{linkage.name} has no bottom dead centre: its output point stands still")
@@ -276,8 +248,6 @@ def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
 
     Parameters
     ----------
-    linkage : Linkage
-        As in ``total_clearance``.
     force, idle : float
         On the output point along its direction, N; without the latter the linkage hangs by its
         weight.

@@ -1,7 +1,7 @@
 """A scene: a mechanism with clearance joints, and everything that a person chooses for a run."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
@@ -21,7 +21,7 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface
-from presswear.physics.ideal import IdealMotion, Motion, bottom_of, followed, ideal_motion
+from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.tools.arrays import Array
@@ -441,24 +441,22 @@ class Scene:
         body = self.mechanism.linkage().output.body
         return "slider" if body.startswith("slider") else body
 
-    def ideal_slider(
-        self, time: Array, motion: Callable[[IdealMotion, Array], Motion] = IdealMotion.at
-    ) -> Array:
+    def ideal_slider(self, time: Array, closed: bool = True) -> Array:
         """Return displacement from the start, velocity and acceleration of the ideal output.
 
         Parameters
         ----------
         time : ndarray, shape (n,)
             s.
-        motion : callable
-            ``IdealMotion.at``, or ``IdealMotion.interpolated`` where its accuracy suffices.
+        closed : bool
+            See ``IdealMotion.at``.
 
         Returns
         -------
         ndarray, shape (n, 3)
             m, m/s, m/s^2.
         """
-        slider = motion(self.ideal, np.append(0.0, time)).output(self.base_linkage)
+        slider = self.ideal.at(np.append(0.0, time), closed).output(self.base_linkage)
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 
