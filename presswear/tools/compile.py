@@ -17,8 +17,8 @@ import tempfile
 import threading
 import time
 from _thread import interrupt_main
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import cache, cached_property, partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -26,17 +26,9 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 from llvmlite import binding, ir
-from numba import config
-from numba.core import cgutils, event, types, typing
-from numba.core.datamodel import models
-from numba.extending import (
-    NativeValue,
-    intrinsic,
-    lower_builtin,
-    register_model,
-    typeof_impl,
-    unbox,
-)
+from numba.core import cgutils, config, event, types, typing
+from numba.core.registry import cpu_target
+from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
 from numpy.typing import NDArray
 
 from presswear.tools.errors import InputError
@@ -47,21 +39,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 Records = Any  # structured array; kernels read ``records[k].name``, a type checker cannot
 
-# The type hints of numba leave out what is used here.
-_NUMBA: Any = numba
-_CGUTILS: Any = cgutils
-_TYPES: Any = types
-_TYPING: Any = typing
-_LOWER: Any = lower_builtin
-_INTRINSIC: Any = intrinsic
-_NATIVE: Any = NativeValue
-_EVENT: Any = event
-_TUPLE: Any = types.BaseTuple
-
 _COMPILE = "numba:compile"
-
 _PACKAGE = Path(__file__).resolve().parents[1]
-_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+_OPTIONS = {"error_model": "numpy", "_nrt": False}
 
 
 @cache
@@ -78,46 +58,56 @@ def _cache_folder() -> str | None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            pass
+            return str(folder)
     except OSError:
         return None
-    return str(folder)
 
 
-@contextmanager
-def _caching(function: Callable[..., Any]) -> Iterator[bool]:
-    """Direct numba to the cache folder; yields whether the function may be cached."""
+def _cached(compiler: Any, function: Callable[..., Any], **options: Any) -> Any:
+    """Return a function compiled by ``njit`` or ``cfunc``; kernels of this package are cached."""
     source = Path(function.__code__.co_filename).resolve()
     folder = _cache_folder() if _PACKAGE in source.parents and not function.__closure__ else None
-    settings = vars(config)
-    previous = settings["CACHE_DIR"]
-    settings["CACHE_DIR"] = folder or previous
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = folder or previous
     try:
-        yield folder is not None
+        return compiler(cache=folder is not None, **options)(function)
     finally:
-        settings["CACHE_DIR"] = previous
+        config.CACHE_DIR = previous
 
 
-class _PauseGarbageCollection(event.Listener):
-    """Pause garbage collection while numba compiles: nearly all its objects stay alive."""
+class _Listener(event.Listener):
+    """Call functions at the start and at the end of a compilation, its callees included."""
 
-    _depth, _was_enabled = 0, False
+    def __init__(self, start: Callable[[], object], end: Callable[[], object]) -> None:
+        self._start, self._end, self._depth = start, end, 0
 
     def on_start(self, event: Any) -> None:
-        """Pause it."""
+        """Note the start of a function."""
         if self._depth == 0:
-            self._was_enabled = gc.isenabled()
-            gc.disable()
+            self._start()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Resume it."""
+        """Note the end of a function."""
         self._depth -= 1
-        if self._depth == 0 and self._was_enabled:
-            gc.enable()
+        if self._depth == 0:
+            self._end()
 
 
-_EVENT.register(_COMPILE, _PauseGarbageCollection())
+# Garbage collection would find little while numba compiles: nearly all its objects stay alive.
+event.register(_COMPILE, _Listener(gc.disable, gc.enable))
+
+
+def on_compiling(report: Callable[[float], None]) -> AbstractContextManager[Any]:
+    """Report every compilation within the context: 0 at its start, then its duration, s."""
+    started = [0.0]
+
+    def start() -> None:
+        started[0] = time.perf_counter()
+        report(0.0)
+
+    listener = _Listener(start, lambda: report(time.perf_counter() - started[0]))
+    return cast(AbstractContextManager[Any], event.install_listener(_COMPILE, listener))
 
 
 class Kernel:
@@ -125,17 +115,17 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any], **options: Any) -> None:
         update_wrapper(self, function)
-        self.py_func, self._options = function, {**_OPTIONS, **options}
+        self.py_func = function
+        self._options = {**_OPTIONS, "no_cfunc_wrapper": True, **options}
 
     @cached_property
     def from_python(self) -> Any:
         """Dispatcher for calls from Python; only these are cached, with all that they call."""
-        with _caching(self.py_func) as is_cached:
-            return _NUMBA.njit(cache=is_cached, **self._options)(self.py_func)
+        return _cached(numba.njit, self.py_func, **self._options)
 
     @cached_property
     def _from_kernels(self) -> Any:
-        return _NUMBA.njit(no_cpython_wrapper=True, **self._options)(self.py_func)
+        return numba.njit(no_cpython_wrapper=True, **self._options)(self.py_func)
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the compiled function."""
@@ -151,16 +141,13 @@ def compiled(function: F) -> F:
 
     Kernels do not allocate: every array belongs to the caller. The reference counting of numba is
     switched off because it took half of the time of these small functions. The compiler refuses a
-    kernel that allocates. Only kernels of this package are cached.
+    kernel that allocates.
     """
     return cast(F, Kernel(function))
 
 
 def inlined(function: F) -> F:
-    """Compile a kernel that is inlined in every caller.
-
-    For the kernels of every evaluation: to pass dozens of arrays takes as long as their work.
-    """
+    """Compile a kernel of every evaluation, inlined: to pass its arrays takes as long as it."""
     return cast(F, Kernel(function, forceinline=True))
 
 
@@ -192,10 +179,13 @@ class _LazyKernel(Kernel):
         binding.add_symbol(f"{self._name}.address", ctypes.addressof(self._address))
         callback = ctypes.cast(self._callback, ctypes.c_void_p).value
         binding.add_symbol(f"{self._name}.compile", callback)
-        signature = _TYPING.signature(result, *parameters)
-        template = _TYPING.make_concrete_template(self._name, self, [signature])
-        self._type = types.Function(template)
-        _LOWER(self, *parameters)(self._generate)
+        signature = typing.signature(result, *parameters)
+        self._type = types.Function(typing.make_concrete_template(self._name, self, [signature]))
+        lower_builtin(self, *parameters)(self._generate_call)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._type
 
     def _compile(self) -> int | None:
         """Compile or load the kernel; kernels call this and cannot be interrupted."""
@@ -209,32 +199,25 @@ class _LazyKernel(Kernel):
                 threading.Timer(0.0, interrupt_main).start()
         return self._address.value
 
-    def _generate(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the call in the code of a caller."""
+    def _generate_call(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         convention, result = context.call_conv, signature.return_type
         pointer = convention.get_function_type(result, signature.args).as_pointer()
-        compile_type = ir.FunctionType(pointer, ())
-        name = f"{self._name}.compile"
-        compile_first = _CGUTILS.get_or_insert_function(builder.module, compile_type, name)
+        compile_first = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(pointer, ()), f"{self._name}.compile"
+        )
         name = f"{self._name}.address"
         variable = builder.module.globals.get(name)
         if variable is None:
             variable = ir.GlobalVariable(builder.module, pointer, name)
-        stored = builder.load(variable)
-        before = builder.block
-        with builder.if_then(_CGUTILS.is_null(builder, stored), likely=False):
-            made = builder.call(compile_first, ())
-            inside = builder.block
+        stored, before = builder.load(variable), builder.block
+        with builder.if_then(cgutils.is_null(builder, stored), likely=False):
+            made, inside = builder.call(compile_first, ()), builder.block
         address = builder.phi(pointer)
         address.add_incoming(stored, before)
         address.add_incoming(made, inside)
         # Kernels do not raise: the status is ignored.
         _, value = convention.call_function(builder, address, result, signature.args, arguments)
         return value
-
-    @property
-    def _numba_type_(self) -> Any:
-        return self._type
 
 
 def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
@@ -248,21 +231,20 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
         A structured dtype for a record, the number of axes of an array of numbers, 0 for a number,
         else an example value.
     """
-    kinds = tuple(map(_numba_type, parameters))
+
+    def numba_type(example: Any) -> Any:
+        if isinstance(example, np.dtype):
+            return numba.from_dtype(example)
+        if type(example) is int:  # a slice of a larger array need not be contiguous
+            return types.Array(types.float64, example, "A") if example else types.float64
+        return numba.typeof(example)
+
+    kinds = tuple(map(numba_type, parameters))
 
     def decorate(function: F) -> F:
-        return cast(F, _LazyKernel(function, _numba_type(result), kinds))
+        return cast(F, _LazyKernel(function, numba_type(result), kinds))
 
     return decorate
-
-
-def _numba_type(example: Any) -> Any:
-    if isinstance(example, np.dtype):
-        return _NUMBA.from_dtype(example)
-    if type(example) is int:
-        # A slice of a larger array need not be contiguous.
-        return _TYPES.Array(_TYPES.float64, example, "A") if example else _TYPES.float64
-    return _NUMBA.typeof(example)
 
 
 def specialised(kernel: F, *arguments: Any) -> F:
@@ -272,63 +254,36 @@ def specialised(kernel: F, *arguments: Any) -> F:
     and arrays that takes longer than a small kernel.
     """
     dispatcher = cast(Kernel, kernel).from_python
-    types = tuple(_NUMBA.typeof(argument) for argument in arguments)
-    dispatcher.compile(types)
-    return cast(F, dispatcher.overloads[types].entry_point)
+    kinds = tuple(map(numba.typeof, arguments))
+    dispatcher.compile(kinds)
+    return cast(F, dispatcher.overloads[kinds].entry_point)
 
 
+@intrinsic
 def _call(typing: Any, address: Any, arguments: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         count, double = len(signature.args[1]), ir.DoubleType()
         kind = ir.FunctionType(double, [double] * count)
         function = builder.inttoptr(values[0], kind.as_pointer())
-        return builder.call(function, _CGUTILS.unpack_tuple(builder, values[1], count))
+        return builder.call(function, cgutils.unpack_tuple(builder, values[1], count))
 
     return types.float64(types.int64, arguments), generate
 
 
 # In a kernel: call a function of numbers by its address, with a tuple of its arguments.
-call = cast(Callable[[int, tuple[float, ...]], float], _INTRINSIC(_call))
+call = cast(Callable[[int, tuple[float, ...]], float], _call)
 
 
-_CALLBACKS: dict[Any, Any] = {}  # machine code that is called by address must stay in memory
+_callbacks: dict[Any, Any] = {}  # machine code that is called by address must stay in memory
 
 
 def address_of(kernel: Callable[..., float], count: int) -> int:
     """Return the address of a compiled function of so many numbers, for ``call``."""
-    if kernel not in _CALLBACKS:
-        function = getattr(kernel, "py_func", kernel)
+    if kernel not in _callbacks:
         signature = types.float64(*(types.float64,) * count)
-        with _caching(function) as is_cached:
-            _CALLBACKS[kernel] = _NUMBA.cfunc(
-                signature, cache=is_cached, error_model="numpy", _nrt=False
-            )(function)
-    return int(_CALLBACKS[kernel].address)
-
-
-class _Listener(event.Listener):
-    """Report the compilation of functions; those of the callees lie within."""
-
-    def __init__(self, report: Callable[[float], None]) -> None:
-        self._report, self._depth, self._start = report, 0, 0.0
-
-    def on_start(self, event: Any) -> None:
-        """Report the start."""
-        if self._depth == 0:
-            self._start = time.perf_counter()
-            self._report(0.0)
-        self._depth += 1
-
-    def on_end(self, event: Any) -> None:
-        """Report the duration."""
-        self._depth -= 1
-        if self._depth == 0:
-            self._report(time.perf_counter() - self._start)
-
-
-def on_compiling(report: Callable[[float], None]) -> AbstractContextManager[Any]:
-    """Report every compilation within the context: 0 at its start, then its duration, s."""
-    return cast(AbstractContextManager[Any], _EVENT.install_listener(_COMPILE, _Listener(report)))
+        function = getattr(kernel, "py_func", kernel)
+        _callbacks[kernel] = _cached(partial(numba.cfunc, signature), function, **_OPTIONS)
+    return int(_callbacks[kernel].address)
 
 
 @cache
@@ -340,7 +295,7 @@ def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Cal
     InputError
         For a function that numba cannot compile.
     """
-    compiler = _NUMBA.njit(error_model="numpy", _nrt=False)
+    compiler = numba.njit(**_OPTIONS)
     namespace = function.namespace()
     for name, value in namespace.items():
         if inspect.isfunction(value):
@@ -382,71 +337,51 @@ def all_finite(first: Array, second: Array) -> bool:
     return total == 0.0
 
 
-# ---- Arguments that are unpacked once for a million calls.
-# Numba unpacks every array of a call into address, shape and strides. For three dozen arrays that
-# takes as long as a small kernel. Here the unpacked arguments are stored, and a kernel receives
-# their address.
-
-_LEAF_BYTES = 128  # room for an unpacked array; one of three dimensions needs 88
+# Arguments that are unpacked once for a million calls. Numba unpacks every array of a call into
+# address, shape and strides. For three dozen arrays that takes as long as a small kernel. Here the
+# unpacked arguments are stored, and a kernel receives their address.
 
 
 class PackedArguments(int):
-    """Address of unpacked arguments, which it keeps alive."""
+    """Address of unpacked arguments, which it keeps alive; for numba a pointer to their tuple."""
 
     arguments: tuple[Any, ...]
     memory: Any
 
 
-class _PackedType(types.Type):
-    """Numba's type of ``PackedArguments``."""
-
-    def __init__(self, arguments: Any) -> None:
-        self.arguments = arguments
-        super().__init__(name=f"PackedArguments({arguments})")
-
-
-@register_model(_PackedType)
-class _AddressModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: _PackedType) -> None:
-        cast(Any, super()).__init__(manager, kind, ir.IntType(64))
-
-
 @typeof_impl.register(PackedArguments)
-def _type_of(packed: PackedArguments, context: Any) -> _PackedType:
-    return _PackedType(_NUMBA.typeof(packed.arguments))
+def _type_of(packed: PackedArguments, context: Any) -> Any:
+    return types.CPointer(numba.typeof(packed.arguments))
 
 
-def _unbox_address(kind: _PackedType, packed: Any, context: Any) -> Any:
-    return _NATIVE(context.pyapi.long_as_longlong(packed))
+@unbox(types.CPointer)
+def _unbox_address(kind: Any, packed: Any, context: Any) -> Any:
+    address = context.pyapi.long_as_longlong(packed)
+    return NativeValue(context.builder.inttoptr(address, context.context.get_value_type(kind)))
 
 
-cast(Any, unbox)(_PackedType)(_unbox_address)
-
-
-def _count_leaves(kind: Any) -> int:
-    return sum(map(_count_leaves, kind)) if isinstance(kind, _TUPLE) else 1
-
-
-def _store_unpacked(typing: Any, arguments: Any, address: Any) -> Any:
+@intrinsic
+def _store(typing: Any, packed: Any, arguments: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        value, place = values
-        if context.get_abi_sizeof(value.type) > _LEAF_BYTES * _count_leaves(arguments):
-            raise TypeError(f"no room for {arguments}")
-        builder.store(value, builder.inttoptr(place, value.type.as_pointer()))
+        address, value = values
+        builder.store(value, builder.bitcast(address, value.type.as_pointer()))
         return context.get_dummy_value()
 
-    return types.none(arguments, types.int64), generate
+    return types.none(packed, arguments), generate
 
 
-_store = cast(Callable[[Any, int], None], _INTRINSIC(_store_unpacked))
+@compiled
+def _fill(packed: PackedArguments, arguments: Any) -> None:
+    _store(packed, arguments)
 
 
-def _load_unpacked(typing: Any, packed: Any) -> Any:
+@intrinsic
+def _load(typing: Any, packed: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         constant = builder.module.add_metadata([])
 
         def load(place: Any, kind: Any) -> Any:
-            if isinstance(kind, _TUPLE):
+            if isinstance(kind, types.BaseTuple):
                 index = ir.IntType(32)
                 parts = [
                     load(builder.gep(place, [index(0), index(i)], inbounds=True), part)
@@ -458,19 +393,14 @@ def _load_unpacked(typing: Any, packed: Any) -> Any:
             value.set_metadata("invariant.load", constant)
             return value
 
-        whole = context.get_value_type(packed.arguments).as_pointer()
-        return load(builder.inttoptr(values[0], whole), packed.arguments)
+        whole = context.get_value_type(packed.dtype).as_pointer()
+        return load(builder.bitcast(values[0], whole), packed.dtype)
 
-    return packed.arguments(packed), generate
+    return packed.dtype(packed), generate
 
 
 # In a kernel: the arguments of ``PackedArguments``.
-unpack = cast(Callable[[PackedArguments], Any], _INTRINSIC(_load_unpacked))
-
-
-@compiled
-def _fill(arguments: Any, address: int) -> None:
-    _store(arguments, address)
+unpack = cast(Callable[[PackedArguments], Any], _load)
 
 
 def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> Callable[[float], T]:
@@ -483,8 +413,10 @@ def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> Call
     arguments : arrays, records, or named tuples of such
         Arrays may change their values but not their memory.
     """
-    memory = np.zeros(_LEAF_BYTES * _count_leaves(_NUMBA.typeof(arguments)), np.uint8)
+    context = cpu_target.target_context
+    size = context.get_abi_sizeof(context.get_value_type(numba.typeof(arguments)))
+    memory = np.zeros(size, np.uint8)
     packed = PackedArguments(memory.ctypes.data)
     packed.arguments, packed.memory = arguments, memory
-    _fill(arguments, int(packed))
+    _fill(packed, arguments)
     return partial(specialised(kernel, packed, 0.0), packed)

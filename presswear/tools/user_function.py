@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import math
 import textwrap
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from presswear.tools.files import read_checked
 _MAX_BYTES = 2**18  # of a file with laws
 _POINTS = 20  # at which a law is run in Python before it is compiled
 
-_trusted: set[str] = set()  # SHA-256 of the texts that may be executed in this process
+_trusted: set[str] = set()  # texts that may be executed in this process
 
 
 class UntrustedLaw(InputError):
@@ -46,23 +47,22 @@ class UserFunction:
     name: str
     source: str
 
-    @property
-    def _checksum(self) -> str:
-        return hashlib.sha256(self.source.encode()).hexdigest()
+    def __str__(self) -> str:
+        digest = hashlib.sha256(self.source.encode()).hexdigest()[:8]
+        return f"user law {self.name}, {digest}"
 
-    @property
-    def digest(self) -> str:
-        """First eight digits of the SHA-256 of the text."""
-        return self._checksum[:8]
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A worker process may execute the same texts as the process that started it.
+        return _unpickled, (self.name, self.source, self.is_trusted)
 
     @property
     def is_trusted(self) -> bool:
         """True if the text may be executed in this process."""
-        return self._checksum in _trusted
+        return self.source in _trusted
 
     def trusted(self) -> "UserFunction":
         """Allow this process, and the processes it starts, to execute the text."""
-        _trusted.add(self._checksum)
+        _trusted.add(self.source)
         return self
 
     def check_trusted(self, key: str) -> None:
@@ -72,14 +72,6 @@ class UserFunction:
                 f"{key} = {self}: source code that is stored in a result is not executed; use "
                 "--trust, or pw.load(folder, trust=True), if you trust where it comes from"
             )
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # A worker process may execute the same texts as the process that started it.
-        return _unpickled, (self.name, self.source, self.is_trusted)
-
-    def __str__(self) -> str:
-        """Name and digest."""
-        return f"user law {self.name}, {self.digest}"
 
     @staticmethod
     def read(key: str, value: Any, parameters: tuple[str, ...] | None = None) -> "UserFunction":
@@ -97,9 +89,19 @@ class UserFunction:
         InputError
             With the key, for a value that is no readable function.
         """
-        function = _read(key, value)
+        if isinstance(value, UserFunction):
+            function = value
+        elif isinstance(value, dict):
+            if not is_stored_function(value) or not all(isinstance(x, str) for x in value.values()):
+                raise InputError(f"{key} = {value!r}: must have texts under name and source")
+            function = UserFunction(**value)
+        elif callable(value):
+            function = _from_callable(key, value)
+        else:
+            key = f"{key} = {value}"
+            function = _from_file(key, str(value))
         if parameters is not None:
-            function.parameters(f"{key} = {value}" if isinstance(value, str) else key, parameters)
+            function.parameters(key, parameters)
         return function
 
     def parameters(self, key: str, allowed: tuple[str, ...]) -> tuple[str, ...]:
@@ -137,14 +139,12 @@ class UserFunction:
         """Return the value in plain Python; InputError where it is no finite number."""
         arguments = {name: values[name] for name in self.parameters(key, allowed)}
         place = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
+        self.check_trusted(key)
         try:
             result = self.namespace()[self.name](**arguments)
-        except UntrustedLaw:
-            raise
         except (Exception, SystemExit) as error:
-            hint = ""
-            if isinstance(error, NameError):
-                hint = "; define everything inside it, or pass FILE.py:NAME"
+            hint = "; define everything inside it, or pass FILE.py:NAME"
+            hint = hint if isinstance(error, NameError) else ""
             raise InputError(f"{key}: {self.name} fails at {place}: {error}{hint}") from None
         is_number = isinstance(result, (int, float)) and not isinstance(result, bool)
         if not is_number or not math.isfinite(result):
@@ -161,46 +161,41 @@ class UserFunction:
         InputError
             With the key, for a function that fails otherwise.
         """
-        names = self.parameters(key, allowed)
+        count = len(self.parameters(key, allowed))
         function = self.namespace()[self.name]
         for k in range(_POINTS):
             # Sizes from 1e-6 to about 1, signs and order different for each parameter.
-            exponents = [(7 * k + 3 * i) % _POINTS for i in range(len(names))]
-            values = [(-1.0) ** (k // (i + 1)) * 2.0**-n for i, n in enumerate(exponents)]
+            exponents = [(7 * k + 3 * i) % _POINTS for i in range(count)]
             try:
-                function(*values)
+                function(*((-1.0) ** (k // (i + 1)) * 2.0**-n for i, n in enumerate(exponents)))
             except (ArithmeticError, ValueError):
                 continue
             except (Exception, SystemExit) as error:
                 raise InputError(f"{key}: {self.name} fails: {error}") from None
 
 
-def _read(key: str, value: Any) -> UserFunction:
-    if isinstance(value, UserFunction):
-        return value
-    if isinstance(value, dict):
-        if not is_stored_function(value) or not all(isinstance(x, str) for x in value.values()):
-            raise InputError(f"{key} = {value!r}: must have texts under name and source")
-        return UserFunction(**value)
-    if callable(value):
-        try:
-            source = textwrap.dedent(inspect.getsource(value))
-            return UserFunction(value.__name__, source).trusted()
-        except (OSError, TypeError, AttributeError):
-            raise InputError(
-                f"{key}: the source of {value!r} cannot be read: must be a function defined in "
-                "a file"
-            ) from None
-    file, _, name = str(value).rpartition(":")
+def _from_callable(key: str, function: Callable[..., Any]) -> UserFunction:
+    try:
+        source = textwrap.dedent(inspect.getsource(function))
+        return UserFunction(function.__name__, source).trusted()
+    except (OSError, TypeError, AttributeError):
+        raise InputError(
+            f"{key}: the source of {function!r} cannot be read: must be a function defined in a "
+            "file"
+        ) from None
+
+
+def _from_file(key: str, place: str) -> UserFunction:
+    file, _, name = place.rpartition(":")
     path = Path(file)
     if not path.is_file():
-        raise InputError(f"{key} = {value!r}: there is no file {file!r}; must be FILE.py:NAME")
+        raise InputError(f"{key}: there is no file {file!r}; must be FILE.py:NAME")
     if path.stat().st_size > _MAX_BYTES:
-        raise InputError(f"{key} = {value!r}: the file has more than {_MAX_BYTES} bytes")
+        raise InputError(f"{key}: the file has more than {_MAX_BYTES} bytes")
     try:
         return UserFunction(name, read_checked(path).decode()).trusted()
     except UnicodeDecodeError:
-        raise InputError(f"{key} = {value!r}: this is no text") from None
+        raise InputError(f"{key}: this is no text") from None
 
 
 def _unpickled(name: str, source: str, is_trusted: bool) -> UserFunction:
