@@ -42,16 +42,12 @@ class Row:
 
     Attributes
     ----------
-    label : str
-        Name of the quantity.
     path : str
         Attributes and keys from the record to the value, joined by points: ``bdc.error``.
     unit : str
         Display unit, such as ``µm``, into which the SI value is converted; see ``DISPLAY_UNITS``.
     meaning : str
         Explanation below the label.
-    digits : int
-        Significant digits.
     """
 
     label: str
@@ -91,13 +87,7 @@ def value_at(record: Any, path: str) -> Any:
 
 
 def text_of(value: Any, unit: str = "", digits: int = 3) -> str:
-    """Return a value as text in a display unit, with its interval if it has one.
-
-    Parameters
-    ----------
-    value : Estimate, float, int, str or None
-        In the SI unit; text is returned unchanged.
-    """
+    """Return an SI value as text in a display unit, with its interval if it has one."""
     factor = unit_factor(unit)
     match value:
         case None:
@@ -163,13 +153,10 @@ def column_table(
     filled = {}
     for heading, rows in groups.items():
         lines = [(row.head, *(row.text(record) for record in records)) for row in rows]
-        lines = [line for line in lines if set(line[1:]) - {NOTHING}]
-        if lines:
+        if lines := [line for line in lines if set(line[1:]) - {NOTHING}]:
             filled[heading] = tuple(lines)
-    if not filled:
-        return None
     meanings = {row.head: row.meaning for rows in groups.values() for row in rows if row.meaning}
-    return Table((corner, *names), tuple(filled.items()), meanings=meanings)
+    return Table((corner, *names), tuple(filled.items()), meanings=meanings) if filled else None
 
 
 def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = True) -> Table:
@@ -190,18 +177,7 @@ class Illustration:
 
 @dataclass(frozen=True)
 class Section:
-    """Section of a page.
-
-    Attributes
-    ----------
-    heading : str
-    paragraphs : sequence of str
-    tables : sequence of (str, Table)
-        Tables with their headings.
-    figures : sequence of Illustration
-    notes : sequence of str
-        Remarks in small print at the end.
-    """
+    """Section of a page: tables with their headings, and notes in small print at the end."""
 
     heading: str
     paragraphs: Sequence[str] = ()
@@ -219,15 +195,7 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
 def illustrated(
     drawers: Sequence[Drawer], folder: Path, processes: int | None = None
 ) -> list[Illustration]:
-    """Draw figures in several processes and write them into a folder.
-
-    Parameters
-    ----------
-    drawers : sequence of callable
-        Return drawings; must be picklable.
-    processes : int or None
-        Number of processes; None: as many as there are cores.
-    """
+    """Draw figures in several processes, by default one per core, and write them into a folder."""
     count = min(processes or cores(), len(drawers))
     parts = min(_SHARES * count, len(drawers)) if count > 1 else 1
     jobs = [partial(_draw_share, drawers[k::parts], folder) for k in range(parts)]
@@ -258,7 +226,6 @@ def render_page(
 
     Parameters
     ----------
-    title : str
     sections : sequence of Section
         Content of a page without a template of its own.
     figures : sequence of Illustration
@@ -291,6 +258,5 @@ def render_page(
 
 def _without_breaks(value: Any) -> Any:
     """Replace the spaces in intervals so that these are not broken; markup stays as it is."""
-    if type(value) is not str:
-        return value
-    return _INTERVAL.sub(lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), value)
+    is_text = type(value) is str
+    return _INTERVAL.sub(lambda match: match[0].replace(" ", "\xa0"), value) if is_text else value

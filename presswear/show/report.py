@@ -13,9 +13,10 @@ from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.results.folder import FINISHED
-from presswear.results.life import LimitResult, span_of, words_of
+from presswear.results.life import LifeResult, span_of, words_of
 from presswear.results.press_analysis import deep_contacts
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import named_scene, title_of
 from presswear.scene.scene import Scene
@@ -57,23 +58,34 @@ def write_report(result: Result) -> Path:
 
 def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     """Return the report of a result as HTML, with some figures."""
-    scene, stages = result.scene, result.stages
+    scene = result.scene
+    stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     content: dict[str, Any] = {
         "result": result,
         "scene": scene,
         "style": result.status if result.status in FINISHED else "unfinished",
         "base": named_scene(scene),
         "untrusted": [key for key, law in scene.user_laws.items() if not law.is_trusted],
-        "stages": [*zip(stage_names(result, stages), stages, strict=True)],
+        "stages": stages,
         "wear_error": _largest(result, "wear_error"),
         "step_error": _largest(result, "peak_force_step_error"),
         "moves": bottom_of(scene.ideal) is not None,
-        "models": _models(result),
-        "chosen": _chosen_settings(scene),
+        "models": _models(stages),
+        "chosen": [
+            setting.key
+            for setting in settings_of(scene)
+            if isinstance(setting.meaning, Quantity)
+            and setting.meaning.origin.startswith(("chosen", "assumed", SET))
+        ],
         "deep_contacts": deep_contacts(scene, result.stages),
-        "worn_sides": _worn_sides(scene),
+        "worn_sides": [
+            f"{side} of {joint} {quantity_text(float(surface.depth.max()), 'm')}"
+            for joint, pair in scene.surfaces.items()
+            for side, surface in zip(SIDES, pair, strict=True)
+            if surface.is_worn
+        ],
         "laws": _normal_laws(scene),
-        "created": [one.statistics.energy_made_fraction for one in stages if one.is_worn],
+        "created": [one.statistics.energy_made_fraction for _, one in stages if one.is_worn],
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
         "convention_set": tables.convention_set(scene.conventions),
         "tables": {
@@ -86,7 +98,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
             "conventions": tables.convention_table(result),
             "provenance": tables.provenance_table(result),
         },
-        "life": None if result.life is None else _life(result),
+        "life": result.life and _life(result, result.life),
     }
     return render_page(title_of(scene), (), figures, "report.html", **content)
 
@@ -96,34 +108,13 @@ def _largest(result: Result, name: str) -> float | None:
     return max((value for value in values if value is not None), default=None)
 
 
-def _models(result: Result) -> list[str]:
+def _models(stages: Sequence[tuple[str, StageResult]]) -> list[str]:
     """Return descriptions of the model, with the stages that share it if there are several."""
-    stages: dict[str, list[str]] = {}
-    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
-        stages.setdefault(str(stage.diagnostics.get("model", "not stated")), []).append(name)
-    if len(stages) == 1:
-        return list(stages)
-    return [f"{', '.join(names)}: {model}" for model, names in stages.items()]
-
-
-def _chosen_settings(scene: Scene) -> list[str]:
-    """Return the keys of the settings that no source states."""
-    return [
-        setting.key
-        for setting in settings_of(scene)
-        if isinstance(setting.meaning, Quantity)
-        and setting.meaning.origin.startswith(("chosen", "assumed", SET))
-    ]
-
-
-def _worn_sides(scene: Scene) -> list[str]:
-    """Return the deepest wear of each surface on which the scene starts."""
-    return [
-        f"{side} of {joint} {quantity_text(float(surface.depth.max()), 'm')}"
-        for joint, pair in scene.surfaces.items()
-        for side, surface in zip(SIDES, pair, strict=True)
-        if surface.is_worn
-    ]
+    names: dict[str, list[str]] = {}
+    for name, stage in stages:
+        names.setdefault(str(stage.diagnostics.get("model", "not stated")), []).append(name)
+    several = len(names) > 1
+    return [f"{', '.join(of)}: {model}" if several else model for model, of in names.items()]
 
 
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
@@ -138,50 +129,40 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
         key = (bearing.normal_law, bearing.restitution, bearing.viscous_damping)
         groups.setdefault(key, []).append(joint)
     laws: list[tuple[list[str], Bearing, str, float | None]] = []
-    for joints in groups.values():
-        bearing, law = scene.bearing(joints[0]), scene.bearing(joints[0]).normal_law
-        if not isinstance(law, str):
-            laws.append((joints, bearing, str(law), None))
-        elif law == KELVIN_VOIGT:
-            laws.append((joints, bearing, KELVIN_VOIGT, None))
-        else:
-            damping = DAMPINGS[law].factor(bearing.restitution)
-            laws.append((joints, bearing, DAMPINGS[law].title, delivered_restitution(damping)))
+    for (law, restitution, _), joints in groups.items():
+        is_open = not isinstance(law, str) or law == KELVIN_VOIGT
+        damping = None if is_open else DAMPINGS[law]
+        delivered = delivered_restitution(damping.factor(restitution)) if damping else None
+        title = damping.title if damping else str(law)
+        laws.append((joints, scene.bearing(joints[0]), title, delivered))
     return laws
 
 
-def _life(result: Result) -> dict[str, Any]:
+def _life(result: Result, life: LifeResult) -> dict[str, Any]:
     """Return what the template reads on the service life of a result."""
-    scene, life = result.scene, result.life
-    assert life is not None, "only called for a result with a life"
+    scene = result.scene
     first = life.first if life.ended == "limit" else None
+    high = life.interval.high if first else None
+    rivals = [
+        words_of(limit.key)
+        for limit in life.limits
+        if high is not None
+        and limit is not first
+        and limit.strokes is not None
+        and limit.strokes / math.exp(tables.limit_error(limit) or 0.0) <= high
+    ]
     return {
         "result": life,
         "first": None if first is None else f"{words_of(first.key)} over {limit_text(first)}",
-        "reached": [f"{words_of(limit.key)} {_reached(limit)}" for limit in life.limits],
+        "reached": [
+            f"{words_of(one.key)} {quantity_text(one.last, one.unit)} of {limit_text(one)}"
+            for one in life.limits
+        ],
         "rate": 60.0 / scene.mechanism.period,
         "hours": life.hours(scene),
         "total": span_of(life.strokes, life.total_error),
         "scatter": max(scene.bearing(j).materials.wear_scatter for j in scene.clearance_joints),
-        "rivals": _rival_limits(result),
+        "rivals": rivals,
         "services": services_done(result),
         **tables.life_tables(scene, life),
     }
-
-
-def _reached(limit: LimitResult) -> str:
-    return f"{quantity_text(limit.last, limit.unit)} of {limit_text(limit)}"
-
-
-def _rival_limits(result: Result) -> list[str]:
-    """Return the limits that may be exceeded first, judged by the ends of their intervals."""
-    life = result.life
-    if life is None or life.ended != "limit" or life.interval.high is None:
-        return []
-    return [
-        words_of(limit.key)
-        for limit in life.limits
-        if limit is not life.first
-        and limit.strokes is not None
-        and limit.strokes / math.exp(tables.limit_error(limit) or 0.0) <= life.interval.high
-    ]

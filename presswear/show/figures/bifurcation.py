@@ -14,6 +14,7 @@ from presswear.show.figures.style import (
     Drawing,
     Pen,
     Sheet,
+    captioned,
     legend,
 )
 from presswear.tools.numbers import unit_scale
@@ -86,14 +87,14 @@ def _diagram(diagram: Diagram) -> Drawing:
     panels[-1].yaxis.set_major_locator(MaxNLocator(5, integer=True))
     panels[-1].set_xlabel(label)
     legend(sheet, pens, "outside upper center")
-    exponent = ", the largest Lyapunov exponent with its 95 % interval," if has_exponent else ""
-    caption = (
-        f"Direction of each pin from the centre of its bearing at the end of the last "
-        f"{cycles.stored} of {cycles.total} cycles at each of {len(parameter.values)} "
-        f"values{exponent} and the period. Each run continues from the end of the previous one. "
-        f"{' '.join(diagram.summary())}"
+    return captioned(
+        "diagram",
+        sheet,
+        parameter=parameter,
+        cycles=cycles,
+        has_exponent=has_exponent,
+        summary=diagram.summary(),
     )
-    return Drawing("diagram.png", f"Bifurcation over {parameter.key}", caption, sheet)
 
 
 def draw_orders(diagram: Diagram) -> Drawing:
@@ -137,10 +138,4 @@ def _orders(diagram: Diagram) -> Drawing:
     for axes in grid[-1]:
         axes.set_xlabel(label)
     legend(sheet, [ring], "outside upper center")
-    caption = (
-        "Amplitudes within half an order of the harmonics of the crank, from "
-        f"{diagram.cycles.orders} cycles at each of {len(diagram.parameter.values)} values, by "
-        "Welch's method. The dash-dotted line is the order of the contact resonance: one over "
-        "twice the median duration of the impacts in the joint."
-    )
-    return Drawing("orders.png", f"Orders over {diagram.parameter.key}", caption, sheet)
+    return captioned("orders", sheet, parameter=diagram.parameter, cycles=diagram.cycles)

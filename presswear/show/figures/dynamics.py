@@ -18,13 +18,7 @@ from presswear.results.press_analysis import (
     timeline_of,
 )
 from presswear.results.result import Result
-from presswear.show.figures.motion import (
-    clearance_text,
-    draw_clearance,
-    label_paths,
-    path_pens,
-    set_path_limits,
-)
+from presswear.show.figures.motion import pin_panels
 from presswear.show.figures.style import (
     REFERENCE,
     WIDTH,
@@ -88,12 +82,7 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     title_stages(grid, shown, side)
     for axes, label in zip(grid[:, 0], ("velocity", *["d|e|/dt"] * len(joints)), strict=True):
         axes.set_ylabel(f"{label} (m/s)")
-    caption = (
-        f"Velocity of the {scene.output} over its displacement, and rate of the distance |e| "
-        "between pin centre and bearing centre over that distance, in the recorded cycles after "
-        "the start-up. The dashed line is the clearance; to the right of it the pin is in contact."
-    )
-    return finished("phase.png", "Phase portrait", caption, sheet)
+    return finished("phase", sheet, scene=scene)
 
 
 def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
@@ -101,32 +90,27 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
-    joints, side = scene.clearance_joints, square_side(len(shown))
-    gaps = {joint: scene.bearing(joint).clearance for joint in joints}
-    factor, unit = unit_scale("m", max(gaps.values()))
-    height = 0.95 + (side + 0.1) * len(joints)
-    sheet, grid = panels(len(joints), len(shown), height, sharex=True, sharey=True)
-    widest, phase, counts = max(gaps.values()), 1.0, []
-    for row, joint in zip(grid, joints, strict=True):
-        for axes, stage in zip(row, shown, strict=True):
-            points, phase = section_of(scene, stage.data, joint)
-            look: dict[str, Any] = {"color": stage.pen.colour, "linewidths": 0.0, "zorder": 3}
-            axes.scatter(*(factor * points.T), s=9.0 if len(points) < 50 else 3.0, **look)
-            draw_clearance(axes, factor * gaps[joint])
-            widest = max(widest, float(np.hypot(*points.T).max(initial=0.0)))
-            counts.append(len(points))
-    title_stages(grid, shown, side)
-    label_paths(grid, joints, unit)
-    set_path_limits(grid.flat, 1.06 * factor * widest)
-    periods = "; ".join(f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown)
-    caption = (
-        f"Position of each pin in its bearing once per cycle, at {360.0 * (phase % 1.0):.4g} "
-        f"degrees of the {scene.mechanism.linkage().phase}, after the start-up ({min(counts)} "
-        "points or more per panel). A periodic motion shows as many points as its period has "
-        f"cycles. {periods}."
+    phase, counts = 1.0, []
+
+    def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
+        nonlocal phase
+        points, phase = section_of(scene, stage.data, joint)
+        counts.append(len(points))
+        x, y = factor * points.T
+        size = 9.0 if len(points) < 50 else 3.0
+        axes.scatter(x, y, size, stage.pen.colour, linewidths=0.0, zorder=3)
+        return points.T
+
+    sheet, circle = pin_panels(result, shown, draw)
+    return finished(
+        "poincare",
+        sheet,
+        [circle],
+        scene=scene,
+        angle=360.0 * (phase % 1.0),
+        fewest=min(counts),
+        periods=[f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown],
     )
-    pens = path_pens(clearance_text(gaps), False)
-    return finished("poincare.png", "Poincaré section", caption, sheet, pens)
 
 
 def impact_section(result: Result, stages: Stages) -> list[Drawing]:
@@ -134,7 +118,7 @@ def impact_section(result: Result, stages: Stages) -> list[Drawing]:
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
-    joints, phase = scene.clearance_joints, scene.mechanism.linkage().phase
+    joints = scene.clearance_joints
     impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
     if not any(speed.any() for row in impacts for _, speed in row):
         return []
@@ -148,12 +132,7 @@ def impact_section(result: Result, stages: Stages) -> list[Drawing]:
     title_stages(grid, shown, (WIDTH - 0.9) / len(shown))
     _label_phase(grid[-1], result)
     fewest = min(len(speed) for row in impacts for _, speed in row)
-    caption = (
-        f"Every touchdown in the recorded cycles after the start-up ({fewest} or more per panel): "
-        f"the {phase} at which the pin meets its bearing, and the closing speed. A motion of "
-        "period k shows each of its touchdowns as k points."
-    )
-    return finished("impacts.png", "Section at touchdown", caption, sheet)
+    return finished("impacts", sheet, scene=scene, fewest=fewest)
 
 
 def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
@@ -173,14 +152,7 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
         row[0].set_ylabel("part of the time (%)")
     _label_phase(grid[-1], result)
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
-    caption = (
-        "Share of the time of each contact mode over the cycle, and above in total, in the "
-        "recorded cycles after the start-up. An impact is a contact of at most twice the duration "
-        "of the fastest quarter of the contacts, converted to its closing speed by Hertz's law. "
-        "Other contacts are sustained, and sticking while they slide more slowly than the lower "
-        "speed of the friction law."
-    )
-    return finished("modes.png", "Contact modes", caption, sheet, pens)
+    return finished("modes", sheet, pens)
 
 
 def _stack(axes: Axes, parts: Array) -> None:
@@ -219,15 +191,6 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
     column[-1].set_xlim(0.2, MAX_ORDER)
     column[-1].set_xlabel("frequency in turns of the cycle (orders)")
-    caption = (
-        f"Power spectral density of the acceleration of the {scene.output} and of the normal "
-        f"forces (Welch), over the frequency in cycles of {readable(1e3 * period)} ms; grey lines "
-        f"are the first {_HARMONICS} harmonics of the crank."
-    )
-    if resonances:
-        caption += (
-            " Dash-dotted: contact resonance, one over twice the median duration of an impact "
-            f"({'; '.join(resonances)})."
-        )
     pens = [stage.pen for stage in shown]
-    return finished("spectrum.png", "Spectra", caption, sheet, pens)
+    content: dict[str, Any] = {"harmonics": _HARMONICS, "resonances": resonances}
+    return finished("spectrum", sheet, pens, scene=scene, **content)

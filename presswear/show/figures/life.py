@@ -26,7 +26,7 @@ from presswear.show.figures.style import (
     panels,
     wrapped,
 )
-from presswear.tools.numbers import count_scale, large, short_number, unit_scale
+from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _COLUMNS = 3
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
@@ -81,7 +81,18 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
                 grid[k, column].tick_params(labelbottom=True)
                 grid[k, column].set_xlabel(f"({scale.unit})")
     pens = [_MEAN, _LIMIT, *[_LIFE] * (life.ended == "limit"), *[_SERVICE] * bool(scale.services)]
-    return finished("life.png", "Service life", _caption(result, life), sheet, pens)
+    curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
+    first = life.first if life.ended == "limit" else None
+    return finished(
+        "life",
+        sheet,
+        pens,
+        life=life,
+        blocks=life.curves["strokes"].size,
+        is_level=any(np.ptp(mean) <= 1e-9 * np.abs(mean).max() for mean in curves),
+        first=first and f"{words_of(first.key)} exceeds its limit, {limit_text(first)}",
+        services=scale.services,
+    )
 
 
 def _panel_keys(life: LifeResult, joints: Sequence[str]) -> list[list[str]]:
@@ -172,26 +183,3 @@ def limit_text(limit: LimitResult) -> str:
     """Return the value of a limit in a unit that reads well."""
     factor, unit = unit_scale(limit.unit, limit.value)
     return f"{short_number(factor * limit.value)} {unit}"
-
-
-def _caption(result: Result, life: LifeResult) -> str:
-    curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
-    sentences = [
-        "Monitored quantities over the strokes that the wear represents: surfaces of every "
-        f"replicate at the ends of {life.curves['strokes'].size} load blocks, and smoothed means "
-        "of the strokes simulated on them."
-    ]
-    if any(np.ptp(mean) <= 1e-9 * np.abs(mean).max() for mean in curves):
-        sentences.append("A level line: no trend exceeds the scatter from stroke to stroke.")
-    if life.ended == "limit" and life.first is not None:
-        sentences.append(
-            f"First {words_of(life.first.key)} exceeds its limit, {limit_text(life.first)}, after "
-            f"{large(life.strokes)} strokes."
-        )
-    else:
-        sentences.append(f"No limit is exceeded within {large(life.strokes)} strokes.")
-    if life.phases:
-        sentences.append("The panels of the worn volume show the phases of the wear.")
-    done = services_done(result)
-    sentences += [f"After {large(one.strokes)} strokes: {one.words}." for one in done]
-    return " ".join(sentences)

@@ -20,6 +20,7 @@ from presswear.show.figures.style import (
     Axes,
     Drawing,
     Stages,
+    captioned,
     panels,
 )
 
@@ -82,17 +83,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
-    caption = (
-        f"{linkage.name}, all joints closed, {1e3 * time:.4g} ms after the start; one cycle takes "
-        f"{1e3 * period:.4g} ms. Circles: pin joints, with clearance if ringed; triangles: on the "
-        "frame; dashed: guides. A cross is a mass centre; the thin arrow from it is the x axis of "
-        "the body, whose angle is positive counterclockwise. Bent arrows: drives. Thick black "
-        "arrow: output and its direction. "
-        f"{'Zigzag: springs. ' if linkage.springs else ''}"
-        f"{'Red: loads, along their positive directions. ' if linkage.loads else ''}"
-        "Grey: paths of the joints."
-    )
-    return Drawing("mechanism.png", "The mechanism", caption, sheet)
+    return captioned("mechanism", sheet, linkage=linkage, time=1e3 * time, period=1e3 * period)
 
 
 def _path(linkage: Linkage, position: Array, end: Attachment) -> Array:

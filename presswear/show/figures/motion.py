@@ -1,7 +1,7 @@
 """Figures of motion: stroke, response, forces, paths of the pin centres, tonnage and drives."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,6 +31,7 @@ from presswear.show.figures.style import (
     Axes,
     Drawing,
     Pen,
+    Sheet,
     ShownStage,
     Stages,
     between,
@@ -54,7 +55,7 @@ _MOMENTS = {
     "fracture": ("x", "cross: the work breaks"),
     "separation": ("^", "triangle up: leaves the work"),
 }
-IDEAL = Pen("ideal", REFERENCE, (0.0, (4.0, 2.0)))
+IDEAL = Pen("ideal", REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", REFERENCE, width=0.7)
 
@@ -75,17 +76,7 @@ def moving_stages(result: Result, stages: Stages, joints: bool = False) -> list[
 
 @dataclass(frozen=True)
 class Window:
-    """Part of the motion that is shown.
-
-    Attributes
-    ----------
-    start, end, period, run_up : float
-        s.
-    phase : str
-        Name of the angle that makes a full turn in a cycle.
-    words : str
-        Description of the part.
-    """
+    """Part of the motion that is shown: start, end, period and run-up, s, with its description."""
 
     start: float
     end: float
@@ -107,11 +98,11 @@ class Window:
 def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
     """Return the stages cut to the part of the motion that is shown: cycles after the start-up."""
     period, run_up = result.scene.mechanism.period, result.scene.run_up
-    whole = [round((float(stage.data.time[-1]) - run_up) / period - 0.48) for stage in stages]
-    first = max(min(STARTUP_CYCLES, min(whole) - 1), 0)
+    ends = [float(stage.data.time[-1]) for stage in stages]
+    fewest = min(round((end - run_up) / period - 0.48) for end in ends)
+    first = max(min(STARTUP_CYCLES, fewest - 1), 0)
     start = run_up + first * period
-    last = max(float(stage.data.time[-1]) for stage in stages)
-    end = min(start + SHOWN_CYCLES * period, last)
+    end = min(start + SHOWN_CYCLES * period, max(ends))
     count = (end - run_up) / period
     cycles = round(count)
     if abs(count - cycles) > 0.02:
@@ -122,25 +113,22 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
         words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
     words = f"{words} of {1e3 * period:.0f} ms{' after the run-up' if run_up > 0.0 else ''}"
     shown = [replace(stage, data=between(stage.data, start, end)) for stage in stages]
-    phase = result.scene.mechanism.linkage().phase
-    return shown, Window(start, end, period, run_up, phase, words)
+    return shown, Window(start, end, period, run_up, result.scene.mechanism.linkage().phase, words)
 
 
-def _pens(stages: Iterable[ShownStage]) -> list[Pen]:
+def _pens(stages: Sequence[ShownStage]) -> list[Pen]:
     return [IDEAL, *(stage.pen for stage in stages)]
 
 
 def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the height over the ideal bottom dead centre, with the moments of the work."""
-    scene = result.scene
-    moving = moving_stages(result, stages)
+    scene, moving = result.scene, moving_stages(result, stages)
     if not moving or bottom_of(scene.ideal) is None:
         return []
     shown, window = settled(result, moving)
     factor, unit = unit_scale("m", scene.stroke)
     time = np.linspace(window.start, window.end, 1001)
     offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
-    ideal = offset + scene.ideal_slider(time)[:, 0] - scene.bottom
     sheet, ((axes,),) = panels(1, 1, 2.9)
     marks: dict[str, str] = {}
     for stage, full in zip(shown, moving, strict=True):
@@ -153,67 +141,44 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
                 marks[mark] = words
                 when, height = moments[inside].T
                 axes.plot(when, factor * height, mark, color=stage.pen.colour, markersize=6)
-    IDEAL.draw(axes, time, factor * ideal, linewidth=0.9)
+    IDEAL.draw(axes, time, factor * (offset + scene.ideal_slider(time)[:, 0] - scene.bottom))
     axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
-    caption = (
-        f"Height of the {scene.output} over its lowest position without clearance, over "
-        f"{window.words}."
-    )
-    if marks:
-        caption += f" Marks: {', '.join(marks.values())}."
-    title = f"Height of the {scene.output} in the stroke"
-    return finished("stroke.png", title, caption, sheet, _pens(shown))
+    return finished("stroke", sheet, _pens(shown), scene=scene, window=window, marks=marks.values())
 
 
 def response(result: Result, stages: Stages) -> list[Drawing]:
     """Draw displacement, velocity and acceleration of the output against the ideal."""
-    moving = moving_stages(result, stages)
+    scene, moving = result.scene, moving_stages(result, stages)
     if not moving:
         return []
     shown, window = settled(result, moving)
-    output, time = result.scene.output, np.linspace(window.start, window.end, 2001)
-    ideal = result.scene.ideal_slider(time)
-    has_impacts = bool(result.scene.clearance_joints)
-    heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * has_impacts
-    inches = min(1.15, (TALLEST - 0.9) / sum(heights))
-    height = 0.9 + inches * sum(heights)
+    time = np.linspace(window.start, window.end, 2001)
+    place, velocity, acceleration = scene.ideal_slider(time).T
+    heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
+    height = 0.9 + min(1.15, (TALLEST - 0.9) / sum(heights)) * sum(heights)
     sheet, grid = panels(len(heights), 1, height, sharex=True, height_ratios=heights)
     column = grid[:, 0]
-    _draw_displacements(column[:2], result, shown, time, ideal[:, 0])
-    for stage in shown:
-        stage.pen.draw(column[2], stage.data.time, stage.data.velocity, linewidth=0.9)
-    IDEAL.draw(column[2], time, ideal[:, 1], linewidth=0.9)
-    column[2].set_ylabel("velocity\n(m/s)")
-    _draw_accelerations(column[3 : 3 + len(shown)], window, shown, time, ideal[:, 2])
-    caption = f"The {output} over {window.words}, against the motion without clearance."
-    if has_impacts:
-        interval = result.scene.mechanism.period / _MEANS_PER_CYCLE
-        _draw_mean_accelerations(column[-1], moving, time, ideal[:, 1], interval)
-        caption += (
-            " Impacts exceed the ideal acceleration by far: each stage has its own panel on a "
-            f"common scale; the lowest panel shows means over {readable(1e3 * interval, 2)} ms, "
-            "which show the motion between the impacts."
-        )
-    window.label(column[-1])
-    return finished("response.png", f"Motion of the {output}", caption, sheet, _pens(shown))
-
-
-def _draw_displacements(
-    axes: Sequence[Axes], result: Result, stages: list[ShownStage], time: Array, ideal: Array
-) -> None:
-    deviations = [
-        stage.data.displacement - result.scene.ideal_slider(stage.data.time)[:, 0]
-        for stage in stages
-    ]
+    deviations = [s.data.displacement - scene.ideal_slider(s.data.time)[:, 0] for s in shown]
     factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
-    for stage, deviation in zip(stages, deviations, strict=True):
-        stage.pen.draw(axes[0], stage.data.time, stage.data.displacement, linewidth=0.9)
-        stage.pen.draw(axes[1], stage.data.time, factor * deviation, linewidth=0.9)
-    IDEAL.draw(axes[0], time, ideal, linewidth=0.9)
-    IDEAL.draw(axes[1], time, np.zeros_like(time), linewidth=0.9)
-    axes[0].set_ylabel("displacement\n(m)")
-    axes[1].set_ylabel(f"displacement\nminus ideal ({unit})")
+    for stage, deviation in zip(shown, deviations, strict=True):
+        data = stage.data
+        for axes, values in zip(
+            column, (data.displacement, factor * deviation, data.velocity), strict=False
+        ):
+            stage.pen.draw(axes, data.time, values, linewidth=0.9)
+    for axes, values in zip(column, (place, 0.0 * time, velocity), strict=False):
+        IDEAL.draw(axes, time, values)
+    column[0].set_ylabel("displacement\n(m)")
+    column[1].set_ylabel(f"displacement\nminus ideal ({unit})")
+    column[2].set_ylabel("velocity\n(m/s)")
+    _draw_accelerations(column[3 : 3 + len(shown)], window, shown, time, acceleration)
+    interval = window.period / _MEANS_PER_CYCLE if scene.clearance_joints else None
+    if interval:
+        _draw_mean_accelerations(column[-1], moving, time, velocity, interval)
+    window.label(column[-1])
+    pens = _pens(shown)
+    return finished("response", sheet, pens, scene=scene, window=window, interval=interval)
 
 
 def _draw_accelerations(
@@ -223,7 +188,7 @@ def _draw_accelerations(
     for axes, stage in zip(column, stages, strict=True):
         values, peaks = stage.data.acceleration, stage.data.each_cycle("acceleration_max")
         _draw_jagged(axes, stage, values, peaks, window, "m/s²")
-        IDEAL.draw(axes, time, ideal, linewidth=0.9)
+        IDEAL.draw(axes, time, ideal)
         axes.set_ylabel("acceleration\n(m/s²)")
         low, high = min(low, float(values.min())), max(high, float(values.max()))
     for axes in column:
@@ -261,7 +226,7 @@ def _draw_mean_accelerations(
 
     for stage in stages:
         stage.pen.draw(axes, middle, mean(stage.data.time, stage.data.velocity), linewidth=0.8)
-    IDEAL.draw(axes, middle, mean(time, ideal_velocity), linewidth=0.9)
+    IDEAL.draw(axes, middle, mean(time, ideal_velocity))
     axes.set_ylabel(f"acceleration,\n{readable(1e3 * interval, 2)} ms mean\n(m/s²)")
 
 
@@ -284,11 +249,7 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
         title_joint(column[0], f"joint {joint}")
         column[0].set_ylim(0.0, 1.25 * largest if largest > 0.0 else 1.0)
         window.label(column[-1])
-    caption = (
-        f"Normal contact force over {window.words}, on the same scale for all stages of a joint. "
-        "The largest force of all cycles is in the table of key numbers."
-    )
-    return finished("contact-force.png", "Contact force", caption, sheet)
+    return finished("force", sheet, window=window)
 
 
 def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
@@ -313,107 +274,78 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
         axes.set_xlabel(wrapped("since the start (strokes)", (WIDTH - 0.7) / len(shown) - 0.1))
     row[0].set_ylabel(f"lowest position of the {scene.output}\nminus ideal ({unit})")
-    caption = (
-        f"Bottom dead centre of the {scene.output} over the ideal one in each stroke; one line "
-        "per replicate. The band is the mean of the settled strokes with its 95 % interval; "
-        "strokes in the grey band are left out."
-    )
-    pens = [stage.pen for stage in shown]
-    return finished("bottom-dead-centre.png", "Bottom dead centre", caption, sheet, pens)
+    return finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
 
 
 def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the path of each pin centre inside its bearing, a panel for each stage."""
-    joints, moving = result.scene.clearance_joints, moving_stages(result, stages, joints=True)
+    moving = moving_stages(result, stages, joints=True)
     if not moving:
         return []
     shown, window = settled(result, moving)
-    side = square_side(len(shown))
-    height = 0.95 + (side + 0.1) * len(joints)
-    sheet, grid = panels(len(joints), len(shown), height, sharex=True, sharey=True)
-    gaps = {joint: result.scene.bearing(joint).clearance for joint in joints}
-    factor, unit = unit_scale("m", max(gaps.values()))
-    widest, is_bounded = max(gaps.values()), False
-    for row, joint in zip(grid, joints, strict=True):
-        for axes, stage in zip(row, shown, strict=True):
-            path = stage.data.joints[joint].eccentricity
-            limit = gap_limit(result, joint, stage.data)
-            reach = draw_path(axes, path, limit, gaps[joint], factor, stage.pen.colour)
-            widest, is_bounded = max(widest, reach), is_bounded or limit.size > 0
-    title_stages(grid, shown, side)
-    label_paths(grid, joints, unit)
-    set_path_limits(grid.flat, 1.06 * factor * widest)
-    caption = (
-        f"Centre of the pin relative to the centre of its bearing over {window.words}, in fixed "
-        "directions."
-    )
-    if window.start == 0.0:
-        caption += " The pin starts in the middle."
-    depths = (stage.data.joints[j].depth(side) for stage in shown for j in joints for side in SIDES)
-    if not is_bounded and any(np.any(depth > 0.0) for depth in depths):
-        caption += " Worn surfaces turn with their bodies, so that no fixed line bounds the path."
-    pens = path_pens(clearance_text(gaps), is_bounded)
-    return finished("centre-trajectory.png", "Path of the pin centre", caption, sheet, pens)
+    limits = {}
+
+    def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
+        path, limit = stage.data.joints[joint].eccentricity.T, gap_limit(result, joint, stage.data)
+        axes.plot(*(factor * path), color=stage.pen.colour, linewidth=0.5)
+        _LIMIT.draw(axes, *(factor * limit))
+        limits[joint, stage.pen.label] = limit.size > 0
+        return np.hstack([path, limit])
+
+    sheet, circle = pin_panels(result, shown, draw)
+    is_bounded = any(limits.values())
+    maps = [joint for stage in shown for joint in stage.data.joints.values()]
+    is_worn = any(np.any(each.depth(side) > 0.0) for each in maps for side in SIDES)
+    pens = [circle, _LIMIT] if is_bounded else [circle]
+    return finished("path", sheet, pens, window=window, is_open=is_worn and not is_bounded)
 
 
-def clearance_text(gaps: dict[str, float]) -> str:
-    """Return the clearances of joints, with the names of the joints where they differ."""
-    joints: dict[str, list[str]] = {}
-    for joint, gap in gaps.items():
-        joints.setdefault(quantity_text(gap, "m"), []).append(joint)
-    if len(joints) == 1:
-        return next(iter(joints))
-    return ", ".join(f"{gap} ({', '.join(names)})" for gap, names in joints.items())
-
-
-def draw_path(
-    axes: Axes, path: Array, limit: Array, clearance: float, factor: float, colour: str
-) -> float:
-    """Draw the path of a pin centre with its bounds and return their greatest radius, m.
+def pin_panels(
+    result: Result,
+    shown: Sequence[ShownStage],
+    draw: Callable[[Axes, ShownStage, str, float], Array],
+) -> tuple[Sheet, Pen]:
+    """Draw positions of the pin centres in square panels, a row for each joint.
 
     Parameters
     ----------
-    path : ndarray, shape (n, 2)
-        Eccentricity, m.
-    limit : ndarray, shape (2, n)
-        From ``gap_limit``.
-    factor : float
-        Units of the axes in a metre.
+    draw : callable
+        Draws a stage of a joint with a factor from metres, and returns positions, m, shape (2, n).
+
+    Returns
+    -------
+    Sheet
+    Pen
+        Line of the clearance circle.
     """
-    axes.plot(*(factor * path.T), color=colour, linewidth=0.5)
-    draw_clearance(axes, factor * clearance)
-    _LIMIT.draw(axes, *(factor * limit))
-    return max(clearance, float(np.hypot(*np.hstack([path.T, limit])).max(initial=0.0)))
-
-
-def draw_clearance(axes: Axes, radius: float) -> None:
-    """Draw the clearance circle, its radius in the units of the axes."""
+    side, gaps = square_side(len(shown)), {}
+    for joint in result.scene.clearance_joints:
+        gaps[joint] = result.scene.bearing(joint).clearance
+    widest = max(gaps.values())
+    factor, unit = unit_scale("m", widest)
+    height = 0.95 + (side + 0.1) * len(gaps)
+    sheet, grid = panels(len(gaps), len(shown), height, sharex=True, sharey=True)
     around = np.linspace(0.0, 2.0 * math.pi, 361)
-    _ROUND_GAP.draw(axes, radius * np.cos(around), radius * np.sin(around))
-
-
-def label_paths(grid: Array, joints: Sequence[str], unit: str) -> None:
-    """Label the axes of paths: a row for each joint."""
-    for row, joint in zip(grid, joints, strict=True):
+    circle = np.array([np.cos(around), np.sin(around)])
+    for row, (joint, gap) in zip(grid, gaps.items(), strict=True):
+        for axes, stage in zip(row, shown, strict=True):
+            positions = draw(axes, stage, joint, factor)
+            widest = max(widest, float(np.hypot(*positions).max(initial=0.0)))
+            _ROUND_GAP.draw(axes, *(factor * gap * circle))
+            axes.set_aspect("equal")
+            axes.xaxis.set_major_locator(MaxNLocator(4, symmetric=True))
+            axes.yaxis.set_major_locator(MaxNLocator(4, symmetric=True))
         row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
+    edge = 1.06 * factor * widest
+    grid[0, 0].set(xlim=(-edge, edge), ylim=(-edge, edge))
     for axes in grid[-1]:
         axes.set_xlabel(f"$e_x$ ({unit})")
-
-
-def set_path_limits(grid: Iterable[Axes], edge: float) -> None:
-    """Give all paths one square range, in the units of the axes."""
-    for axes in grid:
-        axes.set_xlim(-edge, edge)
-        axes.set_ylim(-edge, edge)
-        axes.set_aspect("equal")
-        axes.xaxis.set_major_locator(MaxNLocator(4, symmetric=True))
-        axes.yaxis.set_major_locator(MaxNLocator(4, symmetric=True))
-
-
-def path_pens(clearance: str, bounded: bool) -> list[Pen]:
-    """Return the lines that bound paths; the clearance is a number with its unit."""
-    circle = replace(_ROUND_GAP, label=f"clearance circle, c = {clearance}")
-    return [circle, _LIMIT] if bounded else [circle]
+    title_stages(grid, shown, side)
+    joints: dict[str, list[str]] = {}
+    for joint, gap in gaps.items():
+        joints.setdefault(quantity_text(gap, "m"), []).append(joint)
+    texts = [f"{gap} ({', '.join(of)})" if len(joints) > 1 else gap for gap, of in joints.items()]
+    return sheet, replace(_ROUND_GAP, label=f"clearance circle, c = {', '.join(texts)}")
 
 
 def gap_limit(result: Result, joint: str, stage: StageResult) -> Array:
@@ -457,18 +389,12 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
         curve = process.stiffness * depth
     else:
         depth, curve = np.array(process.curve).T
-    IDEAL.draw(column[0], factor * (process.height - depth), curve, linewidth=0.9)
+    IDEAL.draw(column[0], factor * (process.height - depth), curve)
     for axes, name in zip(column, ("of the work", *(f"at {name}" for name in joints)), strict=True):
         axes.set_ylabel(f"force {name} (N)")
     column[-1].set_xlim(factor * reach, 0.0)
     column[-1].set_xlabel(f"height over the ideal bottom dead centre ({unit})")
-    caption = (
-        f"Force of the work on the {scene.output}, and between pins and bearings, in the settled "
-        "strokes that were recorded. The downward motion is to the right; the return motion lies "
-        "over it. Dashed: force curve of the work without a cushion."
-    )
-    pens = _pens(stage for stage, _ in shown)
-    return finished("force-over-stroke.png", "Force over the stroke", caption, sheet, pens)
+    return finished("tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene)
 
 
 def drive_work(result: Result, stages: Stages) -> list[Drawing]:
@@ -497,14 +423,7 @@ def drive_work(result: Result, stages: Stages) -> list[Drawing]:
         title_joint(row[0], drive)
     for axes in grid[-1]:
         window.label(axes)
-    caption = (
-        "Torque of each drive on its body, positive counterclockwise, and its power, over "
-        f"{window.words}; dashed with ideal joints. Panels show the ideal curve and all but "
-        f"{200.0 * _TAIL:g} % of the time; peaks of impacts exceed them, and the values farthest "
-        "from zero are written above in the order of the legend."
-    )
-    title = "Torque and power of the drives"
-    return finished("drives.png", title, caption, sheet, _pens(shown))
+    return finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)
 
 
 def _draw_drive(
@@ -516,7 +435,7 @@ def _draw_drive(
         pen.draw(axes, time, values, linewidth=0.7)
         least, most = central_range(time, values, _TAIL)
         low, high = min(low, least), max(high, most)
-    IDEAL.draw(axes, *ideal, linewidth=0.9)
+    IDEAL.draw(axes, *ideal)
     margin = 0.08 * (high - low)
     axes.set_ylim(low - margin, high + margin)
     farthest = (readable(float(values[np.abs(values).argmax()])) for _, _, values in lines)

@@ -1,12 +1,16 @@
 """Size, colours, line styles and panels of all figures."""
 
 import math
+import re
+import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from textwrap import fill
 from typing import Any, Literal
 
 import numpy as np
+from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
@@ -14,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
-from presswear.tools.numbers import unit_factor
+from presswear.tools.numbers import large, quantity_text, readable, unit_factor
 
 __all__ = ["Axes", "Sheet"]
 
@@ -62,6 +66,15 @@ LINES: tuple[tuple[str, LineStyle], ...] = tuple(zip(_COLOURS, _DASHES, strict=T
 REFERENCE = "black"  # colour of the ideal motion, the new surface, the round gap
 MUTED = "0.45"  # colour of what was not run
 MICRONS = unit_factor("µm")
+TEMPLATES = Environment(undefined=StrictUndefined)
+TEMPLATES.filters |= {
+    "number": lambda value, digits=3: readable(value, digits),
+    "quantity": quantity_text,
+    "large": large,
+}
+_CAPTIONS = tomllib.loads(
+    files("presswear.show").joinpath("templates/captions.toml").read_text("utf-8")
+)
 
 
 @dataclass(frozen=True)
@@ -175,18 +188,26 @@ def title_joint(axes: Axes, name: str) -> None:
 
 
 def finished(
-    file: str,
-    title: str,
-    caption: str,
+    name: str,
     sheet: Sheet,
     pens: Iterable[Pen] = (),
     place: Place = "outside upper center",
+    **content: Any,
 ) -> list[Drawing]:
     """Align the labels of a sheet, name its lines and return it as the only drawing."""
     sheet.align_ylabels()
     if pens := list(pens):
         legend(sheet, pens, place)
-    return [Drawing(file, title, caption, sheet)]
+    return [captioned(name, sheet, **content)]
+
+
+def captioned(name: str, sheet: Sheet, **content: Any) -> Drawing:
+    """Return a sheet with file, title and caption of ``captions.toml``, filled with content."""
+    file, title, caption = (
+        re.sub(r"[ \n]+", " ", TEMPLATES.from_string(text).render(content)).strip()
+        for text in _CAPTIONS[name].values()
+    )
+    return Drawing(file, title, caption, sheet)
 
 
 def legend(sheet: Sheet, pens: Iterable[Pen], place: Place, **look: Any) -> None:

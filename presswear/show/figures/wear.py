@@ -26,6 +26,7 @@ from presswear.show.figures.style import (
     ShownStage,
     Stages,
     angle_label,
+    captioned,
     finished,
     legend,
     maps_turn,
@@ -34,7 +35,7 @@ from presswear.show.figures.style import (
     shown_stages,
     title_joint,
 )
-from presswear.tools.numbers import quantity_text, readable, unit_factor
+from presswear.tools.numbers import readable, unit_factor
 
 _LINEAR_RATIO = 20.0  # largest over smallest peak up to which one linear scale shows both
 _BARELY_WORN = 0.05  # depth relative to the deepest up to which a place is hardly worn
@@ -74,20 +75,14 @@ def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_xlabel(angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
         title_joint(axes, f"joint {joint}")
-    which = (
-        "bearing and pin, each over the angle on its own body"
-        if maps_turn(result)
-        else "bearing and pin together over the direction of contact"
-    )
-    caption = f"Total wear depth of {which}, after each wear update."
-    if any(axes.get_xlim()[0] for axes in grid.flat):
-        caption += " An axis begins where the wear is least, so that no groove is cut in two."
-    if any(pen.colour == MUTED for pen in pens.values()):
-        jump = " in a single jump" if result.grew_in_steps else ""
-        caption += f" The grey line adds the wear after the last stage{jump}; no stage ran on it."
-    if any(axes.get_yscale() == "log" for axes in grid.flat):
-        caption += " The scale is logarithmic where the peaks differ much; lower depths are cut."
-    return finished("wear-depth.png", "Wear depth", caption, sheet, pens.values(), _RIGHT)
+    content = {
+        "turns": maps_turn(result),
+        "is_shifted": any(axes.get_xlim()[0] for axes in grid.flat),
+        "has_next": any(pen.colour == MUTED for pen in pens.values()),
+        "in_steps": result.grew_in_steps,
+        "is_log": any(axes.get_yscale() == "log" for axes in grid.flat),
+    }
+    return finished("wear", sheet, pens.values(), _RIGHT, **content)
 
 
 def _depth_curves(
@@ -181,15 +176,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_xlabel("represented cycles (million)")
         axes.set_ylabel("deepest wear (µm)")
         title_joint(axes, f"joint {joint}")
-    caption = (
-        "Deepest wear of each surface over the cycles that the runs represent, as the mean of the "
-        "replicates. Every point is a simulated cycle, after which the surfaces were rebuilt. Grey "
-        "lines end a wear update. The deepest place may move along a surface."
-    )
-    if not maps_turn(result):
-        caption += " Each surface is shown with its share of the depth."
-    title = "Growth of the wear"
-    return finished("wear-growth.png", title, caption, sheet, _SURFACES.values(), _RIGHT)
+    return finished("growth", sheet, _SURFACES.values(), _RIGHT, turns=maps_turn(result))
 
 
 def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
@@ -284,16 +271,15 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     sheet.text(middle, below, f"wear {scale}, clearance to scale", ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
     legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
-    caption = (
-        f"Pin and bearing of joint {joint}. Left: outlines with the wear depth {scale}; the thick "
-        "line marks the part shown on the right. Right: the true surfaces around the deepest wear, "
-        "bearing above and pin below, without the clearance of "
-        f"{quantity_text(bearing.clearance, 'm')} between them. Deepest wear of one surface: "
-        f"{quantity_text(deepest, 'm')}."
+    return captioned(
+        "surface",
+        sheet,
+        joint=joint,
+        scale=scale,
+        clearance=bearing.clearance,
+        deepest=deepest,
+        turns=maps_turn(result),
     )
-    if maps_turn(result):
-        caption += " Angles are on each body; the two parts need not face each other."
-    return Drawing(f"worn-surface-{joint}.png", f"Worn surfaces at {joint}", caption, sheet)
 
 
 def _fractions(inches: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
