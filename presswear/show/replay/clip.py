@@ -1,7 +1,6 @@
 """Film clips: stored frames with everything else that is needed to draw them."""
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,12 +8,9 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.surface import Surface
 from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
 from presswear.scene.catalog import short_name_of
-from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -112,9 +108,7 @@ class Clip:
     @property
     def default_slow(self) -> float:
         """Factor of two digits for which a cycle takes ``CYCLE_SECONDS``."""
-        exact = CYCLE_SECONDS / self.period
-        unit: float = 10.0 ** (math.floor(math.log10(exact)) - 1)
-        return round(exact / unit) * unit
+        return float(f"{CYCLE_SECONDS / self.period:.1e}")
 
     def frame_at(self, time: float) -> int:
         """Return the frame nearest to a time, s."""
@@ -152,19 +146,22 @@ def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
 def stage_clip(result: Result, index: int) -> Clip:
     """Return the clip of a stored stage; raises InputError if it has no film."""
     scene, stage = result.scene, result.stage(index)
-    film, linkage = stage.film, _linkage(scene, stage)
+    film = stage.film
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
     name = short_name_of(scene)
     folder = result.path.resolve().name if result.path else scene.name
-    return Clip(
+    joints = scene.clearance_joints
+    clip = Clip(
         title=name if folder == scene.name else f"{folder}: {name}",
-        chapters=(Chapter(result.stage_name(index), linkage),),
+        chapters=(Chapter(result.stage_name(index), scene.linkage(stage.surfaces)),),
         period=scene.mechanism.period,
-        max_depth=_largest(max_depths(_linkage(scene, each)) for each in result.stages),
-        max_force=dict(zip((joint.name for joint in linkage.clearances), largest, strict=True)),
+        max_depth={},
+        max_force=dict(zip(joints, largest, strict=True)),
         film=film,
     )
+    depths = [max_depths(scene.linkage(each.surfaces)) for each in result.stages]
+    return replace(clip, max_depth={joint: max(d[joint] for d in depths) for joint in joints})
 
 
 def life_clip(result: Result) -> Clip:
@@ -204,39 +201,23 @@ def _last_cycle(clip: Clip, place: int) -> Film:
     return Film(time, film.position[rows], film.joints[rows])
 
 
-def _linkage(scene: Scene, stage: StageResult) -> Linkage:
-    return scene.linkage(
-        {
-            name: (Surface(joint.depth("bearing")), Surface(joint.depth("pin")))
-            for name, joint in stage.joints.items()
-        }
-    )
-
-
 def max_depths(linkage: Linkage) -> dict[str, float]:
     """Return the largest wear depth of each joint, m."""
-    return {
-        joint.name: max(
-            float(surface.depth.max(initial=0.0))
-            for surface in (joint.bearing_surface, joint.pin_surface)
-        )
-        for joint in linkage.clearances
-    }
+    depths = {}
+    for joint in linkage.clearances:
+        surfaces = joint.bearing_surface, joint.pin_surface
+        depths[joint.name] = max(float(each.depth.max(initial=0.0)) for each in surfaces)
+    return depths
 
 
 def equal_limits(clips: Sequence[Clip]) -> list[Clip]:
     """Return the clips with the same limits of depth and force, so that they can be compared."""
-    max_depth = _largest(clip.max_depth for clip in clips)
-    max_force = _largest(clip.max_force for clip in clips)
-    return [replace(clip, max_depth=max_depth, max_force=max_force) for clip in clips]
-
-
-def _largest(limits: Iterable[Mapping[str, float]]) -> dict[str, float]:
-    largest: dict[str, float] = {}
-    for limit in limits:
-        for joint, value in limit.items():
-            largest[joint] = max(largest.get(joint, 0.0), value)
-    return largest
+    largest: list[dict[str, float]] = [{}, {}]
+    for clip in clips:
+        for limits, common in zip((clip.max_depth, clip.max_force), largest, strict=True):
+            for joint, value in limits.items():
+                common[joint] = max(common.get(joint, 0.0), value)
+    return [replace(clip, max_depth=largest[0], max_force=largest[1]) for clip in clips]
 
 
 def speed_text(slow: float) -> str:
@@ -298,7 +279,5 @@ def snapshots(
     clips: Sequence[Clip], previous: Sequence[int], frames: Sequence[int]
 ) -> list[Snapshot]:
     """Return the state of each clip at its frame."""
-    return [
-        clip.snapshot(frame, last)
-        for clip, last, frame in zip(clips, previous, frames, strict=True)
-    ]
+    triples = zip(clips, frames, previous, strict=True)
+    return [clip.snapshot(frame, before) for clip, frame, before in triples]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, Guide
+from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y, points_of
@@ -54,15 +54,7 @@ BODIES_PER_JOINT = 4  # bearing, pin, and a mark on each
 
 @dataclass(frozen=True)
 class Scale:
-    """Sizes relative to the mechanism.
-
-    Attributes
-    ----------
-    size : float
-        Diagonal of the box in which the mechanism moves, m.
-    font : float
-        Height of letters, pixels.
-    """
+    """Diagonal of the box in which the mechanism moves, m, and height of letters, pixels."""
 
     size: float
     font: float
@@ -89,13 +81,9 @@ def attachments(linkage: Linkage, body: str) -> list[tuple[str, Attachment]]:
 
 def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     """Return the lowest and highest x, y, m, of a moving linkage with a margin."""
-    points = np.vstack(
-        [
-            points_of(linkage, positions, point)[:, :2]
-            for name in (GROUND, *(body.name for body in linkage.bodies))
-            for _, point in attachments(linkage, name)
-        ]
-    )
+    names = [GROUND, *(body.name for body in linkage.bodies)]
+    ends = [point for name in names for _, point in attachments(linkage, name)]
+    points = np.vstack([points_of(linkage, positions, point)[:, :2] for point in ends])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.09 * float(np.hypot(*(high - low)))
     return low - margin, high + margin
@@ -103,52 +91,53 @@ def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
 
 def body_graphics(linkage: Linkage, body: str, scale: Scale) -> list[dict[str, Any]]:
     """Return a body in its own frame with its holes, mass centre and joint names."""
-    number = linkage.index(body)
+    number, bar, layer = linkage.index(body), scale.bar, scale.layer
     fill = colour(BODY_COLOURS[number % len(BODY_COLOURS)])
     edge = mix(fill, INK, 0.55)
-    low, high, top = (scale.layer(3 * number + i) for i in (4, 5, 6))
-    shapes = [
-        filled(_outline(linkage, body, scale, 0.0), low, edge),
-        filled(_outline(linkage, body, scale, 0.22 * scale.bar), high, fill),
-        filled(circle((0.0, 0.0), 0.16 * scale.bar, 12), scale.layer(39), edge),
-    ]
+    points = np.array([[end.x, end.y] for _, end in attachments(linkage, body)])
+    # A block in a guide, otherwise a bar or a plate.
+    guide = next((guide for guide in linkage.guides if guide.body == body), None)
+    shapes = [filled(circle((0.0, 0.0), 0.16 * bar, 12), layer(39), edge)]
+    for inset, z, paint in ((0.0, 4, edge), (0.22 * bar, 5, fill)):
+        if guide is None:
+            outline = rounded_hull(points, bar - inset)
+        else:
+            size = (5.6 * bar - 2.0 * inset, 4.4 * bar - 2.0 * inset)
+            outline = rectangle(size, guide.direction - guide.angle)
+        shapes.append(filled(outline, layer(3 * number + z), paint))
     labels = []
     bearings = {joint.bearing: k for k, joint in enumerate(linkage.clearances)}
     for name, end in attachments(linkage, body):
         centre = (end.x, end.y)
-        shapes.append(filled(circle(centre, 0.55 * scale.bar, 24), scale.layer(40), INK))
-        shapes.append(filled(circle(centre, 0.35 * scale.bar, 24), scale.layer(41), PAPER))
-        k = bearings.get(end)
-        if k is not None:
-            paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
-            shapes.append(ring(centre, 1.35 * scale.bar, 0.5 * scale.bar, top, paint))
-            label = text(centre, name, scale.layer(60), 1.4 * scale.font, INK)
+        shapes.append(filled(circle(centre, 0.55 * bar, 24), layer(40), INK))
+        shapes.append(filled(circle(centre, 0.35 * bar, 24), layer(41), PAPER))
+        if end in bearings:
+            paint = JOINT_COLOURS[bearings[end] % len(JOINT_COLOURS)]
+            shapes.append(ring(centre, 1.35 * bar, 0.5 * bar, layer(3 * number + 6), paint))
+            label = text(centre, name, layer(60), 1.4 * scale.font, INK)
             labels.append({**label, "offset": [0.8, 0.5]})
     return [graphics(shapes), *labels]
-
-
-def _outline(linkage: Linkage, body: str, scale: Scale, inset: float) -> Array:
-    """Return the edge of a body, moved inwards: a block in a guide, otherwise a bar or plate."""
-    for guide in linkage.guides:
-        if guide.body == body:
-            size = (5.6 * scale.bar - 2.0 * inset, 4.4 * scale.bar - 2.0 * inset)
-            return rectangle(size, guide.direction - guide.angle)
-    points = np.array([[end.x, end.y] for _, end in attachments(linkage, body)])
-    return rounded_hull(points, scale.bar - inset)
 
 
 def frame_graphics(linkage: Linkage, positions: Array, scale: Scale) -> list[dict[str, Any]]:
     """Return the pedestals of the ground joints and the guides along the path of their bodies."""
     shapes: list[Shape] = []
+    bar = scale.bar
     for _, point in attachments(linkage, GROUND):
         centre = np.array([point.x, point.y])
-        foot, side = centre - [0.0, 3.4 * scale.bar], np.array([2.2 * scale.bar, 0.0])
-        triangle = np.array([centre, foot - side, foot + side])
-        shapes.append(filled(triangle, scale.layer(1), STEEL))
-        shapes.append(filled(circle(centre, 1.3 * scale.bar), scale.layer(2), STEEL))
+        foot, side = centre - [0.0, 3.4 * bar], np.array([2.2 * bar, 0.0])
+        shapes.append(filled(np.array([centre, foot - side, foot + side]), scale.layer(1), STEEL))
+        shapes.append(filled(circle(centre, 1.3 * bar), scale.layer(2), STEEL))
         shapes += _hatched(foot - 1.3 * side, foot + 1.3 * side, -1.0, scale)
     for guide in linkage.guides:
-        shapes += _rails(guide, linkage, positions, scale)
+        direction = np.array([math.cos(guide.direction), math.sin(guide.direction)])
+        normal, base = np.array([-direction[1], direction[0]]), np.array([guide.x, guide.y])
+        centre = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))[:, :2]
+        travel = (centre - base) @ direction
+        ends = np.outer([travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], direction)
+        for sign in (-1.0, 1.0):
+            start, end = base + sign * 2.35 * bar * normal + ends
+            shapes += _hatched(start, end, sign, scale)
     return [graphics(shapes)] if shapes else []
 
 
@@ -160,23 +149,9 @@ def _hatched(start: Array, end: Array, side: float, scale: Scale) -> list[Shape]
     direction = vector / length
     slant = 0.9 * scale.bar * (side * np.array([-direction[1], direction[0]]) - direction)
     marks = np.linspace(0.0, 1.0, max(int(length / (0.9 * scale.bar)), 2))
-    feet = [start + s * vector for s in marks]
+    feet = start + np.outer(marks, vector)
     lines = [line(foot, foot + slant, 0.6 * width, z, INK) for foot in feet]
     return [line(start, end, width, z, INK), *lines]
-
-
-def _rails(guide: Guide, linkage: Linkage, positions: Array, scale: Scale) -> list[Shape]:
-    direction = np.array([math.cos(guide.direction), math.sin(guide.direction)])
-    normal = np.array([-direction[1], direction[0]])
-    base = np.array([guide.x, guide.y])
-    centre = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))[:, :2]
-    travel = (centre - base) @ direction
-    first, last = travel.min() - 4.0 * scale.bar, travel.max() + 4.0 * scale.bar
-    shapes: list[Shape] = []
-    for side in (-1.0, 1.0):
-        edge = base + side * 2.35 * scale.bar * normal
-        shapes += _hatched(edge + first * direction, edge + last * direction, side, scale)
-    return shapes
 
 
 @dataclass(frozen=True)
@@ -185,16 +160,12 @@ class EnlargedJoint:
 
     Attributes
     ----------
-    joint : ClearanceJoint
-        The joint with its surfaces.
     max_depth : float
         Largest wear depth that the drawing must hold, m.
     max_force : float
         Force, N, whose arrow has the length ``ARROW_SHARE`` of the radius. Lengths scale with the
         square root of the force, so that the force of a resting pin is visible beside an impact.
-    centre : ndarray, shape (2,)
-        m.
-    radius : float
+    centre, radius : ndarray, shape (2,), and float
         m.
     paint : Colour
         Colour of path and text.
@@ -240,38 +211,32 @@ class EnlargedJoint:
 
     def bodies(self, layer: Layer) -> list[list[Shape]]:
         """Return bearing, its mark, pin and its mark, each about its own centre."""
-        marks = [
-            line((0.55 * radius, 0.0), (0.9 * radius, 0.0), 0.02 * self.radius, z, MARK)
-            for radius, z in ((self.radius, layer(73)), (self._pin_radius, layer(78)))
-        ]
-        return [self._bearing(layer), marks[:1], self._pin(layer), marks[1:]]
-
-    def _bearing(self, layer: Layer) -> list[Shape]:
+        edge, pin_radius = 0.012 * self.radius, self._pin_radius
         depth = _resampled(self.joint.bearing_surface.depth)
-        inner = self._pin_radius + self.gap_factor * (self.joint.clearance + depth)
+        inner = pin_radius + self.gap_factor * (self.joint.clearance + depth)
         outer = np.full(len(depth), self.radius)
-        edge = 0.012 * self.radius
-        shapes = [
+        bearing = [
             band(_polar(inner), _polar(outer), layer(70), STEEL),
             band(_polar(inner), _polar(inner + edge), layer(72), INK),
             ring((0.0, 0.0), self.radius, edge, layer(72), INK),
         ]
         if depth.max() > 0.0:
             worn = np.minimum(inner + self.band_factor * depth, outer)
-            shapes.append(band(_polar(inner), _polar(worn), layer(71), WORN))
-        return shapes
-
-    def _pin(self, layer: Layer) -> list[Shape]:
+            bearing.append(band(_polar(inner), _polar(worn), layer(71), WORN))
         depth = _resampled(self.joint.pin_surface.depth)
-        outer = self._pin_radius - self.gap_factor * depth
-        shapes = [
+        outer = pin_radius - self.gap_factor * depth
+        pin = [
             filled(_polar(outer), layer(75), PIN),
-            band(_polar(outer - 0.012 * self.radius), _polar(outer), layer(77), INK),
+            band(_polar(outer - edge), _polar(outer), layer(77), INK),
         ]
         if depth.max() > 0.0:
             worn = np.maximum(outer - self.band_factor * depth, 0.0)
-            shapes.append(band(_polar(worn), _polar(outer), layer(76), WORN))
-        return shapes
+            pin.append(band(_polar(worn), _polar(outer), layer(76), WORN))
+        marks = [
+            [line((0.55 * radius, 0.0), (0.9 * radius, 0.0), 0.02 * self.radius, z, MARK)]
+            for radius, z in ((self.radius, layer(73)), (pin_radius, layer(78)))
+        ]
+        return [bearing, marks[0], pin, marks[1]]
 
     def coordinates(self, bearing: Array, pin: Array) -> list[Array]:
         """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""
@@ -298,21 +263,15 @@ class EnlargedJoint:
         """
         eccentricity = (pin - bearing)[:, :2]
         play = self.gap_factor * self.joint.clearance
-        return [
-            ring(self.centre, play, 0.008 * self.radius, layer(85), mix(STEEL, INK, 0.4)),
-            *self._path(eccentricity, layer(86)),
-            *self.contact(eccentricity[-1], self._map_angle(pin[-1]), row, layer(88)),
-        ]
-
-    def _path(self, eccentricity: Array, z: float) -> list[Shape]:
-        """Return the path of the pin centre, fading towards the past."""
-        if len(eccentricity) < 2:
-            return []
-        points = self.centre + self.gap_factor * eccentricity
-        count = len(points) - 1
-        paints = [mix(self.paint, PAPER, 0.85 * (1.0 - (i + 1) / count)) for i in range(count)]
-        shapes = strokes(points, 0.016 * self.radius, z, paints)
-        return [*shapes, filled(circle(points[-1], 0.03 * self.radius, 16), z, self.paint)]
+        shapes = [ring(self.centre, play, 0.008 * self.radius, layer(85), mix(STEEL, INK, 0.4))]
+        if len(eccentricity) > 1:  # the path fades towards the past
+            z, count = layer(86), len(eccentricity) - 1
+            points = self.centre + self.gap_factor * eccentricity
+            shares = 0.85 * (1.0 - np.arange(1, count + 1) / count)
+            paints = [mix(self.paint, PAPER, share) for share in shares.tolist()]
+            shapes += strokes(points, 0.016 * self.radius, z, paints)
+            shapes.append(filled(circle(points[-1], 0.03 * self.radius, 16), z, self.paint))
+        return shapes + self.contact(eccentricity[-1], self._map_angle(pin[-1]), row, layer(88))
 
     def contact(self, eccentricity: Array, map_angle: float, row: Array, z: float) -> list[Shape]:
         """Return contact point and force on the bearing; nothing without contact.

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from itertools import chain
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -73,20 +74,20 @@ def write_still(file: Path, pixels: Pixels) -> None:
     write_whole(file, lambda part: Image.fromarray(pixels).save(part, format="png"))
 
 
-_worker: dict[str, Any] = {}  # clips, frames, note and picture of a worker process
+_worker: list[Any] = []  # picture, clips, frames and note of a worker process
 
 
 def _start_worker(clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]) -> None:
     end_with_parent()
     picture = Picture(clips, size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
-    _worker.update(clips=clips, frames=frames, note=note, picture=picture)
+    _worker[:] = picture, clips, frames, note
 
 
 def _draw(number: int) -> Pixels:
-    frames, picture = _worker["frames"], _worker["picture"]
-    states = snapshots(_worker["clips"], frames[max(number - 1, 0)], frames[number])
-    picture.show(states, number / max(len(frames) - 1, 1), _worker["note"])
+    picture, clips, frames, note = _worker
+    states = snapshots(clips, frames[max(number - 1, 0)], frames[number])
+    picture.show(states, number / max(len(frames) - 1, 1), note)
     image: Pixels = picture.image()
     return image
 
@@ -94,7 +95,7 @@ def _draw(number: int) -> Pixels:
 def pictures(
     clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]
 ) -> Iterator[Pixels]:
-    """Draw pictures in order with one process per core.
+    """Draw pictures in order with one process per core; raises RunFailed if a process ends early.
 
     Parameters
     ----------
@@ -102,11 +103,6 @@ def pictures(
         Frame of each clip in every picture.
     note : str
         Text on the playing speed.
-
-    Raises
-    ------
-    RunFailed
-        If a process ends early.
     """
     context = multiprocessing.get_context("spawn")
     jobs = min(cores(), len(frames))
@@ -159,7 +155,7 @@ def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
     """Write pictures one by one with the palette of the first."""
     first = Image.fromarray(next(images)).quantize(GIF_COLOURS)
     rest = (
-        Image.fromarray(image).quantize(palette=first, dither=Image.Dither.NONE) for image in images
+        Image.fromarray(each).quantize(palette=first, dither=Image.Dither.NONE) for each in images
     )
     duration = 10 * max(round(100.0 / rate), 2)  # ms; GIF counts in hundredths of a second
     first.save(part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0)
@@ -179,8 +175,7 @@ def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
         assert encoder.stdin is not None
         assert encoder.stderr is not None
         try:
-            encoder.stdin.write(image.tobytes())
-            for each in images:
+            for each in chain([image], images):
                 encoder.stdin.write(each.tobytes())
             encoder.stdin.close()
         except BrokenPipeError:
@@ -298,17 +293,12 @@ class Window:
 
 @dataclass
 class Player:
-    """Time that advances.
+    """Time that advances, with its limits and the duration of a frame, s.
 
     Attributes
     ----------
-    first, last, time : float
-        Ends of the clip and present time, s.
     slow : float
         Time on the screen over time of the clip.
-    step : float
-        One frame, s.
-    plays : bool
     """
 
     first: float
@@ -404,22 +394,17 @@ class Live(Observer):
         check_display()
         self._scene = scene
         times = np.linspace(0.0, scene.mechanism.period, 181)
-        linkage = scene.linkage()
-        joints = np.zeros((len(times), len(linkage.clearances), len(FILM_JOINT)))
+        self._linkage = scene.linkage()
+        joints = np.zeros((len(times), len(self._linkage.clearances), len(FILM_JOINT)))
         self._film = Film(times, scene.ideal.at(times).position, joints)
-        self._linkage = linkage
         self._process, self._window = _start_window(_show_live, size, self._clip(0))
         self._is_ready, self._sent = True, 0.0
 
     def _clip(self, stage: int) -> Clip:
-        return Clip(
-            title=short_name_of(self._scene),
-            chapters=(Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage),),
-            period=self._scene.mechanism.period,
-            max_depth=max_depths(self._linkage),
-            max_force={joint.name: LIVE_FORCE for joint in self._linkage.clearances},
-            film=self._film,
-        )
+        chapter = Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage)
+        forces = {joint.name: LIVE_FORCE for joint in self._linkage.clearances}
+        period, depths = self._scene.mechanism.period, max_depths(self._linkage)
+        return Clip(short_name_of(self._scene), (chapter,), period, depths, forces, self._film)
 
     def on_progress(self, progress: Progress) -> None:
         """Send the last frames of a run to the window if it is ready."""
@@ -452,26 +437,25 @@ class Live(Observer):
 
 
 def _show_live(run: Connection, size: tuple[int, int], clip: Clip) -> None:
-    window = _live_window(clip, size)
-    run.send("open")
-    is_open = True
+    window: Window | None = None
+    message: Any = clip
     try:
-        while is_open:
-            if run.poll():
-                message = run.recv()
-                if isinstance(message, Clip):
+        while True:
+            if isinstance(message, Clip):
+                if window is not None:
                     window.close()
-                    window = _live_window(message, size)
-                else:
-                    window.picture.show([message[0]], message[1], "")
-                    run.send("shown")
-            is_open = window.idle()
+                picture = Picture([message], size)
+                picture.show([message.snapshot(0, 0)], 0.0, "")
+                window = Window(picture)
+                if message is clip:
+                    run.send("open")
+            elif message is not None and window is not None:
+                window.picture.show([message[0]], message[1], "")
+                run.send("shown")
+            if window is None or not window.idle():
+                break
+            message = run.recv() if run.poll() else None
     except (EOFError, OSError):
         pass  # the run has ended
-    window.close()
-
-
-def _live_window(clip: Clip, size: tuple[int, int]) -> Window:
-    picture = Picture([clip], size)
-    picture.show([clip.snapshot(0, 0)], 0.0, "")
-    return Window(picture)
+    if window is not None:
+        window.close()

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.drives import run_up_motion
+from presswear.linkage.linkage import Linkage
 from presswear.show.replay.clip import NORMAL, Clip, Snapshot, points_of
 from presswear.show.replay.mechanism import (
     BODIES_PER_JOINT,
@@ -37,19 +38,7 @@ FONT = 13.0  # letters in a picture of 640 pixels height, pixels
 
 @dataclass(frozen=True)
 class Panel:
-    """Positions of one clip in the plane of the picture, m.
-
-    Attributes
-    ----------
-    offset : ndarray, shape (2,)
-        Origin of the mechanism.
-    title : ndarray, shape (2,)
-        Start of the title.
-    joints : tuple of ndarray, shape (2,)
-        Centres of the enlarged joints.
-    radius : float
-        Radius of the enlarged joints.
-    """
+    """Positions of one clip in the plane of the picture, m: origin, title and enlarged joints."""
 
     offset: Array
     title: Array
@@ -59,16 +48,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Layout:
-    """Picture with its centre at the origin.
-
-    Attributes
-    ----------
-    height : float
-        m.
-    panels : tuple of Panel
-    bar : tuple of ndarray, shape (2,)
-        Both ends of the time bar.
-    """
+    """Picture with its centre at the origin: height, panels and ends of the time bar, m."""
 
     height: float
     panels: tuple[Panel, ...]
@@ -101,58 +81,40 @@ def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspec
         radius = min(0.13 * usable * 1.6, 0.36 * inside / count)
         room = np.array([inside, usable - 3.1 * radius])
     height = max(float(((high - low) / room).max()) for low, high in boxes)
-
-    def panel(index: int) -> Panel:
-        left, top = -0.5 * aspect + index * width, 0.5 - HEAD
-        low, high = boxes[index]
-        steps = (np.arange(joints[index]) + 0.5) / max(joints[index], 1)
+    panels = []
+    for k, ((low, high), number) in enumerate(zip(boxes, joints, strict=True)):
+        left, top = -0.5 * aspect + k * width, 0.5 - HEAD
+        steps = (np.arange(number) + 0.5) / max(number, 1)
+        x, y = left + MARGIN + inside * steps, np.full(number, -0.5 + FOOT + 1.35 * radius)
         if is_column:
-            x = np.full(len(steps), left + width - MARGIN - 1.65 * radius)
-            centres = np.column_stack([x, top - usable * steps])
-        else:
-            y = np.full(len(steps), -0.5 + FOOT + 1.35 * radius)
-            centres = np.column_stack([left + MARGIN + inside * steps, y])
+            x, y = np.full(number, left + width - MARGIN - 1.65 * radius), top - usable * steps
         middle = np.array([left + MARGIN, top]) + 0.5 * room * (1.0, -1.0)
-        return Panel(
-            offset=height * middle - 0.5 * (low + high),
-            title=height * np.array([left + MARGIN, 0.5 - 0.045]),
-            joints=tuple(height * centres),
-            radius=height * radius,
+        offset = height * middle - 0.5 * (low + high)
+        title = height * np.array([left + MARGIN, 0.5 - 0.045])
+        panels.append(
+            Panel(offset, title, tuple(height * np.column_stack([x, y])), height * radius)
         )
-
     end = height * np.array([0.5 * aspect - 2.0 * MARGIN, -0.5 + 0.4 * FOOT])
-    return Layout(height, tuple(map(panel, range(len(boxes)))), (end * (-1.0, 1.0), end))
+    return Layout(height, tuple(panels), (end * (-1.0, 1.0), end))
 
 
-def _enlarged_joints(clip: Clip, panel: Panel) -> tuple[tuple[EnlargedJoint, ...], ...]:
-    """Return the enlarged joints of each chapter of a clip."""
-    return tuple(
-        tuple(
-            EnlargedJoint(
-                joint,
-                clip.max_depth[joint.name],
-                clip.max_force[joint.name],
-                centre,
-                panel.radius,
-                JOINT_COLOURS[k % len(JOINT_COLOURS)],
-            )
-            for k, (joint, centre) in enumerate(
-                zip(chapter.linkage.clearances, panel.joints, strict=True)
-            )
+def _enlarged_joints(clip: Clip, panel: Panel, linkage: Linkage) -> list[EnlargedJoint]:
+    paints = [JOINT_COLOURS[k % len(JOINT_COLOURS)] for k in range(len(panel.joints))]
+    return [
+        EnlargedJoint(
+            joint,
+            clip.max_depth[joint.name],
+            clip.max_force[joint.name],
+            centre,
+            panel.radius,
+            paint,
         )
-        for chapter in clip.chapters
-    )
+        for joint, centre, paint in zip(linkage.clearances, panel.joints, paints, strict=True)
+    ]
 
 
 class Picture:
-    """Clips side by side in Exudyn's renderer.
-
-    Parameters
-    ----------
-    clips : sequence of Clip
-    size : (int, int)
-        Width and height, pixels.
-    """
+    """Clips side by side in Exudyn's renderer, in a picture of a width and height in pixels."""
 
     def __init__(self, clips: Sequence[Clip], size: tuple[int, int]) -> None:
         self.clips = tuple(clips)
@@ -161,34 +123,21 @@ class Picture:
         self.layout = layout_of(boxes, counts, size[0] / size[1])
         diagonal = max(float(np.hypot(*(high - low))) for low, high in boxes)
         self._scale = Scale(diagonal, FONT * size[1] / 640.0)
-        self._joints = tuple(map(_enlarged_joints, clips, self.layout.panels))
+        self._joints: list[list[list[EnlargedJoint]]] = []  # of each chapter of each clip
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
-        for clip, panel, joints in zip(clips, self.layout.panels, self._joints, strict=True):
+        for clip, panel in zip(clips, self.layout.panels, strict=True):
             ground = frame_graphics(clip.linkage, clip.film.position, self._scale)
             self._add_ground([*panel.offset, 0.0], ground)
             for body in clip.linkage.bodies:
                 self._add_body(panel.offset, body_graphics(clip.linkage, body.name, self._scale))
-            for joint in chain(*joints):
+            chapters = [_enlarged_joints(clip, panel, each.linkage) for each in clip.chapters]
+            self._joints.append(chapters)
+            for joint in chain(*chapters):
                 for shapes in joint.bodies(self._scale.layer):
                     self._add_body(joint.centre, [graphics(shapes)])
         self._changing = self._add_ground([0.0, 0.0, 0.0], [])
         self.system.Assemble()
-        self._configure(size)
-
-    def _add_ground(self, position: list[float], drawn: list[dict[str, Any]]) -> Any:
-        return self.system.AddObject(
-            {"objectType": "Ground", "referencePosition": position, "VgraphicsData": drawn}
-        )
-
-    def _add_body(self, origin: Array, drawn: list[dict[str, Any]]) -> None:
-        node = self.system.AddNode(
-            {"nodeType": "RigidBody2D", "referenceCoordinates": [*origin, 0.0], "Vshow": False}
-        )
-        body = {"nodeNumber": node, "mass": 1.0, "inertia": 1.0, "VgraphicsData": drawn}
-        self.system.AddObject({"objectType": "RigidBody2D", **body})
-
-    def _configure(self, size: tuple[int, int]) -> None:
         settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
         settings.view0.window.showComputationInfo = False
@@ -203,6 +152,18 @@ class Picture:
         settings.raytracer.multiSampling = 2
         self.container.renderer.ResetState()  # otherwise the view set before an image is lost
         self.set_view()
+
+    def _add_ground(self, position: list[float], drawn: list[dict[str, Any]]) -> Any:
+        return self.system.AddObject(
+            {"objectType": "Ground", "referencePosition": position, "VgraphicsData": drawn}
+        )
+
+    def _add_body(self, origin: Array, drawn: list[dict[str, Any]]) -> None:
+        node = self.system.AddNode(
+            {"nodeType": "RigidBody2D", "referenceCoordinates": [*origin, 0.0], "Vshow": False}
+        )
+        body = {"nodeNumber": node, "mass": 1.0, "inertia": 1.0, "VgraphicsData": drawn}
+        self.system.AddObject({"objectType": "RigidBody2D", **body})
 
     def set_view(self) -> None:
         """Point the view at the whole picture; Exudyn's zoom is half of the visible height."""
@@ -220,8 +181,8 @@ class Picture:
             Text on the playing speed.
         """
         coordinates, shapes, words = [], self._time_bar(part), []
-        for number, (clip, state) in enumerate(zip(self.clips, states, strict=True)):
-            panel = self.layout.panels[number]
+        parts = zip(self.clips, self.layout.panels, self._joints, states, strict=True)
+        for clip, panel, chapters, state in parts:
             coordinates.append(state.positions[-1])
             words += self._title(clip, panel, state, note)
             for spring in clip.linkage.springs:
@@ -231,7 +192,7 @@ class Picture:
                 )
                 z = self._scale.layer(38)
                 shapes.append(line(start, end, 0.5 * self._scale.bar, z, STEEL))
-            for chapter, joints in enumerate(self._joints[number]):
+            for chapter, joints in enumerate(chapters):
                 if chapter != state.chapter:
                     hidden = np.array([HIDDEN * self.layout.height, 0.0, 0.0])
                     coordinates += [hidden] * (BODIES_PER_JOINT * len(joints))
@@ -253,12 +214,11 @@ class Picture:
 
     def _joint_text(self, joint: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
         font, z = self._scale.font, self._scale.layer(95)
-        above = joint.centre + np.array([-1.45, 1.13]) * joint.radius
-        below = joint.centre + np.array([-1.45, -1.19]) * joint.radius
         force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
+        above, below = (joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19))
         words = [text(above, force, z, font, joint.paint)]
-        for i, label in enumerate(joint.labels()):
-            point = below - [0.0, i * self._line_height(0.8)]
+        for k, label in enumerate(joint.labels()):
+            point = below - [0.0, k * self._line_height(0.8)]
             words.append(text(point, label, z, 0.75 * font, INK))
         return words
 
