@@ -32,7 +32,7 @@ from presswear.linkage.elements import (
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, count, meaning_of, quantity
-from presswear.tools.serialize import converted, make, to_plain, to_toml, toml_items
+from presswear.tools.serialize import converted, make, plain, to_toml, toml_items
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
 MAX_TURNS = 1000  # of a drive in a cycle
@@ -193,7 +193,7 @@ class Linkage:
 
     def as_plain(self) -> dict[str, Any]:
         """Return the arguments of ``assemble`` as plain data, without clearance joints."""
-        data: dict[str, Any] = to_plain(self._described())
+        data: dict[str, Any] = plain(self._described())
         return {"kind": self.kind, **data}
 
     def _described(self) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
-from presswear.tools.serialize import check_fields, from_plain, make, to_plain
+from presswear.tools.serialize import check_fields, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
 OneMechanism = Press | SliderCrank | Linkage
@@ -474,7 +474,7 @@ class Scene:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the scene as plain data, SI units; see ``from_dict``."""
-        data: dict[str, Any] = to_plain(self)
+        data: dict[str, Any] = plain(self)
         return data
 
     @staticmethod

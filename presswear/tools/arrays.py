@@ -28,9 +28,7 @@ def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:
 def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
     """Return the part of a larger state that ``named`` put there; empty where there is none."""
     start = f"{prefix}/"
-    return {
-        name.removeprefix(start): array for name, array in state.items() if name.startswith(start)
-    }
+    return {name[len(start) :]: one for name, one in state.items() if name.startswith(start)}
 
 
 def numbers(values: Mapping[str, float]) -> Array:
@@ -44,13 +42,7 @@ def set_numbers(values: dict[str, float], stored: NDArray[Any]) -> None:
 
 
 def write_arrays(path: Path, arrays: State, pack: Callable[..., None] = np.savez_compressed) -> str:
-    """Write arrays whole or not at all; return the digest of the file.
-
-    Parameters
-    ----------
-    pack : callable
-        ``np.savez_compressed`` or ``np.savez``.
-    """
+    """Write arrays whole or not at all, by ``np.savez`` or alike; return the digest of the file."""
     packed = io.BytesIO()
     pack(packed, **arrays)
     write_bytes(path, packed.getvalue())
@@ -60,15 +52,8 @@ def write_arrays(path: Path, arrays: State, pack: Callable[..., None] = np.savez
 def read_arrays(file: Path, expected: str | None = None) -> dict[str, NDArray[Any]]:
     """Read arrays of numbers or of records, without executing anything.
 
-    Parameters
-    ----------
-    expected : str or None
-        Digest of the file; None: not checked.
-
-    Raises
-    ------
-    InputError
-        With a file that is missing, damaged or holds anything else.
+    InputError for a file that is missing, damaged, holds anything else, or whose digest is not the
+    expected one.
     """
     data = read_checked(file, expected)
     try:

@@ -27,11 +27,6 @@ _TRIES = 5
 _PAUSE = 0.02  # between two tries, s: a process that asks for the holder has the lock for a moment
 
 
-def _check_link(path: Path) -> None:
-    if path.is_symlink():
-        raise InputError(f"{path}: this is a link; nothing is written through it, so remove it")
-
-
 def inside(folder: Path, *names: str) -> Path:
     """Return a folder inside another one; raise InputError where a link leads out of it."""
     for name in names:
@@ -40,38 +35,39 @@ def inside(folder: Path, *names: str) -> Path:
     return folder
 
 
+def _check_link(path: Path) -> None:
+    if path.is_symlink():
+        raise InputError(f"{path}: this is a link; nothing is written through it, so remove it")
+
+
 def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Write a file so that it is there whole or not at all, even when power fails.
 
-    Raises
-    ------
-    OSError
-        With the file, whose previous content is unchanged.
-    InputError
-        Where a link would lead the bytes elsewhere. A link in place of the file is replaced.
+    OSError with the file, whose previous content is unchanged. InputError where a link would lead
+    the bytes elsewhere; a link in place of the file is replaced.
     """
     part = path.with_name(path.name + PART)
     _check_link(part)
     try:
-        try:
-            with part.open("wb") as file:
-                write(file)
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(part, path)
-            if os.name == "posix":  # elsewhere a folder cannot be synchronized
-                descriptor = os.open(path.parent, os.O_RDONLY)
-                try:
-                    os.fsync(descriptor)
-                finally:
-                    os.close(descriptor)
-        finally:
-            part.unlink(missing_ok=True)
+        with part.open("wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+        if os.name == "posix":  # elsewhere a folder cannot be synchronized
+            descriptor = os.open(path.parent, os.O_RDONLY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
     except OSError as error:
         if error.errno is None:
             raise
         # A full disk is reported without a name, other errors under that of the part.
         raise OSError(error.errno, error.strerror, str(path)) from None
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -145,16 +141,15 @@ def is_free(path: Path) -> bool:
         # Permissions do not tell for every kind of file system: trying does.
         os.rmdir(tempfile.mkdtemp(dir=parent))
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise InputError(f"--out {path}: nothing can be written there: {error.strerror}") from None
     return True
-
-
-def _unwritable(path: Path, error: OSError) -> InputError:
-    return InputError(f"--out {path}: nothing can be written there: {error.strerror}")
 
 
 class FolderLock:
     """Exclusive right to write into a folder, until it is released or the process ends.
+
+    The folder is made where it is not there. InputError where nothing can be written there, with
+    the holder of the lock, or where the lock is a link.
 
     Attributes
     ----------
@@ -165,11 +160,6 @@ class FolderLock:
     """
 
     def __init__(self, path: Path) -> None:
-        """Lock a folder, made where it is not there.
-
-        InputError where nothing can be written there, with the holder of the lock, or where the
-        lock is a link.
-        """
         self.path = path
         self.warning = ""
         _check_link(path / LOCK)
@@ -177,29 +167,27 @@ class FolderLock:
         try:
             path.mkdir(parents=True, exist_ok=True)
             self._file = self._locked_file()
+            self._file.truncate(0)
+            self._file.write(f"process {os.getpid()} on {platform.node()}\n")
+            self._file.flush()
         except OSError as error:
-            raise _unwritable(path, error) from None
+            reason = f"nothing can be written there: {error.strerror}"
+            raise InputError(f"--out {path}: {reason}") from None
 
     def _locked_file(self) -> IO[str]:
         for _ in range(_TRIES):
             file = (self.path / LOCK).open("a+", encoding="utf-8")
             problem = _lock(file)
-            if problem in _BUSY:
-                file.close()
-                time.sleep(_PAUSE)
-                continue
-            if problem:
+            if problem and problem not in _BUSY:
                 self.warning = (
                     f"{self.path} is on a file system without locks ({os.strerror(problem)}): "
                     "start no second run in it"
                 )
             # It may have been released, and removed, since it was opened.
-            if _is_same(self.path / LOCK, file):
-                file.truncate(0)
-                file.write(f"process {os.getpid()} on {platform.node()}\n")
-                file.flush()
+            if problem not in _BUSY and _is_same(self.path / LOCK, file):
                 return file
             file.close()
+            time.sleep(_PAUSE)
         who = holder(self.path) or "another process"
         raise InputError(f"--out {self.path}: {who} is at work in it; wait for it, or name another")
 
@@ -244,10 +232,9 @@ def _lock(file: IO[str]) -> int:
 
 def _is_same(path: Path, file: IO[str]) -> bool:
     """Return whether a path leads to an open file."""
-    try:
+    with suppress(OSError):
         return os.path.samestat(os.stat(path), os.fstat(file.fileno()))
-    except OSError:
-        return False
+    return False
 
 
 def holder(path: Path) -> str | None:
@@ -263,10 +250,7 @@ def holder(path: Path) -> str | None:
 def only_writer(path: Path) -> Iterator[None]:
     """Hold the lock of a new folder; an empty one is removed at the end.
 
-    Raises
-    ------
-    InputError
-        Where the folder holds something, cannot be made, or is locked.
+    InputError where the folder holds something, cannot be made, or is locked.
     """
     if not is_free(path):
         raise InputError(f"--out {path}: it exists and is not empty; name a new folder")

@@ -18,7 +18,7 @@ import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -92,7 +92,6 @@ class InProcess:
         waiting: dict[int, Job] = dict(jobs)
         while waiting:
             key = next(iter(waiting))
-            job = waiting.pop(key)
 
             def report(
                 done: float, word: str = "", rows: Array | None = None, key: int = key
@@ -100,7 +99,7 @@ class InProcess:
                 on_progress(key, done, word, rows)
 
             try:
-                outcome = job(report)
+                outcome = waiting.pop(key)(report)
             except Stopped as stopped:
                 on_result(key, stopped.outcome)
                 raise KeyboardInterrupt from None
@@ -137,30 +136,27 @@ class Pool:
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         self._end(wait=error is None)
 
-    def _start(self) -> None:
-        methods = multiprocessing.get_all_start_methods()
-        context: Any = multiprocessing.get_context(
-            "forkserver" if "forkserver" in methods else "spawn"
-        )
+    def _started(self) -> ProcessPoolExecutor:
+        if self._executor is not None:
+            return self._executor
+        has_server = "forkserver" in multiprocessing.get_all_start_methods()
+        context: Any = multiprocessing.get_context("forkserver" if has_server else "spawn")
         package = import_module("presswear").__path__[0]
         # The server of forks would import another version from the working directory.
         is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
-        if "forkserver" in methods and is_safe:
+        if has_server and is_safe:
             context.set_forkserver_preload(list(self._imports))
         self._is_warm = False
         self._folder = tempfile.mkdtemp(prefix="presswear-")
         self._shared = context.RawArray("d", 2 * self._count)  # progress, then requests
         arguments = self._shared, self._folder, self._imports
         self._executor = ProcessPoolExecutor(self._count, context, _prepare, arguments)
-        for _ in range(self._count):  # start all workers now, so that they import together
-            self._submit(os.getpid)
-
-    def _submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        assert self._executor is not None, "workers have started"
         with hidden_main():
-            return self._executor.submit(function, *arguments)
+            for _ in range(self._count):  # start all workers now, so that they import together
+                self._executor.submit(os.getpid)
+        return self._executor
 
-    def _request(self, places: Sequence[int], request: float) -> None:
+    def _request(self, places: Iterable[int], request: float) -> None:
         for place in places:
             self._shared[self._count + place] = request
 
@@ -184,7 +180,7 @@ class Pool:
         dropped: set[int] = set()
         try:
             while waiting or running:
-                self._submit_waiting(waiting, running)
+                self._submit(waiting, running)
                 done = wait(running, POLL, FIRST_COMPLETED).done
                 # When a pool breaks, some jobs may have finished all the same.
                 for future in sorted(done, key=lambda each: each.exception() is not None):
@@ -195,7 +191,7 @@ class Pool:
                     self._is_warm = True
                     _follow(waiting, following)
                     unwanted = {place: k for place, k in running.values() if k in following}
-                    self._request(list(unwanted), STOP)
+                    self._request(unwanted, STOP)
                     dropped.update(unwanted.values())
                 for place, key in running.values():
                     part = self._shared[place]
@@ -214,18 +210,19 @@ class Pool:
                 raise RunFailed(LOST) from None
             raise
 
-    def _submit_waiting(
+    def _submit(
         self, waiting: dict[int, Job], running: dict["Future[Any]", tuple[int, int]]
     ) -> None:
-        if self._executor is None:
-            self._start()
+        """Submit waiting jobs to free workers, the first one alone."""
+        executor = self._started()
         busy = {place for place, _ in running.values()}
         free = [place for place in range(self._count) if place not in busy]
         if not self._is_warm:
             free = free[: 1 - len(busy)]
         for place, key in zip(free, list(waiting), strict=False):
             self._shared[place], self._shared[self._count + place] = -math.inf, 0.0
-            running[self._submit(_run_job, place, waiting.pop(key))] = place, key
+            with hidden_main():
+                running[executor.submit(_run_job, place, waiting.pop(key))] = place, key
 
 
 Workers = InProcess | Pool
@@ -347,13 +344,9 @@ def stoppable() -> Iterator[None]:
     """
     _received.clear()
     before, hook = {}, sys.unraisablehook
-
-    def unraisable(problem: "sys.UnraisableHookArgs") -> None:
-        if not is_stopped():  # an object that a signal left incomplete fails when it is deleted
-            hook(problem)
-
+    # An object that a signal left incomplete fails when it is deleted, until the program ends.
+    sys.unraisablehook = lambda problem: None if is_stopped() else hook(problem)
     if threading.current_thread() is threading.main_thread():
-        sys.unraisablehook = unraisable
         for name in ("SIGINT", "SIGTERM", "SIGHUP"):
             number = getattr(signal, name, None)
             if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
@@ -363,7 +356,7 @@ def stoppable() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        if not is_stopped():  # such objects may live until the program ends
+        if not is_stopped():
             sys.unraisablehook = hook
 
 

@@ -9,7 +9,8 @@ import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import Field, dataclass, field
+from dataclasses import Field, dataclass, field, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from numbers import Integral, Real
 from typing import Any, ClassVar
 
@@ -61,32 +62,6 @@ _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
 
 
-def _units_of(unit: str) -> tuple[str, dict[str, float]]:
-    """Return an example in a dimension, and the sizes of its units; ``m or rad`` has those of both.
-
-    A unit that the table lacks is the only one of its dimension.
-    """
-    several = [_UNITS.get(one, (f"1{one}", {one: 1.0})) for one in unit.split(" or ")]
-    return several[0][0], {name: size for _, sizes in several for name, size in sizes.items()}
-
-
-def _split_number(text: str) -> tuple[float, str] | None:
-    """Return a number and the unit behind it in its standard spelling; None without a number."""
-    match = _NUMBER.match(text)
-    if match is None:
-        return None
-    rest = _POWER.sub("^", match[2].translate(_SIGNS))
-    return float(match[1]), re.sub(r"\s+", " ", rest).strip()
-
-
-def _in_si(value: float, written: str, unit: str) -> float | None:
-    """Return a value in the SI unit; None where it has no unit of this dimension."""
-    if written.startswith("pi") and "rad" in unit:
-        value, written = value * math.pi, written[2:].strip()
-    size = _units_of(unit)[1].get(written)
-    return None if size is None else value * size
-
-
 def plain_number(value: Any) -> Any:
     """Return a number of any kind as an int or a float; anything else as it is."""
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -116,23 +91,15 @@ class Quantity:
         """Return a value as text with the unit behind it."""
         return f"{value} {self.unit}".rstrip()
 
-    def _end_text(self, value: float, inward: float) -> str:
-        """Return an end of the range in six digits, rounded inward; in all digits if need be."""
-        short = float(f"{value:g}")
-        if (short - value) * inward < 0.0:
-            short += inward * 10.0 ** (math.floor(math.log10(abs(value))) - 5)
-        text = f"{short:g}"
-        return text if self.low <= float(text) <= self.high else f"{value!r}"
-
     def range_text(self) -> str:
-        """Return the allowed range in words, with the unit."""
+        """Return the allowed range in words, with the unit, its ends rounded inward."""
         if math.isinf(self.high) and math.isinf(self.low):
             return self.with_unit(f"any finite number{' in' if self.unit else ''}")
-        low = self._end_text(self.low, 1.0)
+        low = _six_digits(self.low, ROUND_CEILING)
         if math.isinf(self.high):
             return self.with_unit(f"{'above' if self.open_low else 'at least'} {low}")
         first = f"above {low} up to" if self.open_low else f"{low} to"
-        return self.with_unit(f"{first} {self._end_text(self.high, -1.0)}")
+        return self.with_unit(f"{first} {_six_digits(self.high, ROUND_FLOOR)}")
 
     def allows(self, value: float) -> bool:
         """Return whether a value is finite and in range."""
@@ -162,6 +129,78 @@ class Quantity:
         number = plain_number(value)
         self.check(name, number)
         return number if self.whole else float(number)
+
+
+def _six_digits(value: float, rounding: str) -> str:
+    return f"{float(Context(6, rounding).create_decimal(repr(value))):g}"
+
+
+def _units_of(unit: str) -> tuple[str, dict[str, float]]:
+    """Return an example in a dimension, and the sizes of its units; ``m or rad`` has those of both.
+
+    A unit that the table lacks is the only one of its dimension.
+    """
+    several = [_UNITS.get(one, (f"1{one}", {one: 1.0})) for one in unit.split(" or ")]
+    return several[0][0], {name: size for _, sizes in several for name, size in sizes.items()}
+
+
+def _read_number(text: str, unit: str) -> tuple[float | None, str]:
+    """Return the value in the SI unit, None for another unit, and the unit as written.
+
+    ValueError for text that does not begin with a number.
+    """
+    match = _NUMBER.match(text)
+    if match is None:
+        raise ValueError
+    written = _POWER.sub("^", match[2].translate(_SIGNS))
+    value, written = float(match[1]), re.sub(r"\s+", " ", written).strip()
+    if written.startswith("pi") and "rad" in unit:
+        value, written = value * math.pi, written[2:].strip()
+    size = _units_of(unit)[1].get(written)
+    return None if size is None else value * size, written
+
+
+def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
+    """Return a number, SI, from a text with its unit, and check its range.
+
+    Parameters
+    ----------
+    name : str
+        Name for messages.
+    meaning : Quantity
+        A quantity with a dimension needs its unit: 0.8 could be metres or millimetres.
+
+    Raises
+    ------
+    InputError
+    """
+    unit = meaning.unit
+    try:
+        value, written = _read_number(text, unit)
+        fault = "has no unit" if unit and not written else ""
+    except ValueError:
+        fault = f"is not a number{' with a unit' * bool(unit)}"
+    if fault:
+        example = f", for instance {name}={_example(meaning)!r}" if unit else ""
+        raise InputError(f"{name} = {text!r} {fault}{example}; allowed is {meaning.range_text()}")
+    if re.match(r",\s*[0-9]", written):
+        raise InputError(f"{name} = {text!r}: use a decimal point, {text.replace(',', '.')!r}")
+    if value is None:
+        wrong = unknown("unit", written, _units_of(unit)[1])
+        fault = f"{wrong}" if unit else "a pure number, without unit, is expected"
+        raise InputError(f"{name} = {text!r}: {fault}")
+    number: float | int = int(value) if meaning.whole and value.is_integer() else value
+    meaning.check(name, number)
+    return number
+
+
+def _example(meaning: Quantity) -> str:
+    """Return an example of a value in range, or else the upper end of the range."""
+    text, _ = _units_of(meaning.unit)
+    value, _ = _read_number(text, meaning.unit)
+    if value is not None and meaning.allows(value):
+        return text
+    return f"{_six_digits(meaning.high, ROUND_FLOOR)} {meaning.unit.split(' or ')[0]}"
 
 
 @dataclass(frozen=True)
@@ -232,34 +271,27 @@ class Choice:
 
     def convert(self, name: str, value: Any) -> Any:
         """Return the field value for a word, an instance or stored data; raise InputError."""
-        if self.kinds is not None:
-            return self._part(name, value)
+        if self.kinds is not None and value is not None:
+            if isinstance(value, tuple(self.kinds.values())):
+                return value
+            data = {**value} if isinstance(value, Mapping) else {"kind": value}
+            kind = data.pop("kind", None)
+            self.check(name, kind)
+            return None if kind == NONE else self.kinds[kind](**data)
         if self.instances is not None:
-            return self._instance(name, value)
-        is_stored_function = callable(value) or isinstance(value, UserFunction | dict)
-        if self.parameters and (is_stored_function or ".py:" in str(value)):
+            class_ = type(next(iter(self.instances.values())))
+            if isinstance(value, class_):
+                return value
+            if isinstance(value, Mapping):
+                return class_(**value)
+            self.check(name, value)
+            return self.instances[value]
+        is_function = callable(value) or isinstance(value, UserFunction | dict)
+        if self.parameters and (is_function or ".py:" in str(value)):
             return UserFunction.read(name, value, self.parameters)
-        self.check(name, value)
+        if self.kinds is None:
+            self.check(name, value)
         return value
-
-    def _instance(self, name: str, value: Any) -> Any:
-        assert self.instances is not None
-        kind = type(next(iter(self.instances.values())))
-        if isinstance(value, kind):
-            return value
-        if isinstance(value, Mapping):
-            return kind(**value)
-        self.check(name, value)
-        return self.instances[value]
-
-    def _part(self, name: str, value: Any) -> Any:
-        assert self.kinds is not None
-        if value is None or isinstance(value, tuple(self.kinds.values())):
-            return value
-        data = {**value} if isinstance(value, Mapping) else {"kind": value}
-        kind = data.pop("kind", None)
-        self.check(name, kind)
-        return None if kind == NONE else self.kinds[kind](**data)
 
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is one of the words, or a text where one is free."""
@@ -337,61 +369,9 @@ def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
     owner : data class instance
         Needed for a choice whose words depend on it.
     """
-    meanings = (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ()))
-    for meaning in meanings:
+    for meaning in (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ())):
         if isinstance(meaning, Choice) and callable(meaning.words):
-            rest = meaning.text, meaning.parameters, meaning.several
-            return Choice(meaning.words(owner), *rest)
+            return replace(meaning, words=meaning.words(owner))
         if isinstance(meaning, Quantity | Choice):
             return meaning
     return None
-
-
-def _example(name: str, meaning: Quantity) -> str:
-    """Return an example of a value in range for a message; empty for a pure number."""
-    unit = meaning.unit
-    if not unit:
-        return ""
-    text = _units_of(unit)[0]
-    parts = _split_number(text)
-    common = None if parts is None else _in_si(*parts, unit)
-    if common is None or not meaning.allows(common):
-        middle = 10.0 * meaning.low if meaning.low > 0.0 else meaning.high / 2.0
-        middle = float(f"{middle:.0e}")
-        first = unit.split(" or ")[0]
-        text = (
-            f"{meaning._end_text(middle if meaning.allows(middle) else meaning.high, -1.0)} {first}"
-        )
-    return f", for instance {name}={text!r}"
-
-
-def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
-    """Return a number, SI, from a text with its unit, and check its range.
-
-    Parameters
-    ----------
-    name : str
-        Name for messages.
-    meaning : Quantity
-        A quantity with a dimension needs its unit: 0.8 could be metres or millimetres.
-
-    Raises
-    ------
-    InputError
-    """
-    unit, parts = meaning.unit, _split_number(text)
-    if parts is None or (unit and not parts[1]):
-        fault = f"is not a number{' with a unit' * bool(unit)}" if parts is None else "has no unit"
-        raise InputError(
-            f"{name} = {text!r} {fault}{_example(name, meaning)}; allowed is {meaning.range_text()}"
-        )
-    if re.match(r",\s*[0-9]", parts[1]):
-        raise InputError(f"{name} = {text!r}: use a decimal point, {text.replace(',', '.')!r}")
-    value = _in_si(*parts, unit)
-    if value is None and not unit:
-        raise InputError(f"{name} = {text!r}: a pure number, without unit, is expected")
-    if value is None:
-        raise InputError(f"{name} = {text!r}: {unknown('unit', parts[1], _units_of(unit)[1])}")
-    number: float | int = int(value) if meaning.whole and value.is_integer() else value
-    meaning.check(name, number)
-    return number

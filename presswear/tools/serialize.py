@@ -2,7 +2,7 @@
 
 Fields carry their meaning (``tools.quantities``) and their annotation. ``check_fields`` converts
 and checks all fields of an instance, so that a constructor takes numbers in SI, texts with units,
-lists of any sort and plain data alike. ``to_plain``, ``from_plain`` and ``to_toml`` walk over the
+lists of any sort and plain data alike. ``plain``, ``from_plain`` and ``to_toml`` walk over the
 same fields.
 """
 
@@ -10,7 +10,6 @@ import inspect
 import json
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from numbers import Real
 from pathlib import Path
@@ -26,6 +25,7 @@ from presswear.tools.quantities import Choice, Quantity, meaning_of, plain_numbe
 T = TypeVar("T")
 
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
+MAX_NUMBER = 1e300  # in a document: beyond it sums and units would overflow
 _NAMES = ("name", "body")  # first fields by which messages tell the owner
 _WORDS: dict[Any, str] = {
     float: "finite number",
@@ -34,7 +34,9 @@ _WORDS: dict[Any, str] = {
     bool: "True or False",
     NoneType: "None",
     Callable: "function",
-    np.ndarray: "list of numbers",
+    tuple: "list",
+    Sequence: "list",
+    Mapping: "mapping",
 }
 
 
@@ -67,16 +69,15 @@ def converted(name: str, value: Any, kind: Any) -> Any:
 
     The second argument of ``Annotated`` is a ``Quantity`` or has a method ``convert`` alike.
     """
-    kind = _alias_target(kind)
     origin, inner = get_origin(kind) or kind, get_args(kind)
-    if kind is Any or isinstance(kind, str):
+    if kind is Any:
         return value
     if origin is Annotated:
         return inner[1].convert(name, value)
     if origin in (Union, UnionType):
-        return _one_of(name, value, kind)
+        return _as_one_of(name, value, kind)
     if origin in (tuple, Sequence):
-        return _rows(name, value, kind)
+        return _as_tuple(name, value, kind)
     if origin is Mapping and isinstance(value, Mapping):
         return {
             converted(f"name in {name}", key, inner[0]): converted(
@@ -84,9 +85,6 @@ def converted(name: str, value: Any, kind: Any) -> Any:
             )
             for key, item in value.items()
         }
-    if origin is np.ndarray:
-        with suppress(TypeError, ValueError, OverflowError):
-            return np.array(value, dtype=float)
     if kind in (float, int):
         number = plain_number(value)
         if isinstance(number, int | kind) and not isinstance(number, bool):
@@ -103,24 +101,23 @@ def converted(name: str, value: Any, kind: Any) -> Any:
     raise _refusal(name, value, kind)
 
 
-def _alias_target(kind: Any) -> Any:
-    """Return the type behind an alias, such as ``NDArray`` of numpy 2.5 on Python 3.12."""
-    target = getattr(get_origin(kind) or kind, "__value__", kind)
-    return target if target is kind or not get_args(kind) else target[get_args(kind)]
-
-
 def _part_name(name: str, part: str) -> str:
     head, of, owner = name.partition(" of ")
     return f"{head}{part}{of}{owner}"
 
 
 def _refusal(name: str, value: Any, kind: Any) -> InputError:
-    word = _word(kind)
-    article = "an" if word[0] in "AEIOU" else "a"
-    return InputError(f"{name} = {shown(value)}: {article} {word} is expected")
+    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    origins = (get_args(one)[0] if get_origin(one) is Annotated else one for one in kinds)
+    origins = (get_origin(one) or one for one in origins)
+    words = list(dict.fromkeys(_WORDS.get(one, one.__name__) for one in origins))
+    word = " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+    return InputError(
+        f"{name} = {shown(value)}: {'an' if word[0] in 'AEIOU' else 'a'} {word} is expected"
+    )
 
 
-def _one_of(name: str, value: Any, kind: Any) -> Any:
+def _as_one_of(name: str, value: Any, kind: Any) -> Any:
     """Return a value as the first type of a union that takes it."""
     kinds, deeper = get_args(kind), None
     classes: list[Any] = [one for one in kinds if is_dataclass(one)]
@@ -144,7 +141,7 @@ def _misfit(kind: Any, data: Mapping[str, Any]) -> tuple[int, int]:
     return len(data.keys() - parameters.keys()), len(needed - data.keys())
 
 
-def _rows(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
+def _as_tuple(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
     is_list = isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
     if not is_list or getattr(value, "ndim", 1) == 0:  # numpy calls a scalar array a collection
         raise _refusal(name, value, kind)
@@ -152,29 +149,11 @@ def _rows(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
     if get_origin(kind) is not tuple or inner[-1] is Ellipsis:
         inner = (inner[0],) * len(rows)
     if len(rows) != len(inner):
-        raise _refusal(name, value, kind)
+        raise InputError(f"{name} = {shown(value)}: a list of {len(inner)} is expected")
     return tuple(
         converted(_part_name(name, f"[{k}]"), row, one)
         for k, (row, one) in enumerate(zip(rows, inner, strict=True))
     )
-
-
-def _word(kind: Any) -> str:
-    """Return a type in words."""
-    kind = _alias_target(kind)
-    origin, inner = get_origin(kind) or kind, get_args(kind)
-    if origin is Annotated:
-        return _word(inner[0])
-    if origin in (Union, UnionType):
-        *most, last = dict.fromkeys(map(_word, inner))
-        return f"{', '.join(most)} or {last}" if most else last
-    if origin is tuple and inner[-1] is not Ellipsis:
-        return f"({', '.join(map(_word, inner))})"
-    if origin in (tuple, Sequence):
-        return f"list of {_word(inner[0])}"
-    if origin is Mapping:
-        return f"mapping of {_word(inner[0])} to {_word(inner[1])}"
-    return _WORDS.get(origin, getattr(origin, "__name__", f"{origin}"))
 
 
 def make(place: str, kind: Callable[..., T], data: Any) -> T:
@@ -203,10 +182,11 @@ def make(place: str, kind: Callable[..., T], data: Any) -> T:
         raise type(error)(f"{place}: {error}") from None
 
 
-def to_plain(value: Any) -> Any:
-    """Return a data class as plain data, SI, its ``kind`` first where it has one.
+def plain(value: Any) -> Any:
+    """Return data that JSON can hold: a number that is not finite becomes None.
 
-    A class with a method ``as_plain`` writes itself.
+    A data class becomes a dictionary, SI, its ``kind`` first where it has one. A class with a
+    method ``as_plain`` writes itself.
     """
     if hasattr(value, "as_plain"):
         return value.as_plain()
@@ -214,18 +194,17 @@ def to_plain(value: Any) -> Any:
         kind = getattr(value, "kind", None)
         first = {"kind": kind} if isinstance(kind, str) else {}
         items = (item.name for item in fields(value) if item.init)
-        return first | {name: to_plain(getattr(value, name)) for name in items}
+        return first | {name: plain(getattr(value, name)) for name in items}
     if isinstance(value, Mapping):
-        return {f"{key}": to_plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, list | tuple):
-        return [to_plain(item) for item in value]
-    return plain_number(value)
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(item) for item in value]
+    number = plain_number(value)
+    return None if isinstance(number, float) and not math.isfinite(number) else number
 
 
 def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
-    """Return a data class from ``to_plain``; nothing is filled in.
+    """Return a data class from what ``plain`` returned; nothing is filled in.
 
     Raises
     ------
@@ -234,23 +213,23 @@ def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
     """
     try:
         result = make(place, kind, data)
+    except InputError:
+        raise
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"{place}: {error}") from None
-    for key in _lacking(to_plain(result), data):
+    for key in _missing_keys(plain(result), data):
         raise InputError(f"{place}: {key!r} is missing")
     return result
 
 
-def _lacking(whole: Any, data: Any) -> Iterator[str]:
+def _missing_keys(whole: Any, data: Any) -> Iterator[str]:
     """Yield names in nested plain data that other plain data lack."""
     if isinstance(whole, Mapping) and isinstance(data, Mapping):
         for name, value in whole.items():
             if name not in data:
                 yield name
             else:
-                yield from _lacking(value, data[name])
+                yield from _missing_keys(value, data[name])
 
 
 def to_toml(value: Any, kind: Any = Any) -> str:
@@ -258,7 +237,7 @@ def to_toml(value: Any, kind: Any = Any) -> str:
     origin, inner = get_origin(kind) or kind, get_args(kind)
     if origin is Annotated:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return _number_text(value, inner[1]) if is_number else to_toml(value, inner[0])
+        return _number_text(value, inner[1].unit) if is_number else to_toml(value, inner[0])
     if origin in (Union, UnionType):
         return to_toml(value, next((one for one in inner if _fits(value, one)), Any))
     if isinstance(value, bool):
@@ -288,16 +267,14 @@ def toml_items(owner: Any) -> Iterator[tuple[str, str, str]]:
         if value is None or value == item.default or value in ((), {}):
             continue
         meaning = meaning_of(item, owner)
-        if isinstance(meaning, Quantity):
-            text = _number_text(value, meaning)
-        else:
-            text = to_toml(value, item.type)
+        kind = Annotated[float, meaning] if isinstance(meaning, Quantity) else item.type
+        text = to_toml(value, kind)
         yield item.name, text, meaning.text if meaning else ""
 
 
-def _number_text(value: Any, meaning: Any) -> str:
-    unit = meaning.unit.split(" or ")[0]
-    return f'"{value!r} {unit}"' if unit else f"{value!r}"
+def _number_text(value: Any, unit: str) -> str:
+    first = unit.split(" or ")[0]
+    return f'"{value!r} {first}"' if first else f"{value!r}"
 
 
 def _fits(value: Any, kind: Any) -> bool:
@@ -312,17 +289,8 @@ def typed(data: Any, kind: type[T], place: str) -> T:
     """Return plain data as the type that describes them, by msgspec.
 
     A whole number may stand for a float, but neither True nor a text for a number. Keys without an
-    annotation are left out.
-
-    Parameters
-    ----------
-    place : str
-        Place of the data, for messages.
-
-    Raises
-    ------
-    InputError
-        With the place of the first value that is missing or of a wrong type.
+    annotation are left out. InputError names the place of the first value that is missing or of a
+    wrong type.
     """
     import msgspec  # only where something is read
 
@@ -333,27 +301,26 @@ def typed(data: Any, kind: type[T], place: str) -> T:
         raise InputError(": ".join(filter(None, (place, inner.strip(".`"), fault)))) from None
 
 
-MAX_NUMBER = 1e300  # in a document: beyond it sums and units would overflow
-
-
 def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
     """Read a document of one schema, all of whose numbers are finite.
 
     Parameters
     ----------
     missing : str
-        Message where there is no such file.
-
-    Raises
-    ------
-    InputError
+        Message of the InputError where there is no such file.
     """
     if not file.is_file():
         raise InputError(missing)
+
+    def finite(text: str) -> float:
+        value = float(text)
+        if not abs(value) <= MAX_NUMBER:
+            raise ValueError(f"{text[:40]} is no finite number up to {MAX_NUMBER:g}")
+        return value
+
     try:
-        document = json.loads(
-            read_checked(file).decode(), parse_float=_finite, parse_constant=_finite
-        )
+        text = read_checked(file).decode()
+        document = json.loads(text, parse_float=finite, parse_constant=finite)
     except (ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
     if not isinstance(document, dict):
@@ -364,26 +331,6 @@ def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
             f"{file} has schema {document.get('schema')!r}; this version reads {schema}"
         )
     return document
-
-
-def _finite(text: str) -> float:
-    value = float(text)
-    if not abs(value) <= MAX_NUMBER:
-        raise ValueError(f"{text[:40]} is no finite number up to {MAX_NUMBER:g}")
-    return value
-
-
-def plain(value: Any) -> Any:
-    """Return data that JSON can hold: a number that is not finite becomes None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.integer):
-        return int(value)
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value
 
 
 def write_json(file: Path, document: Mapping[str, Any]) -> None:

@@ -98,7 +98,7 @@ class UserFunction:
         elif callable(value):
             function = _from_callable(key, value)
         else:
-            key = f"{key} = {value}"
+            key = f"{key} = {value!r}"
             function = _from_file(key, str(value))
         if parameters is not None:
             function.parameters(key, parameters)
