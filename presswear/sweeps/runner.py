@@ -23,7 +23,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing import active_children, current_process, get_context
 from pathlib import Path
@@ -34,7 +34,7 @@ from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import holder, write_bytes
-from presswear.tools.processes import cores, end_with_parent, hidden_main, is_stopped
+from presswear.tools.processes import cores, end_with_parent, is_stopped, starting_processes
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
 POLL = 0.2  # time between two reports of the progress, s
@@ -265,7 +265,7 @@ class ProcessExecutor(ProcessPoolExecutor):
         # Only user functions of the main module need that module in the workers.
         functions = [f for item in args if isinstance(item, Requested) for f in item.functions]
         needs_main = any(function.__module__ == "__main__" for function in functions)
-        with nullcontext() if needs_main else hidden_main():
+        with starting_processes(hides_main=not needs_main):
             return super().submit(fn, *args, **kwargs)
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:

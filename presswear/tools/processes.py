@@ -151,7 +151,7 @@ class Pool:
         self._shared = context.RawArray("d", 2 * self._count)  # progress, then requests
         arguments = self._shared, self._folder, self._imports
         self._executor = ProcessPoolExecutor(self._count, context, _prepare, arguments)
-        with hidden_main():
+        with starting_processes():
             for _ in range(self._count):  # start all workers now, so that they import together
                 self._executor.submit(os.getpid)
         return self._executor
@@ -221,7 +221,7 @@ class Pool:
             free = free[: 1 - len(busy)]
         for place, key in zip(free, list(waiting), strict=False):
             self._shared[place], self._shared[self._count + place] = -math.inf, 0.0
-            with hidden_main():
+            with starting_processes():
                 running[executor.submit(_run_job, place, waiting.pop(key))] = place, key
 
 
@@ -253,20 +253,36 @@ def _result(future: "Future[Any]") -> Any:
 
 
 @contextmanager
-def hidden_main() -> Iterator[None]:
+def starting_processes(hides_main: bool = True) -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
-    They would run a script a second time that lacks ``if __name__ == "__main__":``.
+    With the main module they would run a script a second time that lacks
+    ``if __name__ == "__main__":``. A signal is delivered at the end: an executor that is abandoned
+    while it starts a worker leaves one that fails with a traceback.
     """
     main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
-    before = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
-    sys.modules["__main__"] = ModuleType("__main__")
+    blocked = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
+    late: list[int] = []
+    is_main_thread = threading.current_thread() is threading.main_thread()
+    numbers = [n for n in _signals() if is_main_thread and callable(signal.getsignal(n))]
+    handlers = {n: signal.signal(n, lambda number, _: late.append(number)) for n in numbers}
+    if hides_main:
+        sys.modules["__main__"] = ModuleType("__main__")
     try:
         yield
     finally:
         sys.modules["__main__"] = main
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         if mask:
-            mask(signal.SIG_SETMASK, before)
+            mask(signal.SIG_SETMASK, blocked)
+        if late:
+            signal.raise_signal(late[0])
+
+
+def _signals() -> list[signal.Signals]:
+    names = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
+    return [getattr(signal, name) for name in names if hasattr(signal, name)]
 
 
 _worker: dict[str, Any] = {}  # arguments of ``_prepare`` in a worker
@@ -347,9 +363,8 @@ def stoppable() -> Iterator[None]:
     # An object that a signal left incomplete fails when it is deleted, until the program ends.
     sys.unraisablehook = lambda problem: None if is_stopped() else hook(problem)
     if threading.current_thread() is threading.main_thread():
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            number = getattr(signal, name, None)
-            if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
+        for number in _signals():
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
                 before[number] = signal.signal(number, _interrupt)
     try:
         yield

@@ -26,7 +26,7 @@ NOT_UNITS_OF = {
     "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
     "rad/s": "m, kg, s, rad, m/s, 1/s",
     "rad": "m, rad/s, °, grad, s",
-    "kg": "m, Pa, lb, kg m^2, t, N",
+    "kg": "m, Pa, lb, kg m^2, N",
     "kg m^2": "kg, m, kg m, kg m^3, g m^2",
     "Pa": "m, kg, mPa, 1/Pa, N",
     "1/Pa": "Pa, m, /GPa, 1/m, /",
@@ -39,7 +39,7 @@ NOT_UNITS_OF = {
     "m/s": "m, s, rad/s, m/s^2, km/h",
     "m/s^2": "m/s, m, g, N",
     "s": "m, Hz, 1/s, h",
-    "": "m, mm, %, rad, kg, x, pi",
+    "": "m, mm, rad, kg, x, pi",
 }
 """Units that are none of a dimension."""
 _NO_NUMBER_TEXTS = (

@@ -160,7 +160,9 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
         for _ in range(5 if is_quick else 100):
             place = chance.randrange(len(data))
             flipped = bytes([data[place] ^ (1 << chance.randrange(8))])
-            for bad in (data[:place], data[:place] + flipped + data[place + 1 :]):
+            altered = data[:place] + flipped + data[place + 1 :]
+            # result.json holds the digests of the arrays and has none of its own.
+            for bad in [data[:place]] + ([altered] if file.name != "result.json" else []):
                 file.write_bytes(bad)
                 wrong = missed(check, file)
                 trial.add(f"{file.name}, byte {place}: {wrong}" if wrong else "")

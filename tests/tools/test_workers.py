@@ -344,3 +344,26 @@ def test_a_run_works_where_processes_can_only_be_spawned(tmp_path: Path) -> None
         check=False,
     )
     assert done.stdout == "completed\n", done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
+def test_a_signal_while_workers_start_leaves_no_traceback() -> None:
+    script = """
+import os, signal, threading
+from presswear.tools.processes import Pool, stoppable
+try:
+    with stoppable(), Pool(2, ["presswear.campaign.campaign"]) as pool:
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        pool.run({0: str, 1: str}, lambda key, outcome: {0: str, 1: str}, print)
+except KeyboardInterrupt:
+    print("stopped")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+    assert done.stdout.endswith("stopped\n")
+    assert done.stderr == ""
