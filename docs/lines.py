@@ -19,7 +19,6 @@ from functools import partial
 from pathlib import Path
 
 from presswear.cli import COMMANDS
-from presswear.cli.parser import parser_with
 
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
@@ -72,9 +71,7 @@ def all_lines() -> dict[str, list[str]]:
         text = page.read_text()
         in_cells = lines_in_cells(text)
         places[str(page.relative_to(ROOT))] = [x for x in lines_of(text) if x not in in_cells]
-    parsers = parser_with(COMMANDS)[1].parsers.values()
-    epilogs = [parser.epilog.removeprefix("example: ") for parser in parsers if parser.epilog]
-    examples = [part for epilog in epilogs for part in epilog.split("; ")]
+    examples = [x for command in COMMANDS.values() for x in command["example"].split("; ")]
     return {**places, "help": [line for part in examples for line in lines_of(part)]}
 
 

@@ -8,6 +8,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from importlib.metadata import version
 
 from presswear.tools.errors import InputError, RunFailed, one_line
@@ -53,10 +54,13 @@ def _run(words: Sequence[str]) -> int:
     from presswear.cli.parser import parser_for
 
     arguments = parser_for(words).parse_args(words)
+    from presswear.cli import COMMANDS
     from presswear.cli.terminal import logging_to_stderr
 
+    module, _, function = COMMANDS[arguments.command]["call"].partition(":")
+    command = getattr(import_module(f"presswear.cli.{module}"), function)
     with logging_to_stderr("verbose" in arguments):
-        return int(arguments.run(arguments, Console()))
+        return int(command(arguments, Console()))
 
 
 def _is_output_broken() -> bool:

@@ -6,11 +6,10 @@ It measures and does not judge: the exit code is 0 however slow or inaccurate a 
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli.parser import SET, integer, out
 from presswear.cli.terminal import (
     free_folder,
     named_progress,
@@ -26,31 +25,8 @@ if TYPE_CHECKING:
 SCENE = "wear-times"
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``benchmark``."""
-    parser = commands.add_parser(
-        "benchmark",
-        parents=[out("results/benchmark-SCENE"), SET],
-        description="Runs every engine and integrator over its steps or tolerances on the ideal "
-        "mechanism, Andrews' squeezer, one impact, and a scene with clearance, and compares each "
-        "with a reference. Wall times are the least of interleaved repeats, without compilation. "
-        "Methods that fail are listed, among them the setting of the paper, RK4 at 1e-4 s. With "
-        "--features: times the scene with each feature of the model on and off. Do not use "
-        "the machine for other work meanwhile. It takes up to 10 minutes, with --quick two.",
-        epilog="example: presswear benchmark wear-times --quick --out results/benchmark-first",
-    )
-    parser.add_argument(
-        "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
-    )
-    parser.add_argument("--features", action="store_true", help="cost of each feature of a model")
-    parser.add_argument(
-        "--repeats", type=integer(1, 1000), metavar="N", help="timed runs of each setting (5)"
-    )
-    parser.add_argument("--quick", action="store_true", help="fewer settings, or shorter runs")
-    parser.set_defaults(run=_benchmark)
-
-
-def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
+def benchmark(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     repeats, scene = arguments.repeats, requested_scene(arguments)
     folder = arguments.out or free_folder(f"benchmark-{scene.name}")
     measure = _features if arguments.features else _work_precision

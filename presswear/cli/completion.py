@@ -1,7 +1,6 @@
 """``presswear completion``: completion in a shell, by shtab."""
 
 import argparse
-from typing import Any
 
 from rich.console import Console
 
@@ -16,28 +15,16 @@ CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
 SHELLS = ("bash", "zsh")
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``completion``."""
-    parser = commands.add_parser(
-        "completion",
-        description="Prints a script with which a shell completes commands, options, scenes, files "
-        "and folders. For bash, save it and add to ~/.bashrc: source ~/.presswear-completion. For "
-        "zsh, save it as _presswear in a folder of $fpath.",
-        epilog="example: presswear completion bash > ~/.presswear-completion",
-    )
-    parser.add_argument("shell", help="bash or zsh")
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def completion(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     if arguments.shell not in SHELLS:
         raise unknown("shell", arguments.shell, SHELLS)
     try:
         import shtab
     except ImportError:
         raise not_installed("presswear completion", "shtab", "completion") from None
-    parser, commands = parser_with(COMMANDS)
-    for command in commands.parsers.values():
+    parser, parsers = parser_with(COMMANDS)
+    for command in parsers.values():
         command.description = None  # menus show the line of help
         for action in command._actions:
             if action.dest in CHOICES:

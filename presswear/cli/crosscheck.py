@@ -2,12 +2,9 @@
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
-from presswear.cli.export import COLUMNS
-from presswear.cli.parser import SET, number, out
 from presswear.cli.terminal import (
     free_folder,
     load_result,
@@ -21,48 +18,10 @@ from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder, only_writer
 
 MIN_CYCLES, MAX_CYCLES = 1e-3, 100.0  # time over which trajectories are compared, cycles
-POSITIVE = number(1e-300, 1e300)
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``crosscheck``."""
-    parser = commands.add_parser(
-        "crosscheck",
-        parents=[out("results/crosscheck-SCENE"), SET],
-        description="Without --against: Exudyn and the in-house engine run a scene on unworn "
-        "surfaces from the same start. Trajectories are compared until a disturbance of 1e-9 m has "
-        "grown a thousand times, and means over cycles beyond that time (8 cycles, or --set "
-        "cycles=N). With --against: stage 0 of a result folder is compared with the table of "
-        f"another program. {COLUMNS} The table may hold any of these beside time. Our series are "
-        "interpolated at its times; forces and accelerations between rows are accurate to some "
-        "per cent only, so export first and use our times in the other program. The exit code is "
-        "1 if a bound is exceeded.",
-        epilog="example: presswear crosscheck wear-times --set 'speed=8pi rad/s'; "
-        "presswear crosscheck results/wear-times --against theirs.csv --until 0.1",
-    )
-    parser.add_argument(
-        "scene", nargs="?", metavar="SCENE|DIR", help="scene (default wear-times) or result folder"
-    )
-    parser.add_argument(
-        "--duration",
-        type=POSITIVE,
-        metavar="S",
-        help="longest time over which trajectories are compared, s (default one cycle)",
-    )
-    parser.add_argument("--against", type=Path, metavar="FILE", help="table, .csv or .npz")
-    parser.add_argument(
-        "--until", type=POSITIVE, metavar="S", help="last time compared, s (default: all)"
-    )
-    parser.add_argument(
-        "--tolerance",
-        type=POSITIVE,
-        metavar="X",
-        help="rms difference allowed in a column, relative to its rms (default 1e-3)",
-    )
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     excluded = ("set", "out", "duration") if arguments.against else ("until", "tolerance")
     for name in excluded:
         if getattr(arguments, name) not in (None, []):

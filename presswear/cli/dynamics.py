@@ -2,11 +2,9 @@
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
-from presswear.cli.parser import JOBS, RESUME, SET, integer, out
 from presswear.cli.terminal import (
     check_resume,
     free_folder,
@@ -23,43 +21,8 @@ from presswear.tools.errors import InputError
 MAX_CYCLES = 100_000
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``dynamics``."""
-    parser = commands.add_parser(
-        "dynamics",
-        parents=[SET, out("results/SCENE-dynamics"), RESUME, JOBS],
-        description="For a result folder: contact modes and the period of each stage. For a "
-        "scene: the largest Lyapunov exponent. With --over: a bifurcation diagram on unworn "
-        "surfaces with increasing and decreasing values; each run continues from the end of the "
-        "previous one. All runs use the in-house engine.",
-        epilog="example: presswear dynamics slider-crank --over 'speed=50:600:200 rad/s'",
-    )
-    parser.add_argument("scene", metavar="SCENE|DIR", help="a file, FILE.toml, a scene or a folder")
-    parser.add_argument(
-        "--over", metavar="KEY=FIRST:LAST:COUNT", help="bifurcation parameter and its values"
-    )
-    cycles = integer(1, MAX_CYCLES)
-    parser.add_argument(
-        "--cycles", type=cycles, default=100, metavar="N", help="cycles at each value (100)"
-    )
-    parser.add_argument(
-        "--stored", type=cycles, default=40, metavar="N", help="last cycles, stored and drawn (40)"
-    )
-    cycles = integer(0, MAX_CYCLES)
-    parser.add_argument(
-        "--exponent", type=cycles, default=20, metavar="N", help="cycles for the exponent (20)"
-    )
-    parser.add_argument(
-        "--orders",
-        type=cycles,
-        default=0,
-        metavar="N",
-        help="with --over: cycles for the amplitudes at the harmonics of the crank (0)",
-    )
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def dynamics(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     folder = Path(arguments.scene)
     if folder.is_dir():
         if arguments.over or arguments.set:

@@ -3,15 +3,12 @@
 import argparse
 import re
 from functools import partial
-from typing import Any
 
 from rich.console import Console
 
 from presswear.cli.run import (
-    add_scene_options,
     has_no_options,
     run_scene,
-    scene_parents,
     with_options,
 )
 from presswear.cli.terminal import (
@@ -24,7 +21,7 @@ from presswear.cli.terminal import (
     resumable,
 )
 from presswear.linkage.laws import MATERIALS
-from presswear.scene.options import FOLLOWED, NEW, TURNED, Life
+from presswear.scene.options import NEW, TURNED, Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed
 from presswear.tools.errors import InputError
@@ -33,60 +30,8 @@ from presswear.tools.processes import check_stopped
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``life``."""
-    quantities = "; ".join(f"{name}: {each.text}" for name, each in FOLLOWED.items())
-    parser = commands.add_parser(
-        "life",
-        parents=scene_parents("results/SCENE-life, or results/lives"),
-        description="Wears the joints of a scene until the first of some limits is exceeded, and "
-        "prints the number of strokes with a 95 % interval. Conventions are refined unless the "
-        f"options specify others. Quantities for limits: {quantities}.",
-        epilog="example: presswear life press-blanking --until 'depth > 0.05 mm' --engine dae",
-    )
-    parser.add_argument("scene", help="a file, FILE.toml, or a scene (see presswear list)")
-    add_scene_options(parser)
-    parser.add_argument(
-        "--until",
-        action="append",
-        metavar="LIMIT",
-        help="such as 'A.depth > 50 um'; repeatable, the first to be exceeded ends the life "
-        f"(default {Life().until})",
-    )
-    parser.add_argument(
-        "--at-most", metavar="STROKES", help=f"largest number of strokes ({Life().at_most:g})"
-    )
-    parser.add_argument(
-        "--replace",
-        action="append",
-        default=[],
-        metavar="JOINT@STROKES",
-        help="compare with the life if the bushing of a joint is replaced after so many strokes",
-    )
-    parser.add_argument(
-        "--turn",
-        action="append",
-        default=[],
-        metavar="JOINT@STROKES",
-        help="compare with the life if the bushing is turned by half a turn",
-    )
-    parser.add_argument(
-        "--compare",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE[,KEY=VALUE]",
-        help="compare with the life for other settings, such as clearance=0.4mm or "
-        "A.materials=316L-304L; repeatable",
-    )
-    parser.add_argument(
-        "--materials",
-        action="store_true",
-        help="compare with the life for each material pair in each joint",
-    )
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def life(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     change = partial(_with_life, arguments=arguments)
     if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
         return _compare(change(load_scene(arguments.scene)), arguments, console)

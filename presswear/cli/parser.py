@@ -1,16 +1,17 @@
-"""Parser of the command line, options that several commands share, and converters of values."""
+"""Parser of the command line that ``commands.toml`` describes, and converters of values."""
 
 import argparse
 import math
 import re
 import shlex
 from collections.abc import Callable, Collection, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
-from presswear.cli import COMMANDS
+from presswear.cli import COMMANDS, SHARED, TEXTS
 from presswear.tools.errors import InputError, nearest, unknown
+
+MIN_SIZE, MAX_SIZE = 160, 4096  # width and height of a picture, pixels
 
 
 class Parser(argparse.ArgumentParser):
@@ -63,77 +64,95 @@ def _intended_setting(rest: Sequence[str], scene: str) -> str:
     return f"{key}={value or ' '.join(rest[1:2]) or 'VALUE'}"
 
 
-class Commands:
-    """Parsers of the commands.
-
-    Attributes
-    ----------
-    parsers : dict
-        Parser by name of the command.
-    """
-
-    def __init__(self, parser: argparse.ArgumentParser) -> None:
-        self._parsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-        self.parsers: dict[str, argparse.ArgumentParser] = {}
-
-    def add_parser(self, name: str, **settings: Any) -> argparse.ArgumentParser:
-        """Add the parser of a command."""
-        self.parsers[name] = self._parsers.add_parser(name, help=COMMANDS[name][1], **settings)
-        return self.parsers[name]
-
-
-def parser_for(words: Sequence[str]) -> argparse.ArgumentParser:
+def parser_for(words: Sequence[str]) -> Parser:
     """Return a parser with the options of the command in ``words`` and the names of all others."""
     command = next((word for word in words if not word.startswith("-")), "")
-    return parser_with([command] if command in COMMANDS else [])[0]
+    return parser_with([command])[0]
 
 
-def parser_with(names: Collection[str]) -> tuple[argparse.ArgumentParser, Commands]:
-    """Return a parser with the options of some commands and the names of all others."""
+def parser_with(names: Collection[str]) -> tuple[Parser, dict[str, Parser]]:
+    """Return a parser with the options of some commands, and the parser of each command."""
     parser = Parser(
         prog="presswear",
         description="Dynamics and wear of planar linkages with clearance in their joints.",
         epilog="example: presswear run wear-times --cycles 5 --out results/first",
     )
     parser.add_argument("--version", action="store_true", help="print the version")
-    commands = Commands(parser)
-    modules = dict.fromkeys(COMMANDS[name][0] for name in names)
-    for name, (module, _) in COMMANDS.items():
-        if module not in modules:
-            commands.add_parser(name)
-    for module in modules:
-        import_module(f"presswear.cli.{module}").add(commands)
-    return parser, commands
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    parsers = {}
+    for name, content in COMMANDS.items():
+        texts = _texts() if name in names else TEXTS
+        parsers[name] = commands.add_parser(
+            name,
+            help=content["help"],
+            description=content["description"].format(**texts) if name in names else "",
+            epilog=f"example: {content['example']}",
+        )
+        if name in names:
+            _add_arguments(parsers[name], content, texts)
+    return parser, parsers
 
 
-def integer(low: int, high: int = 10**9) -> Callable[[str], int]:
+def _texts() -> dict[str, str]:
+    """Return the texts that replace names in braces."""
+    from presswear.scene.catalog import SCENES
+    from presswear.scene.files import EXAMPLES
+    from presswear.scene.options import FOLLOWED, Life
+
+    return {
+        **TEXTS,
+        "scenes": ", ".join(SCENES),
+        "kinds": ", ".join(EXAMPLES),
+        "until": Life().until,
+        "at_most": f"{Life().at_most:g}",
+        "quantities": "; ".join(f"{name}: {each.text}" for name, each in FOLLOWED.items()),
+    }
+
+
+def _add_arguments(
+    parser: argparse.ArgumentParser, content: dict[str, Any], texts: dict[str, str]
+) -> None:
+    shared = {name: SHARED[name] for name in content.get("shared", ())}
+    arguments = {**shared, **content.get("arguments", {})}
+    # argparse cannot print the help of an empty group.
+    has_group = any("exclusive" in settings for settings in arguments.values())
+    exclusive = parser.add_mutually_exclusive_group() if has_group else parser
+    for name, settings in arguments.items():
+        settings = dict(settings)
+        settings["help"] = settings["help"].format(**texts, out=content.get("out", ""))
+        if "type" in settings:
+            kind, *limits = settings["type"].split()
+            settings["type"] = CONVERTERS[kind](*limits)
+        group = exclusive if settings.pop("exclusive", False) else parser
+        group.add_argument(name, **settings)
+
+
+def integer(least: str, most: str = "1000000000") -> Callable[[str], int]:
     """Return a converter to a whole number within a range."""
+    low, high = int(least), int(most)
+    limits = f"from {low} to {high}" if high < 10**9 else f"from {low}"
 
     def convert(text: str) -> int:
-        is_number = text.isascii() and text.isdigit() and len(text) <= len(f"{high}")
+        is_number = text.isascii() and text.isdigit() and len(text) <= len(most)
         if not (is_number and low <= int(text) <= high):
-            limits = f"from {low}" if high == 10**9 else f"from {low} to {high}"
             raise argparse.ArgumentTypeError(f"{text[:80]}: must be a whole number {limits}")
         return int(text)
 
     return convert
 
 
-def number(
-    low: float = -math.inf, high: float = math.inf, unit: str = ""
-) -> Callable[[str], float]:
+def number(least: str, most: str, unit: str = "") -> Callable[[str], float]:
     """Return a converter to a finite number within a range; ``unit`` appears in its message."""
+    low, high = float(least), float(most)
+    words = f"must be a number{f' of {unit}' if unit else ''} from {low:g} to {high:g}"
 
     def convert(text: str) -> float:
         try:
             value = float(text) if "_" not in text else math.nan
         except ValueError:
             value = math.nan
-        if not (low <= value <= high and math.isfinite(value)):
-            limits = f" from {low:g} to {high:g}" if math.isfinite(high) else ""
-            limits = f" from {low:g}" if not limits and math.isfinite(low) else limits
-            of_unit = f" of {unit}" if unit else ""
-            raise argparse.ArgumentTypeError(f"{text[:80]}: must be a number{of_unit}{limits}")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text[:80]}: {words}")
         return value
 
     return convert
@@ -146,49 +165,20 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
-def option(*flags: str, **settings: Any) -> argparse.ArgumentParser:
-    """Return a parent parser with one option."""
-    parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument(*flags, **settings)
-    return parser
+def size(text: str) -> tuple[int, int]:
+    """Return width and height of a picture, pixels."""
+    match = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
+    if match is None or not all(MIN_SIZE <= int(part) <= MAX_SIZE for part in match.groups()):
+        raise argparse.ArgumentTypeError(
+            f"{text[:80]}: must be WIDTHxHEIGHT, each {MIN_SIZE} to {MAX_SIZE} pixels"
+        )
+    return int(match[1]), int(match[2])
 
 
-ENGINE = option(
-    "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
-)
-CYCLES = option("--cycles", help="cycles of each stage (default: until the wear maps converge)")
-WEAR_UPDATES = option(
-    "--wear-updates", metavar="N", help="number of wear updates, from 0; a stage runs after each"
-)
-SET = option(
-    "--set",
-    action="append",
-    default=[],
-    metavar="KEY=VALUE",
-    help="set a value, with its unit; repeatable (see presswear list SCENE)",
-)
-JOBS = option(
-    "--jobs", type=integer(1, 256), metavar="N", help="number of processes (default: all cores)"
-)
-RESUME = option(
-    "--resume",
-    action="store_true",
-    help="continue in --out, with the same numbers as without interruption",
-)
-TRUST = option(
-    "--trust",
-    action="store_true",
-    help="with --resume: execute the Python source code of user laws that is stored in --out",
-)
-LIMIT = option(
-    "--limit",
-    action="append",
-    metavar="RESPONSE>=VALUE",
-    help="of a sweep: lower or upper limit on a response, such as 'A.force_max<=15kN'; the report "
-    "has the probability that it is violated; repeatable",
-)
-
-
-def out(default: str) -> argparse.ArgumentParser:
-    """Return the parent parser with ``--out``."""
-    return option("--out", type=folder, metavar="DIR", help=f"new folder (default {default})")
+CONVERTERS: dict[str, Callable[..., Any]] = {
+    "integer": integer,
+    "number": number,
+    "path": lambda: Path,
+    "folder": lambda: folder,
+    "size": lambda: size,
+}

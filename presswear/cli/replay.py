@@ -3,11 +3,10 @@
 import argparse
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli.parser import integer, number
 from presswear.cli.terminal import load_result, print_lines, progress_bar
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder
@@ -16,68 +15,9 @@ from presswear.tools.quantities import Quantity, parse_quantity
 if TYPE_CHECKING:
     from presswear.show.replay.clip import Clip
 
-MIN_SIZE, MAX_SIZE = 160, 4096  # width and height, pixels
 
-
-def add(commands: Any) -> None:
-    """Add the parser of ``replay``."""
-    parser = commands.add_parser(
-        "replay",
-        description="Plays a stored run in Exudyn's renderer: the mechanism, and its clearance "
-        "joints enlarged. Keys in the window: space pauses, left and right step, up and down "
-        "change the speed, home and end go to the ends, q quits; a click on the time bar jumps.",
-        epilog="example: presswear replay results/wear-times --stage 1 --movie press.gif; "
-        "presswear replay results/wear-times --still press.png --at 0.31s",
-    )
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
-    parser.add_argument(
-        "--stage",
-        type=integer(0),
-        metavar="K",
-        help="0 unworn, 1 after the first wear update, ... (default: the last)",
-    )
-    parser.add_argument(
-        "--compare",
-        metavar="K|DIR|DIR:K",
-        help="show another stage, or a stage of another run, beside it",
-    )
-    parser.add_argument(
-        "--life", action="store_true", help="last cycle of each stage through a service life"
-    )
-    parser.add_argument("--movie", type=Path, metavar="FILE", help="write a film, .mp4 or .gif")
-    parser.add_argument("--still", type=Path, metavar="FILE", help="write one picture, .png")
-    parser.add_argument("--at", metavar="TIME", help="time of the picture, such as 0.31s")
-    parser.add_argument(
-        "--from", dest="start", metavar="TIME", help="start of the film (default: second cycle)"
-    )
-    parser.add_argument(
-        "--to", dest="end", metavar="TIME", help="end of the film (default: after one cycle)"
-    )
-    parser.add_argument(
-        "--slow",
-        type=number(0.01, 1e5),
-        metavar="N",
-        help="times slower than real speed (default: a cycle in 10 s)",
-    )
-    parser.add_argument(
-        "--rate", type=number(1.0, 60.0), default=25.0, metavar="N", help="pictures per second (25)"
-    )
-    parser.add_argument(
-        "--size", type=_size, default=(960, 640), metavar="WxH", help="pixels (960x640)"
-    )
-    parser.set_defaults(run=_run)
-
-
-def _size(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
-    if match is None or not all(MIN_SIZE <= int(part) <= MAX_SIZE for part in match.groups()):
-        raise argparse.ArgumentTypeError(
-            f"{text[:80]}: must be WIDTHxHEIGHT, each {MIN_SIZE} to {MAX_SIZE} pixels"
-        )
-    return int(match[1]), int(match[2])
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def replay(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     check_folder(arguments.folder)
     _check(arguments)
     from presswear.show.replay.clip import equal_limits, life_clip

@@ -1,31 +1,16 @@
 """``presswear report``: figures and report of a stored run or sweep."""
 
 import argparse
-from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
-from presswear.cli.parser import LIMIT
 from presswear.cli.terminal import load_result, print_lines
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``report``."""
-    parser = commands.add_parser(
-        "report",
-        parents=[LIMIT],
-        description="Writes the figures and the report of a result folder or a sweep folder "
-        "again, complete or not.",
-        epilog="example: presswear report results/wear-times",
-    )
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run or a sweep")
-    parser.set_defaults(run=_report)
-
-
-def _report(arguments: argparse.Namespace, console: Console) -> int:
+def report(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     check_folder(arguments.folder)
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep

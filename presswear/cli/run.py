@@ -11,17 +11,6 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
-from presswear.cli.parser import (
-    CYCLES,
-    ENGINE,
-    JOBS,
-    RESUME,
-    SET,
-    TRUST,
-    WEAR_UPDATES,
-    number,
-    out,
-)
 from presswear.cli.terminal import (
     check_resume,
     free_folder,
@@ -34,7 +23,7 @@ from presswear.cli.terminal import (
     resume_command,
 )
 from presswear.recording.observer import Observer, Progress
-from presswear.scene.catalog import SCENES, title_of
+from presswear.scene.catalog import title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, on_surfaces
@@ -51,54 +40,6 @@ OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
 LIFE = "life,"  # start of the description of a step that follows a service life
 MAX_CHECKPOINT = 86400.0  # s
-
-
-def add(commands: Any) -> None:
-    """Add the parser of ``run``."""
-    parser = commands.add_parser(
-        "run",
-        parents=scene_parents("results/SCENE"),
-        description="Runs a scene: its motion on new surfaces, then a wear update and the motion "
-        "on worn surfaces, as often as --wear-updates says. Writes figures and a report. With "
-        "--resume and without options on the scene, the scene stored in --out is used.",
-        epilog="example: presswear run wear-times --conventions refined --cycles 10 "
-        "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
-    )
-    parser.add_argument("scene", help=f"a file, FILE.toml, or one of: {', '.join(SCENES)}")
-    add_scene_options(parser)
-    parser.add_argument(
-        "--live", action="store_true", help="show the mechanism in a window while it runs"
-    )
-    parser.set_defaults(run=_run)
-
-
-def scene_parents(folder: str) -> list[argparse.ArgumentParser]:
-    """Return the shared options of ``run`` and ``life``."""
-    return [ENGINE, CYCLES, WEAR_UPDATES, SET, out(folder), RESUME, TRUST, JOBS]
-
-
-def add_scene_options(parser: Any) -> None:
-    """Add the other options that ``run`` and ``life`` have in common."""
-    parser.add_argument(
-        "--conventions", help="paper (as printed) or refined (default: those of the scene)"
-    )
-    parser.add_argument(
-        "--tolerance", help="relative error of the wear maps at which a stage ends (default 0.1)"
-    )
-    parser.add_argument(
-        "--surfaces",
-        metavar="DIR:STAGE|FILE.csv",
-        help="start with worn surfaces: those on which a stage of another result ran (default its "
-        "last stage), or measured ones from a file with columns such as joint,side,angle (deg),"
-        "depth (um), where side is bearing or pin",
-    )
-    parser.add_argument(
-        "--checkpoint",
-        type=number(0.0, MAX_CHECKPOINT, "seconds"),
-        default=60.0,
-        metavar="SECONDS",
-        help="time between checkpoints within a stage (default 60; 0: after every cycle)",
-    )
 
 
 def has_no_options(arguments: argparse.Namespace) -> bool:
@@ -119,7 +60,8 @@ def with_options(scene: Scene, arguments: argparse.Namespace, **more: Any) -> Sc
     return scene
 
 
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     change = None if has_no_options(arguments) else partial(with_options, arguments=arguments)
     return run_scene(arguments, console, change)
 

@@ -4,53 +4,20 @@ import argparse
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
-from presswear.cli.parser import SET
 from presswear.cli.terminal import load_scene, parse_settings, print_lines
 from presswear.linkage.linkage import Linkage, values_of
 from presswear.scene.catalog import SCENES
-from presswear.scene.files import EXAMPLES, SUFFIX, example_file
+from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, parse_quantity
 
 
-def add(commands: Any) -> None:
-    """Add the parsers of ``list``, ``new`` and ``show``."""
-    parser = commands.add_parser(
-        "list",
-        description="Without a scene: lists the scenes. With a scene: lists its settings with "
-        "value, unit, range and meaning.",
-        epilog="example: presswear list wear-times",
-    )
-    parser.add_argument("scene", nargs="?", help="a scene or a file, FILE.toml")
-    parser.set_defaults(run=_list)
-    parser = commands.add_parser(
-        "new",
-        description="Writes a commented example file that presswear run takes as a scene.",
-        epilog="example: presswear new four-bar my-press.toml",
-    )
-    parser.add_argument("kind", help="mechanism: " + ", ".join(EXAMPLES))
-    parser.add_argument("file", type=Path, metavar="FILE", help="new file, NAME.toml")
-    parser.set_defaults(run=_new)
-    parser = commands.add_parser(
-        "show",
-        parents=[SET],
-        description="Draws the ideal mechanism at one time, with the names of bodies and joints.",
-        epilog="example: presswear show my-press.toml --at 20ms --out my-press.png",
-    )
-    parser.add_argument("scene", help="a file, FILE.toml, or a scene")
-    parser.add_argument("--at", default="0s", metavar="TIME", help="time with its unit (0s)")
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="picture, .png (default SCENE.png)"
-    )
-    parser.set_defaults(run=_show)
-
-
-def _list(arguments: argparse.Namespace, console: Console) -> int:
+def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     if arguments.scene is None:
         width = max(map(len, SCENES))
         print_lines(console, *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()))
@@ -66,7 +33,8 @@ def _list(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _new(arguments: argparse.Namespace, console: Console) -> int:
+def new(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     text, file = example_file(arguments.kind), arguments.file
     if file.suffix != SUFFIX:
         raise InputError(f"{file}: the name must end in {SUFFIX}")
@@ -79,7 +47,8 @@ def _new(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _show(arguments: argparse.Namespace, console: Console) -> int:
+def show(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")

@@ -5,11 +5,10 @@ import shlex
 from dataclasses import replace
 from itertools import accumulate
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli.parser import CYCLES, ENGINE, JOBS, LIMIT, RESUME, SET, TRUST, integer, out
 from presswear.cli.terminal import (
     check_resume,
     free_folder,
@@ -40,62 +39,8 @@ MEASURED_ROWS = 2  # completed rows after which the time is estimated: the first
 SETTINGS = ("engine", "cycles")  # settings that have an option
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``sweep``."""
-    parser = commands.add_parser(
-        "sweep",
-        parents=[ENGINE, CYCLES, SET, LIMIT, out("results/SCENE-sweep"), RESUME, TRUST, JOBS],
-        description="Runs a scene at every point of a grid, of a sample, or of both, and stores "
-        "responses of each run in a folder. A row in the folder does not run again: --resume "
-        "continues an interrupted sweep or extends it. A run that fails is a row with its error.",
-        epilog="example: presswear sweep wear-times --vary clearance=0.2mm:1.0mm:9 "
-        "--vary A.friction=0.02,0.05,0.1 --response A.force_max,bdc_error --replicates 4",
-    )
-    parser.add_argument("scene", help="a file, FILE.toml, with or without [sweep], or a scene")
-    parser.add_argument(
-        "--vary",
-        action="append",
-        metavar="KEY=VALUES",
-        help="values with units: a list, FIRST:LAST:COUNT, or FIRST:LAST:COUNT:log; "
-        "'KEY=VALUES & KEY=VALUES' vary together; repeatable, all values are combined",
-    )
-    parser.add_argument(
-        "--sample", metavar="KIND:SIZE", help="design: sobol, latin, saltelli, morris or oat"
-    )
-    parser.add_argument(
-        "--range",
-        action="append",
-        metavar="KEY=DISTRIBUTION",
-        help="distribution of a sampled parameter: a range such as 0.2mm:1mm, "
-        "normal(MEAN, DEVIATION), lognormal(MEDIAN, SPREAD), table(FILE.csv); repeatable",
-    )
-    parser.add_argument(
-        "--response",
-        action="append",
-        metavar="NAMES",
-        help="separated by commas, such as A.force_max,bdc_error, or A.force_max@0 of the unworn "
-        "stage (default: all, of the last stage)",
-    )
-    parser.add_argument(
-        "--replicates", type=integer(1), metavar="N", help="independent runs at each point (1)"
-    )
-    parser.add_argument("--seed", type=integer(0), metavar="N", help="seed of the sample")
-    parser.add_argument("--keep", help="responses (default), or results: complete result folders")
-    parser.add_argument(
-        "--on",
-        default="",
-        metavar="EXECUTOR",
-        help="dask (a local cluster), dask://HOST:PORT, or MODULE:FACTORY, which returns a "
-        "concurrent.futures.Executor (default: processes on this machine)",
-    )
-    parser.add_argument(
-        "--shard", metavar="K/N", help="every N-th run from the K-th, for one job of an array"
-    )
-    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def sweep(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     from presswear.sweeps.sweep import check_folder_of, parse_shard, run_sweep
 
     shard = parse_shard(arguments.shard or "1/1")

@@ -1,7 +1,7 @@
 """``presswear verify``: the engines on reference problems and on hard cases."""
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
@@ -13,23 +13,8 @@ if TYPE_CHECKING:
     from presswear.validation.cases import Outcome
 
 
-def add(commands: Any) -> None:
-    """Add the parser of ``verify``."""
-    parser = commands.add_parser(
-        "verify",
-        description="Without --hard: published results and closed forms. With --hard: scenes at "
-        "the ends of all ranges; each must conserve energy within a bound, or be refused with "
-        "name, value and range. The exit code is 1 if a bound is exceeded.",
-        epilog="example: presswear verify; presswear verify --hard",
-    )
-    parser.add_argument("--hard", action="store_true", help="hard cases, some minutes")
-    parser.add_argument(
-        "--long", action="store_true", help="with --hard: also cases of some minutes each"
-    )
-    parser.set_defaults(run=_run)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def verify(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the command and return its exit code."""
     if arguments.long and not arguments.hard:
         raise InputError("--long needs --hard; see presswear verify --help")
     from presswear.validation import cases, hard_cases, reference_checks

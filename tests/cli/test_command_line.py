@@ -255,10 +255,10 @@ def test_an_interrupt_that_became_another_error_is_one(
             raise RuntimeError("Error calling __set_name__") from None
         return 0
 
-    monkeypatch.setattr(scenes, "_list", listed)
+    monkeypatch.setattr(scenes, "list_scenes", listed)
     assert main(["list"]) == 143
     assert capsys.readouterr().err == "presswear: interrupted\n"
-    monkeypatch.setattr(scenes, "_list", lambda arguments, console: 1 // 0)
+    monkeypatch.setattr(scenes, "list_scenes", lambda arguments, console: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         main(["list"])
 
