@@ -18,7 +18,7 @@ from presswear.linkage.elements import ANGLE, LENGTH, MAX_ANGLE, Attachment, Out
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, choice, quantity
-from presswear.tools.serialize import check_fields
+from presswear.tools.serialize import Checked, check_fields
 
 MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
 MAX_HARMONICS = 16
@@ -474,7 +474,7 @@ def _start(degrees: float) -> Any:
 
 
 @dataclass(frozen=True)
-class Dwell:
+class Dwell(Checked):
     """Slider at rest around bottom dead centre; half a cycle later it is at the top."""
 
     kind: ClassVar[str] = "dwell"
@@ -486,9 +486,6 @@ class Dwell:
     bottom: float = _bottom(120.0)
     angle: float = _start(-20.0)
     law: str = choice("modified-sine", tuple(RISES), "law of the rise and the return")
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that makes the slider, a point, dwell; frequency in rad/s."""
@@ -559,7 +556,7 @@ class Forming:
 
 
 @dataclass(frozen=True)
-class Pendulum:
+class Pendulum(Checked):
     """Crank that swings as a sine: middle + amplitude sin(turn of crank 2 - phase)."""
 
     kind: ClassVar[str] = "pendulum"
@@ -567,9 +564,6 @@ class Pendulum:
     amplitude: float = _servo_angle(10.0, "amplitude of crank 7, which sets the stroke", 0.0)
     middle: float = _servo_angle(-20.0, "angle of crank 7 in the middle of its swing")
     phase: float = _servo_angle(180.0, "turn of crank 2 at which crank 7 rises through its middle")
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that swings; frequency in rad/s, slider not used."""

@@ -8,7 +8,7 @@ from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, quantity
-from presswear.tools.serialize import check_fields
+from presswear.tools.serialize import Checked, check_fields
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
@@ -43,19 +43,16 @@ def angle(text: str = "", default: float | None = 0.0) -> Any:
 
 
 @dataclass(frozen=True)
-class Attachment:
+class Attachment(Checked):
     """Point of a body, in the frame of the body with origin at the mass centre, m."""
 
     body: str
     x: Annotated[float, LENGTH]
     y: Annotated[float, LENGTH]
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
 
 @dataclass(frozen=True)
-class OutputPoint:
+class OutputPoint(Checked):
     """Coordinate that a study observes: a point of a body along a direction.
 
     Attributes
@@ -70,9 +67,6 @@ class OutputPoint:
     direction: float = angle("direction along which the output point is observed")
     x: float = place()
     y: float = place()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def attachment(self) -> Attachment:
@@ -153,15 +147,12 @@ def Bar(  # noqa: N802 - in a linkage it is a kind of body
 
 
 @dataclass(frozen=True)
-class Pin:
+class Pin(Checked):
     """Ideal pin joint between two points as a person writes them; see ``Revolute``."""
 
     name: str
     first: End
     second: End
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -174,7 +165,7 @@ class Revolute:
 
 
 @dataclass(frozen=True)
-class Guide:
+class Guide(Checked):
     """Straight guide on the frame: the body slides along a line and does not turn.
 
     Attributes
@@ -195,9 +186,6 @@ class Guide:
     y: float = place("point of the line, above the origin")
     direction: float = angle("angle of the line")
     angle: float = angle("fixed angle of the body")
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from typing import Literal
 
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
-from presswear.tools.serialize import check_fields
+from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
 StiffnessReading = Literal["paper", "refined"]
@@ -255,7 +255,7 @@ def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> 
 
 
 @dataclass(frozen=True)
-class Materials:
+class Materials(Checked):
     """Elasticity and wear of a pin and a bearing as a pair."""
 
     youngs_modulus: float = quantity(200e9, "Pa", 1e9, 1e12, "paper", "E of pin and bearing")
@@ -282,9 +282,6 @@ class Materials:
         "literature",
         "standard deviation of K_d over its mean; Podra and Andersson 1999: 0.4 to 0.6",
     )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def name(self) -> str:

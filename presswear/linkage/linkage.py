@@ -7,16 +7,18 @@ the name ``GROUND``; points on it are global.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from itertools import permutations
-from typing import Annotated, Any, ClassVar, NamedTuple, cast
+from typing import Annotated, Any, ClassVar, NamedTuple
 
-from presswear.linkage.drives import Drive
+from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.elements import (
     ANGLE,
     BAR_LENGTH,
     GROUND,
+    INERTIA,
+    MASS,
     MIN_INERTIA,
     Attachment,
     Bar,
@@ -28,11 +30,12 @@ from presswear.linkage.elements import (
     Pin,
     Place,
     Revolute,
+    angle,
 )
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, count, meaning_of, quantity
-from presswear.tools.serialize import converted, make, plain, to_toml, toml_items
+from presswear.tools.quantities import Quantity, count, quantity
+from presswear.tools.serialize import Checked, make, plain, toml_items
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
 MAX_TURNS = 1000  # of a drive in a cycle
@@ -48,6 +51,12 @@ def run_up() -> Any:
     return count(0, 0, 1000, "chosen", "cycles through which it runs up from rest")
 
 
+def cycle() -> Any:
+    """Return a data class field for the time of a cycle, s; None: from the drives."""
+    text = "time after which the motion repeats"
+    return quantity(None, "s", MIN_CYCLE, MAX_CYCLE, "", text)
+
+
 def gravity() -> Any:
     """Return a data class field for the acceleration along -y, m/s^2."""
     return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y")
@@ -55,26 +64,10 @@ def gravity() -> Any:
 
 @dataclass(frozen=True)
 class Linkage:
-    """Planar mechanism, driven, with or without clearance joints; see ``assemble``.
+    """Planar mechanism, driven, with or without clearance joints; see ``assemble`` for its parts.
 
-    Attributes
-    ----------
-    bodies : tuple of Body
-    joints : tuple of Revolute or Guide
-        Ideal joints.
-    drives : tuple of Drive
-    output : OutputPoint
-        Recorded as ``slider``.
-    guess : tuple of (str, float)
-        Rough angles at the start, rad, of bodies that are neither driven nor guided.
-    cycle : float or None
-        Time after which the motion repeats, s; None: from the speeds of the drives.
-    run_up : int
-        Cycles through which it runs up from rest, all drives in step, in the time of twice as
-        many; 0: it starts at speed.
-    gravity : float
-        Acceleration along -y, m/s^2.
-    springs, loads, clearances : tuple
+    Its joints are ideal; those with clearance are in ``clearances``. The output point is recorded
+    as ``slider``.
     """
 
     kind: ClassVar[str] = "linkage"
@@ -85,9 +78,7 @@ class Linkage:
     drives: tuple[Drive, ...]
     output: OutputPoint
     guess: tuple[tuple[str, float], ...] = ()
-    cycle: float | None = quantity(
-        None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
-    )
+    cycle: float | None = cycle()
     run_up: int = run_up()
     name: str = "linkage"
     gravity: float = gravity()
@@ -193,49 +184,59 @@ class Linkage:
 
     def as_plain(self) -> dict[str, Any]:
         """Return the arguments of ``assemble`` as plain data, without clearance joints."""
-        data: dict[str, Any] = plain(self._described())
-        return {"kind": self.kind, **data}
+        return {"kind": self.kind, **plain(_parts_of(self))}
 
-    def _described(self) -> dict[str, Any]:
-        """Return the arguments of ``assemble``, points as text where they have a name."""
 
-        def end(at: Attachment) -> Any:
-            if at.body == GROUND:
-                return at.x, at.y
-            points = {"centre": (0.0, 0.0)} | dict(self.bodies[self.index(at.body)].points)
-            names = [name for name, place in points.items() if place == (at.x, at.y)]
-            return f"{at.body}.{names[0]}" if names else at
+@dataclass(frozen=True)
+class _Parts(Checked):
+    """Arguments of ``assemble``; points are given by name where they have one."""
 
-        def joint(one: Joint) -> Any:
-            return one if isinstance(one, Guide) else Pin(one.name, end(one.first), end(one.second))
+    output: End | OutputPoint
+    name: str
+    direction: float | None = angle("of the output point", None)
+    guess: Mapping[str, Annotated[float, ANGLE]] = field(default_factory=dict)
+    cycle: float | None = cycle()
+    run_up: int = run_up()
+    gravity: float = gravity()
+    bodies: Sequence[Body] = ()
+    joints: Sequence[Pin | Revolute | Guide] = ()
+    drives: Sequence[Drive] = ()
+    springs: Sequence[Spring] = ()
+    loads: Sequence[Load | Force | Moment] = ()
 
-        def drive(one: Drive) -> Drive:
-            if one.follow is None or not isinstance(one.follow.point, OutputPoint):
-                return one
-            return replace(one, follow=replace(one.follow, point=end(one.follow.point.attachment)))
 
-        def load(one: AnyLoad) -> AnyLoad:
-            is_force = isinstance(one, Force) and isinstance(one.point, Attachment)
-            return replace(one, point=end(cast(Any, one).point)) if is_force else one
+def _parts_of(linkage: Linkage) -> _Parts:
+    """Return the arguments of ``assemble`` that make a linkage."""
 
-        def spring(one: Spring) -> Spring:
-            first, second = map(end, one.ends)
-            return replace(one, first=first, second=second)
+    def point(at: Attachment) -> End:
+        if at.body == GROUND:
+            return at.x, at.y
+        points = {"centre": (0.0, 0.0)} | dict(linkage.bodies[linkage.index(at.body)].points)
+        names = [name for name, place in points.items() if place == (at.x, at.y)]
+        return f"{at.body}.{names[0]}" if names else at
 
-        return {
-            "name": self.name,
-            "output": end(self.output.attachment),
-            "direction": self.output.direction,
-            "guess": dict(self.guess),
-            "cycle": self.cycle,
-            "run_up": self.run_up,
-            "gravity": self.gravity,
-            "bodies": list(self.bodies),
-            "joints": list(map(joint, self.joints)),
-            "drives": list(map(drive, self.drives)),
-            "springs": list(map(spring, self.springs)),
-            "loads": list(map(load, self.loads)),
-        }
+    def named(part: Any) -> Any:
+        """Return a part with its points by name."""
+        if isinstance(part, OutputPoint):
+            return point(part.attachment)
+        if isinstance(part, Attachment):
+            return point(part)
+        if not isinstance(part, Revolute | Spring | Force | Drive | Follow):
+            return part
+        kind = Pin if isinstance(part, Revolute) else type(part)
+        return kind(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
+
+    return _Parts(
+        point(linkage.output.attachment),
+        linkage.name,
+        linkage.output.direction,
+        dict(linkage.guess),
+        linkage.cycle,
+        linkage.run_up,
+        linkage.gravity,
+        linkage.bodies,
+        *(tuple(map(named, getattr(linkage, table))) for table in _TABLES[1:]),
+    )
 
 
 def assemble(
@@ -272,7 +273,8 @@ def assemble(
         Time after which the motion repeats, s; None: the shortest in which every drive makes whole
         turns.
     run_up : int
-        Cycles through which it runs up from rest; 0: it starts at speed.
+        Cycles through which it runs up from rest, all drives in step, in the time of twice as
+        many; 0: it starts at speed.
     gravity : float or str
         Acceleration along -y, m/s^2.
     springs : sequence of Spring
@@ -282,130 +284,104 @@ def assemble(
         Direction along which the output point is observed, rad; None: along the guide of its body,
         or else x.
 
-    Returns
-    -------
-    Linkage
-
     Raises
     ------
     InputError
         With the body, point, joint or value that does not fit.
     """
-    text = converted("name", name, str)
-    parts = _Points(tuple(_body(f"bodies[{k}]", body) for k, body in enumerate(bodies)))
-    if not parts.bodies:
+    rows = [_body_of(f"bodies[{k}]", body) for k, body in enumerate(bodies)]
+    if not rows:
         raise InputError("bodies: at least one is needed")
-    pairs = [
-        parts.joint(joint)
-        for joint in converted("joints", joints, Sequence[Pin | Revolute | Guide])
-    ]
-    guides = {joint.body: joint.direction for joint in pairs if isinstance(joint, Guide)}
-    if not isinstance(output, OutputPoint):
-        end = converted("output", output or parts.bodies[-1].name, End)
-        output = _output_point(parts.point(end, "output"), guides, direction)
-    angles = converted("guess", dict(guess), Mapping[str, Annotated[float, ANGLE]])
-    scalars = {"cycle": cycle, "run_up": run_up, "gravity": gravity}
+    end = output or getattr(rows[-1], "name", "")
+    tables = rows, joints, drives, springs, loads
+    convert: Any = _Parts  # takes texts for numbers
+    parts: _Parts = convert(end, name, direction, dict(guess), cycle, run_up, gravity, *tables)
+    by_name = {body.name: body for body in parts.bodies}
+    guides = {one.body: one.direction for one in parts.joints if isinstance(one, Guide)}
+
+    def check_body(body: str, where: str) -> None:
+        if body not in by_name:
+            raise unknown(f"body in {where}", body, by_name)
+
+    def point(end: End, where: str) -> Attachment:
+        if isinstance(end, tuple):
+            return Attachment(GROUND, *end)
+        if isinstance(end, Attachment):
+            if end.body != GROUND:
+                check_body(end.body, where)
+            return end
+        body, dot, name = end.partition(".")
+        check_body(body, where)
+        points = dict(by_name[body].points) | {"centre": (0.0, 0.0)}
+        name = name if dot else "centre"
+        if name not in points:
+            raise unknown(f"point of {body} in {where}", name, points)
+        return Attachment(body, *points[name])
+
+    def output_point(end: OutputPoint | End, where: str, direction: float | None) -> OutputPoint:
+        if isinstance(end, OutputPoint):
+            check_body(end.body, where)
+            return end
+        at = point(end, where)
+        check_body(at.body, where)
+        default = guides.get(at.body, 0.0)
+        return OutputPoint(at.body, default if direction is None else direction, at.x, at.y)
+
+    def placed(joint: Pin | Revolute | Guide) -> Joint:
+        if isinstance(joint, Guide):
+            check_body(joint.body, f"guide {joint.name}")
+            return joint
+        ends = (point(end, f"joint {joint.name}") for end in (joint.first, joint.second))
+        return Revolute(joint.name, *ends)
+
+    def followed(drive: Drive) -> Drive:
+        check_body(drive.body, "drives")
+        if drive.follow is None:
+            return drive
+        where, asked = f"follow of {drive.body}", drive.follow.direction
+        at = output_point(drive.follow.point, where, asked)
+        return replace(drive, follow=replace(drive.follow, point=at, direction=at.direction))
+
+    def applied(load: AnyLoad) -> AnyLoad:
+        check_body(load.body, "loads")
+        if isinstance(load, Force):
+            return replace(load, point=point(load.point, "loads"))
+        return load
+
+    def hung(spring: Spring) -> Spring:
+        first, second = (point(at, f"spring {spring.name}") for at in (spring.first, spring.second))
+        return replace(spring, first=first, second=second)
+
+    for body in parts.guess:
+        check_body(body, "guess")
     linkage = Linkage(
-        parts.bodies,
-        tuple(pairs),
-        tuple(parts.drive(one, guides) for one in converted("drives", drives, Sequence[Drive])),
-        output,
-        tuple(angles.items()),
-        name=text,
-        springs=tuple(map(parts.spring, converted("springs", springs, Sequence[Spring]))),
-        loads=tuple(map(parts.load, converted("loads", loads, Sequence[Load | Force | Moment]))),
-        clearances=tuple(clearances),
-        **{
-            key: cast(Quantity, _MEANINGS[key]).convert(key, value)
-            for key, value in scalars.items()
-            if value is not None
-        },
+        tuple(parts.bodies),
+        tuple(map(placed, parts.joints)),
+        tuple(map(followed, parts.drives)),
+        output_point(parts.output, "output", parts.direction),
+        tuple(parts.guess.items()),
+        parts.cycle,
+        parts.run_up,
+        parts.name,
+        parts.gravity,
+        tuple(map(hung, parts.springs)),
+        tuple(map(applied, parts.loads)),
+        tuple(clearances),
     )
     _check(linkage)
     return linkage
 
 
-_MEANINGS = {item.name: meaning_of(item) for item in fields(Linkage)}
-
-
-def _body(place: str, value: Any) -> Body:
+def _body_of(place: str, value: Any) -> Any:
     if isinstance(value, Mapping):
         return make(place, Bar if "length" in value else Body, value)
-    body: Body = converted(place, value, Body)
-    return body
-
-
-def _output_point(
-    end: Attachment, guides: Mapping[str, float], direction: Any = None
-) -> OutputPoint:
-    """Return a point with a direction: along the guide of its body, where it has one, else x."""
-    if direction is None:
-        direction = guides.get(end.body, 0.0)
-    return OutputPoint(end.body, direction, end.x, end.y)
-
-
-class _Points(NamedTuple):
-    """Bodies of a linkage whose points are found by name."""
-
-    bodies: tuple[Body, ...]
-
-    def check_body(self, name: str, where: str) -> None:
-        names = [body.name for body in self.bodies]
-        if name not in names:
-            raise unknown(f"body in {where}", name, names)
-
-    def point(self, end: End, where: str) -> Attachment:
-        if isinstance(end, str):
-            name, dot, point = end.partition(".")
-            point = point if dot else "centre"
-            self.check_body(name, where)
-            body = next(body for body in self.bodies if body.name == name)
-            points = dict(body.points) | {"centre": (0.0, 0.0)}
-            if point not in points:
-                raise unknown(f"point of {name} in {where}", point, points)
-            return Attachment(name, *points[point])
-        if isinstance(end, Attachment):
-            if end.body != GROUND:
-                self.check_body(end.body, where)
-            return end
-        return Attachment(GROUND, *end)
-
-    def joint(self, joint: Pin | Revolute | Guide) -> Joint:
-        if isinstance(joint, Guide):
-            self.check_body(joint.body, f"guide {joint.name}")
-            return joint
-        ends = (self.point(end, f"joint {joint.name}") for end in (joint.first, joint.second))
-        return Revolute(joint.name, *ends)
-
-    def load(self, load: AnyLoad) -> AnyLoad:
-        self.check_body(load.body, "loads")
-        return (
-            replace(load, point=self.point(load.point, "loads"))
-            if isinstance(load, Force)
-            else load
-        )
-
-    def spring(self, spring: Spring) -> Spring:
-        where = f"spring {spring.name}"
-        ends = [self.point(end, where) for end in (spring.first, spring.second)]
-        return replace(spring, first=ends[0], second=ends[1])
-
-    def drive(self, drive: Drive, guides: Mapping[str, float]) -> Drive:
-        """Return a drive with the point found that follows its curve, if there is one."""
-        follow = drive.follow
-        if follow is None or isinstance(follow.point, OutputPoint):
-            return drive
-        end = self.point(follow.point, f"follow of {drive.body}")
-        self.check_body(end.body, f"follow of {drive.body}")
-        point = _output_point(end, guides, follow.direction)
-        return replace(drive, follow=replace(follow, point=point, direction=point.direction))
+    return value
 
 
 def _check(linkage: Linkage) -> None:
-    """Raise InputError for names that stand twice, unknown bodies, and bodies without inertia."""
-    names = [GROUND, *(body.name for body in linkage.bodies)]
-    _check_names("body", names)
+    """Raise InputError for names that stand twice and for bodies without inertia that can turn."""
     joints = [joint.name for joint in (*linkage.joints, *linkage.clearances)]
+    _check_names("body", [GROUND, *(body.name for body in linkage.bodies)])
     _check_names("joint", ["none", *joints])
     for one, longer in permutations(joints, 2):
         if longer.startswith(f"{one}_"):
@@ -415,13 +391,6 @@ def _check(linkage: Linkage) -> None:
             )
     _check_names("spring", [spring.name for spring in linkage.springs])
     _check_names("drive of", [drive.body for drive in linkage.drives])
-    for where, name in (
-        *(("drives", drive.body) for drive in linkage.drives),
-        *(("guess", name) for name, _ in linkage.guess),
-        ("output", linkage.output.body),
-    ):
-        if name not in names[1:]:
-            raise unknown(f"body in {where}", name, names[1:])
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
@@ -446,13 +415,7 @@ def _check_names(what: str, names: Sequence[str]) -> None:
 
 
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:
-    """Return a linkage from the arguments of ``assemble`` as plain data; see ``as_plain``.
-
-    Parameters
-    ----------
-    place : str
-        Place of the data, for messages.
-    """
+    """Return a linkage from what ``as_plain`` returned or a file has; messages name the place."""
     return make(place, assemble, {key: value for key, value in data.items() if key != "kind"})
 
 
@@ -480,40 +443,30 @@ def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
 
 def _rows_of(linkage: Linkage) -> Iterator[tuple[str, list[tuple[str, str, str]]]]:
     """Yield each table of a linkage with its keys, values as TOML, and meanings."""
-    data = linkage._described()
-    yield "", list(_scalar_items(data))
+    parts = _parts_of(linkage)
+    yield "", [item for item in toml_items(parts) if item[0] not in _TABLES]
     for table in _TABLES:
-        for row in data[table]:
-            yield table, list(_body_items(row) if isinstance(row, Body) else toml_items(row))
+        for row in getattr(parts, table):
+            yield table, list(toml_items(_BarRow.of(row) if isinstance(row, Body) else row))
 
 
-def _scalar_items(data: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    angles = Mapping[str, Annotated[float, ANGLE]]
-    direction = Annotated[float, ANGLE]
-    yield "name", to_toml(data["name"]), ""
-    yield "output", to_toml(data["output"], End), ""
-    yield "direction", to_toml(data["direction"], direction), "of the output point"
-    if data["guess"]:
-        yield "guess", to_toml(data["guess"], angles), ""
-    for key in ("cycle", "run_up", "gravity"):
-        meaning = cast(Quantity, _MEANINGS[key])
-        if data[key] is not None:
-            yield key, to_toml(data[key], Annotated[float, meaning]), meaning.text
+@dataclass(frozen=True)
+class _BarRow:
+    """Body as a file has it: with the length of a bar in place of its two points."""
 
+    name: str
+    length: Annotated[float, BAR_LENGTH] | None
+    mass: Annotated[float, MASS]
+    inertia: Annotated[float, INERTIA]
+    points: Mapping[str, Place]
 
-def _body_items(body: Body) -> Iterator[tuple[str, str, str]]:
-    points = dict(body.points)
-    head = points.get("head", (0.0, 0.0))
-    yield "name", to_toml(body.name), ""
-    if list(points.items()) == [("tail", (-head[0], 0.0)), ("head", (head[0], 0.0))]:
-        length = Annotated[float, BAR_LENGTH]
-        yield "length", to_toml(2.0 * head[0], length), BAR_LENGTH.text
-        points = {}
-    for item in fields(body)[1:3]:
-        meaning = cast(Quantity, meaning_of(item))
-        yield item.name, to_toml(getattr(body, item.name), item.type), meaning.text
-    if points:
-        yield "points", to_toml(points, Mapping[str, Place]), ""
+    @staticmethod
+    def of(body: Body) -> "_BarRow":
+        points = dict(body.points)
+        x = points.get("head", (0.0, 0.0))[0]
+        is_bar = list(points.items()) == [("tail", (-x, 0.0)), ("head", (x, 0.0))]
+        length, rest = (2.0 * x, {}) if is_bar else (None, points)
+        return _BarRow(body.name, length, body.mass, body.inertia, rest)
 
 
 class Branch(NamedTuple):
@@ -588,44 +541,34 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
         free |= more
 
 
-class _Tree:
-    """Tree of bodies that grows joint by joint.
+def _tree_of(
+    joints: Sequence[Joint], roots: Sequence[str], bodies: Sequence[Body] = ()
+) -> tuple[list[Branch], list[Joint], list[Joint]]:
+    """Return a tree that grows from roots joint by joint, parents before children.
 
-    Attributes
-    ----------
-    waiting : list of Revolute or Guide
-        Joints that do not touch the tree so far.
-    closing : list of Revolute or Guide
-        Joints between two bodies of the tree.
-    positions : dict of str to int
-        Positions of bodies in ``branches``; -1 for the roots.
+    Bodies that no joint reaches hang from nothing. The joints between two bodies of the tree, and
+    those that do not touch it, are returned behind it.
     """
-
-    def __init__(self, joints: Sequence[Joint], roots: Sequence[str]) -> None:
-        self.waiting, self.closing = list(joints), list[Joint]()
-        self.positions = dict.fromkeys(roots, -1)
-        self.branches: list[Branch] = []
-
-    def add(self, joint: Joint | None, before: Attachment, end: Attachment) -> None:
-        self.branches.append(Branch(joint, before, end, self.positions[before.body]))
-        self.positions[end.body] = len(self.branches) - 1
-
-    def grow(self) -> None:
-        """Add all bodies that joints reach, parents before children."""
-        while True:
-            for joint in self.waiting:
-                before, end = _ends(joint)
-                if before.body not in self.positions:
-                    before, end = end, before
-                if before.body in self.positions:
-                    break
-            else:
-                return
-            self.waiting.remove(joint)
-            if end.body in self.positions:
-                self.closing.append(joint)
-            else:
-                self.add(joint, before, end)
+    branches, closing, waiting = list[Branch](), list[Joint](), list(joints)
+    positions = dict.fromkeys(roots, -1)  # in ``branches``
+    while True:
+        touching = (one for one in waiting if any(at.body in positions for at in _ends(one)))
+        joint = next(touching, None)
+        if joint is not None:
+            waiting.remove(joint)
+            before, end = _ends(joint)
+            if before.body not in positions:
+                before, end = end, before
+            if end.body in positions:
+                closing.append(joint)
+                continue
+        else:
+            name = next((body.name for body in bodies if body.name not in positions), None)
+            if name is None:
+                return branches, closing, waiting
+            before, end = Attachment(GROUND, 0.0, 0.0), Attachment(name, 0.0, 0.0)
+        positions[end.body] = len(branches)
+        branches.append(Branch(joint, before, end, positions[before.body]))
 
 
 def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
@@ -641,15 +584,8 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     if len(prescribed) == len(linkage.bodies):
         return "the drives hold every body"
     joints = [joint for joint in joints_of(linkage) if not bodies_of(joint) <= prescribed]
-    tree = _Tree(joints, (GROUND, *prescribed))
-    tree.grow()
-    for body in linkage.bodies:
-        if body.name not in tree.positions:
-            tree.add(None, Attachment(GROUND, 0.0, 0.0), Attachment(body.name, 0.0, 0.0))
-            tree.grow()
-    if tree.closing:
-        return f"joint {tree.closing[0].name} closes a loop"
-    return tuple(tree.branches)
+    branches, closing, _ = _tree_of(joints, (GROUND, *prescribed), linkage.bodies)
+    return f"joint {closing[0].name} closes a loop" if closing else tuple(branches)
 
 
 def chain_of(linkage: Linkage, bodies: frozenset[str]) -> tuple[list[Branch], list[Revolute]]:
@@ -659,11 +595,11 @@ def chain_of(linkage: Linkage, bodies: frozenset[str]) -> tuple[list[Branch], li
     """
     # Guides first: what slides does so by its coordinate, and pins close the loops.
     joints: tuple[Joint, ...] = (*linkage.guides, *linkage.revolutes)
-    tree = _Tree([joint for joint in joints if bodies_of(joint) <= bodies], (GROUND,))
-    tree.grow()
-    pins = [joint for joint in tree.closing if isinstance(joint, Revolute)]
+    inner = [joint for joint in joints if bodies_of(joint) <= bodies]
+    branches, closing, waiting = _tree_of(inner, (GROUND,))
+    pins = [joint for joint in closing if isinstance(joint, Revolute)]
     drives = [drive for drive in linkage.drives if drive.body in bodies]
-    rows = 2 * len(tree.branches) + 2 * len(pins) + len(drives)
-    if tree.waiting or len(pins) < len(tree.closing) or rows != 3 * len(bodies):
+    rows = 2 * len(branches) + 2 * len(pins) + len(drives)
+    if waiting or len(pins) < len(closing) or rows != 3 * len(bodies):
         raise ValueError(f"{', '.join(sorted(bodies))} are no chain without freedom")
-    return tree.branches, pins
+    return branches, pins

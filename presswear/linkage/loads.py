@@ -15,7 +15,7 @@ from typing import Annotated, Any, ClassVar, Literal, cast, get_args
 from presswear.linkage.elements import ANGLE, MAX_ANGLE, MAX_LENGTH, Attachment, End
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, choice, quantity
-from presswear.tools.serialize import check_fields, make
+from presswear.tools.serialize import Checked, check_fields, make
 from presswear.tools.user_function import UserFunction
 
 Sense = Literal["both", "along", "against"]
@@ -34,7 +34,7 @@ Table = Sequence[tuple[float, float]]
 
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(Checked):
     """Linear spring and damper between two points."""
 
     name: str
@@ -44,9 +44,6 @@ class Spring:
     length: Annotated[float, Quantity("m", 0.0, MAX_LENGTH, "", "length without force")]
     damping: float = quantity(0.0, "N s/m", 0.0, 1e12, "", "damping")
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
     @property
     def ends(self) -> tuple[Attachment, Attachment]:
         """Both ends, in an assembled linkage."""
@@ -54,16 +51,13 @@ class Spring:
 
 
 @dataclass(frozen=True)
-class Load:
+class Load(Checked):
     """Constant force, N, at the mass centre of a body and moment, N m, on it."""
 
     body: str
     x: float = quantity(0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force to the right, at the mass centre")
     y: float = quantity(0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force upwards")
     moment: float = quantity(0.0, "N m", -MAX_LOAD, MAX_LOAD, "", "moment, counterclockwise")
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -136,10 +130,9 @@ class OverPosition:
 
     In one sense of motion alone, a load resists: it is 0 at rest and behind, and grows with the
     speed to its full size, as friction in a joint does. With ``unloading`` it is elastic-plastic
-    and no speed matters: it is the table on the way in; where the motion turns back it falls along
-    a straight line to zero and stays there, and on the way in again it rises along that line up to
-    the greatest depth and then follows the table. Of the energy that it takes it gives back what
-    is under that line. A run that begins within the table begins at the greatest depth.
+    and no speed matters: where the motion turns back it falls along a straight line to zero, and on
+    the way in again it rises along that line up to the greatest depth and then follows the table. A
+    run that begins within the table begins at the greatest depth.
 
     Attributes
     ----------
@@ -258,7 +251,7 @@ class _LawOf:
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(Checked):
     """Force at a point of a body, along a direction that stays fixed on the frame.
 
     Attributes
@@ -279,9 +272,6 @@ class Force:
     direction: Annotated[float, ANGLE]
     law: Annotated[Law, _LawOf("N")]
     name: str = ""
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def attachment(self) -> Attachment:
@@ -338,18 +328,13 @@ def _depth(default: float, text: str) -> Any:
     return quantity(default, "m", MIN_DEPTH, MAX_DEPTH, "chosen", text)
 
 
-def _height(default: float) -> Any:
-    text = "height over bottom dead centre, of the ideal motion, at which the work is touched"
-    return _depth(default, text)
+_HEIGHT = "height over bottom dead centre, of the ideal motion, at which the work is touched"
+_CUSHION = "constant force beside it, which pushes on the way back as well"
+_BOTTOM = "extreme of the output coordinate that is bottom dead centre"
 
 
-def _cushion() -> Any:
-    return _force("constant force beside it, which pushes on the way back as well", 0.0, 0.0)
-
-
-def _extreme() -> Any:
-    text = "extreme of the output coordinate that is bottom dead centre"
-    return choice("lowest", get_args(Extreme), text)
+def _area(curve: Curve) -> float:
+    return sum(0.5 * (b[0] - a[0]) * (a[1] + b[1]) for a, b in pairwise(curve))
 
 
 @dataclass(frozen=True)
@@ -363,7 +348,7 @@ class Blanking:
     kind: ClassVar[str] = "blanking"
 
     force: float = _force("force of the plateau", 500.0)
-    height: float = _height(5e-3)
+    height: float = _depth(5e-3, _HEIGHT)
     thickness: float = _depth(1e-3, "thickness of the sheet")
     stiffness: float | None = quantity(
         None, "N/m", 1.0, 1e12, "chosen", "of the elastic rise; default: force over rise"
@@ -373,8 +358,8 @@ class Blanking:
         0.4, "", 0.0, 1.0, "chosen", "part of the thickness after which it breaks", open_low=True
     )
     snap: float = _depth(5e-5, "depth over which the force falls to zero when it has broken")
-    cushion: float = _cushion()
-    bottom: Extreme = _extreme()
+    cushion: float = _force(_CUSHION, 0.0, 0.0)
+    bottom: Extreme = choice("lowest", get_args(Extreme), _BOTTOM)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -401,12 +386,11 @@ class Blanking:
     @property
     def work(self) -> float:
         """Work of a stroke, J; the cushion gives back what it takes."""
-        _, (rise, _), (broken, _), (end, _) = self.curve
-        return self.force * (0.5 * rise + (broken - rise) + 0.5 * (end - broken))
+        return _area(self.curve)
 
 
 @dataclass(frozen=True)
-class Drawing:
+class Drawing(Checked):
     """Cup that is drawn: the force rises and falls over the punch travel, as half cosines.
 
     Each half cosine is made of straight pieces. It is elastic-plastic: where the motion turns back,
@@ -417,16 +401,13 @@ class Drawing:
     kind: ClassVar[str] = "drawing"
 
     force: float = _force("greatest force", 300.0)
-    height: float = _height(10e-3)
+    height: float = _depth(10e-3, _HEIGHT)
     depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
     peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "part of the depth at its greatest")
-    cushion: float = _cushion()
-    bottom: Extreme = _extreme()
+    cushion: float = _force(_CUSHION, 0.0, 0.0)
+    bottom: Extreme = choice("lowest", get_args(Extreme), _BOTTOM)
 
     fracture: ClassVar[None] = None
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def curve(self) -> Curve:
@@ -434,36 +415,30 @@ class Drawing:
         peak = self.peak * self.depth
         parts = [k / _CURVE_PIECES for k in range(_CURVE_PIECES + 1)]
         sizes = [0.5 * self.force * (1.0 - math.cos(math.pi * part)) for part in parts]
-        rising = [(part * peak, size) for part, size in zip(parts, sizes, strict=True)]
-        falling = [
-            (peak + part * (self.depth - peak), size)
-            for part, size in zip(parts[1:], sizes[-2::-1], strict=True)
-        ]
-        return *rising, *falling
+        falling = (peak + part * (self.depth - peak) for part in parts[1:])
+        depths = (*(part * peak for part in parts), *falling)
+        return tuple(zip(depths, (*sizes, *sizes[-2::-1]), strict=True))
 
     @property
     def work(self) -> float:
         """Work of a stroke, J; the cushion gives back what it takes."""
-        return 0.5 * self.force * self.depth
+        return _area(self.curve)
 
 
 @dataclass(frozen=True)
-class Coining:
+class Coining(Checked):
     """Stiff stop of die and work, elastic: it pushes on the way back as on the way in."""
 
     kind: ClassVar[str] = "coining"
 
     stiffness: float = quantity(1e6, "N/m", 1.0, 1e12, "chosen", "of die and work")
-    height: float = _height(3e-4)
-    bottom: Extreme = _extreme()
+    height: float = _depth(3e-4, _HEIGHT)
+    bottom: Extreme = choice("lowest", get_args(Extreme), _BOTTOM)
 
     fracture: ClassVar[None] = None
     cushion: ClassVar[float] = 0.0
     curve: ClassVar[Curve] = ((0.0, 0.0),)
     work: ClassVar[float] = 0.0  # it gives back what it takes, J
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 Process = Blanking | Drawing | Coining

@@ -37,7 +37,7 @@ from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import choice, count, named_set, quantity
-from presswear.tools.serialize import check_fields
+from presswear.tools.serialize import Checked, check_fields
 from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
@@ -45,7 +45,7 @@ MIN_ANGLES = 16  # bins of a wear map
 
 
 @dataclass(frozen=True)
-class Conventions:
+class Conventions(Checked):
     """Readings of the paper's wear model; each can be chosen alone."""
 
     stiffness: StiffnessReading = choice(
@@ -65,9 +65,6 @@ class Conventions:
         get_args(SurfaceContact),
         "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
     )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def name(self) -> str:

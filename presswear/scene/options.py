@@ -23,7 +23,7 @@ from presswear.tools.quantities import (
     parse_quantity,
     quantity,
 )
-from presswear.tools.serialize import check_fields
+from presswear.tools.serialize import Checked, check_fields
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Numerics:
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(Checked):
     """Recording plan of each stage; see the texts of the fields for units and ranges."""
 
     recorded_cycles: int | None = count(
@@ -94,9 +94,6 @@ class Recording:
     section_angle: float = quantity(
         0.0, "rad", 0.0, 2.0 * math.pi, "chosen", "angle of the cycle of the first section"
     )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def phases(self) -> tuple[float, ...]:
@@ -178,7 +175,7 @@ _STROKES = Quantity("", 1.0, 1e15)
 
 
 @dataclass(frozen=True)
-class Life:
+class Life(Checked):
     """Service life: the joints are worn until the first of some limits is passed."""
 
     kind: ClassVar[str] = "limits"
@@ -201,9 +198,6 @@ class Life:
         "chosen",
         "cycles of all replicates at most in one pass over the life",
     )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:
         """Return the limits, of all joints where none is named.

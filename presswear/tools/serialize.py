@@ -43,7 +43,7 @@ _WORDS: dict[Any, str] = {
 def check_fields(owner: Any) -> None:
     """Convert and check all fields of a data class instance; raise InputError naming the field.
 
-    Called by ``__post_init__``. Texts with units become numbers in SI, numbers of any kind Python
+    Texts with units become numbers in SI, numbers of any kind Python
     numbers, sequences tuples, mappings the data classes of the annotation.
     """
     items = [item for item in fields(owner) if item.init]
@@ -62,6 +62,13 @@ def check_fields(owner: Any) -> None:
             result = meaning.convert(name, value)
         if result is not value:
             object.__setattr__(owner, item.name, result)
+
+
+class Checked:
+    """Base of data classes whose fields are converted and checked; see ``check_fields``."""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 def converted(name: str, value: Any, kind: Any) -> Any:
