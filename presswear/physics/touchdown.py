@@ -20,6 +20,7 @@ from presswear.physics.friction_and_normal import (
     elastic_at,
     normal_force,
 )
+from presswear.physics.loads import Loads, transition_at_start, transition_value
 from presswear.physics.packed import Packed
 from presswear.tools.compile import Records, compiled, inlined
 
@@ -142,6 +143,43 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
         else:
             low = middle
     return high
+
+
+@compiled
+def joint_crossing(
+    last: Records, contact: Records, is_closed: bool, h: float
+) -> tuple[float, float, float]:
+    """Return the part of a step at which a joint touches down or separates; 2 if it does not.
+
+    Returns
+    -------
+    tuple
+        That part, the penetration at the end of the step, m, and its rate at the start, m/s, both
+        with the sign in which they grow towards the event.
+    """
+    sign = -1.0 if is_closed else 1.0
+    start, rate, end = sign * last.penetration, sign * last.rate, sign * contact.penetration
+    return crossing(min(start, 0.0), rate, end, sign * contact.rate, h), end, rate
+
+
+@compiled
+def load_crossing(
+    loads: Loads | None, k: int, q: Array, v: Array, a: Array, h: float, behind: float
+) -> tuple[float, float, float]:
+    """Return the part of a step at which a load is so far behind transition ``k``; 2 if never.
+
+    Returns
+    -------
+    tuple
+        As that of ``joint_crossing``, of the switching function less ``behind``.
+    """
+    value, rate = transition_value(loads, k, q, v, a)
+    start, first_rate, _, _ = transition_at_start(loads, k, 0.0)
+    if value == -math.inf:
+        return 2.0, value, first_rate
+    value -= behind
+    s = crossing(min(start, 0.0) - behind, first_rate, value, rate, h)
+    return s, value, first_rate
 
 
 @compiled

@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.dynamics import rates, state_size, system_of
+from presswear.engines.dae.dynamics import evaluate, state_size, system_of
 from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import assemble
@@ -40,11 +40,11 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     matrix = np.block([[np.diag(packed.mass), jacobian.T], [jacobian, np.zeros((size, size))]])
     exact = np.linalg.solve(matrix, np.concatenate([packed.weight, right]))
     # The displaced pins must not touch: no contact force enters here.
-    system = system_of(packed._replace(joints=packed.joints[:0]), constraints, 20.0, 20.0)
+    system = system_of(packed._replace(joints=packed.joints[:0]), constraints, q, 20.0, 20.0)
     y = np.zeros(state_size(system))
     y[:36] = *q, *v
     out = np.zeros_like(y)
-    rates(system, np.zeros(0), 0.1, y, out)
+    evaluate(system, system.held, system.tree, np.zeros(0), 0.1, y, out, True)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
     assert system.held is not None
     np.testing.assert_allclose(system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9)

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
-from presswear.engines.dae.dynamics import rates, state_size, system_of
+from presswear.engines.dae.dynamics import evaluate, state_size, system_of
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
@@ -33,11 +33,11 @@ def test_accelerations_at_the_start() -> None:
     """andrews.f: beta'' = 14222.4439199541138, Theta'' = -10666.8329399655854, the rest 0."""
     start = references.andrews_start()
     linkage = references.andrews()
-    system = system_of(pack(linkage), constraints_of(linkage), 20.0, 20.0)
+    system = system_of(pack(linkage), constraints_of(linkage), start.position, 20.0, 20.0)
     state = np.zeros(state_size(system))
     state[:21] = start.position
     slope = np.zeros_like(state)
-    rates(system, np.zeros(0), 0.0, state, slope)
+    evaluate(system, system.held, system.tree, np.zeros(0), 0.0, state, slope, True)
     found = references.andrews_angles(slope[21:42])
     np.testing.assert_allclose(
         found, [14222.4439199541138, -10666.8329399655854, 0, 0, 0, 0, 0], rtol=1e-12, atol=1e-7

@@ -6,32 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described, listed
-from presswear.engines.dae.dynamics import (
-    DRIVE_INTEGRALS,
-    JOINT_INTEGRALS,
-    state_size,
-    system_of,
-    tree_system_of,
-)
-from presswear.engines.dae.events import CONTROL
-from presswear.engines.dae.march import (
-    DONE,
-    RUNNING,
-    STUCK,
-    march_controlled,
-    march_fixed,
-)
-from presswear.engines.dae.runge_kutta import Integration
+from presswear.engines.dae.dynamics import DRIVE_INTEGRALS, state_size, system_of
+from presswear.engines.dae.march import DONE, RUNNING, STUCK, march_controlled, march_fixed
+from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import Ledger, made_energy, made_remedy, stored_energy
-from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE
+from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, JOINT_RATES, MADE
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
+from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -102,35 +90,41 @@ def prepare(
     records = recorder.records
     tree = None if settings.takes_all_coordinates else tree_of(linkage)
     if isinstance(tree, Tree):
-        system = tree_system_of(records.packed, tree, start.position)
-        x, u = tree.coordinates(start.position, start.velocity)
+        system = system_of(records.packed, tree, start.position)
+        coordinates = tree.coordinates(start.position, start.velocity)
     else:
-        system = system_of(records.packed, constraints, settings.alpha, settings.beta)
-        x, u = start.position, start.velocity
-    n = system.size
-    joints_end = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
-    size = state_size(system)
+        baumgarte = settings.alpha, settings.beta
+        system = system_of(records.packed, constraints, start.position, *baumgarte)
+        coordinates = start.position, start.velocity
+    n, size = system.size, state_size(system)
     y = np.zeros(size)
-    y[:n], y[n : 2 * n] = x, u
-    motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
+    y[: 2 * n] = np.concatenate(coordinates)
+    drives = y[2 * n : 2 * n + DRIVE_INTEGRALS]
+    joints = y[2 * n + DRIVE_INTEGRALS : system.first_torque].reshape(-1, JOINT_RATES)
+    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
-    fixed, tolerance = settings.has_equal_steps, settings.tolerance
-    control["step"] = settings.step if fixed else 1e-6
+    is_fixed, tolerance = settings.has_equal_steps, settings.tolerance
+    control["step"] = settings.step if is_fixed else 1e-6
     control["longest"] = settings.longest(plan.cycle)
     control["shortest"] = 1e-14
     control["tolerance"] = tolerance
     control["projected"] = settings.projection == "on"
     tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
+    if is_fixed:
+        run = Integration(system, None, 4, records, control, motion, last=3)
+        kernel = bind(march_fixed, run)
+    else:
+        run = Integration(system, tableau, None, records, control, motion, tableau.b.size)
+        kernel = bind(march_controlled, run)
 
     def march(end: float, most: int) -> int:
-        if fixed:
-            return int(march_fixed(system, records, control, motion, end, most))
-        return int(march_controlled(system, tableau, records, control, motion, end, most))
+        control["most"] = most
+        return kernel(end)
 
     def worn() -> None:
         control["has_slope"] = False
 
-    march(0.0, 1)  # accounts for the start; compiles, or loads what was compiled
+    march(0.0, 1)  # accounts for the start
     ready = clock.perf_counter()
 
     def state() -> tuple[float, Array, Array]:
@@ -152,8 +146,7 @@ def prepare(
             status = march(end, _CHUNK)
             time = float(control["time"][0])
             plan.advanced(time)
-            lost = float(y[2 * n + DRIVE_INTEGRALS : joints_end : JOINT_INTEGRALS].sum())
-            exchange = float(y[2 * n + 1])
+            lost, exchange = float(joints[:, CONTACT_LOSS].sum()), float(drives[1])
             made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
             if made:
                 return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
@@ -161,44 +154,30 @@ def prepare(
         return None if status == DONE else _problem(status, constraints, *state())
 
     def ledger() -> Ledger:
-        losses = y[2 * n + DRIVE_INTEGRALS : joints_end].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
-        work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
-        contact, friction, made = map(float, losses[[CONTACT_LOSS, FRICTION_LOSS, MADE]])
+        contact, friction, made = joints.sum(axis=0)[[CONTACT_LOSS, FRICTION_LOSS, MADE]].tolist()
         load_work = float(y[-1]) if system.has_work else 0.0
-        return Ledger(
-            float(work),
-            float(exchange),
-            stored() - energy_before,
-            contact,
-            friction,
-            made,
-            load_work,
-        )
+        stored_change = stored() - energy_before
+        work, exchange = drives.tolist()
+        return Ledger(work, exchange, stored_change, contact, friction, made, load_work)
 
     def diagnostics() -> dict[str, float | int | str]:
+        names = ("steps", "events", "evaluations")
         return {
             **_words(linkage, tree, constraints, settings),
-            "steps": int(control["steps"][0]),
+            **{name: int(control[name][0]) for name in names},
             "steps_sent_back": int(control["rejected"][0]),
-            "events": int(control["events"][0]),
-            "evaluations": int(control["evaluations"][0]),
             "constraint_error_m": float(control["position_error"][0]),
             "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
             "wall_compile_s": ready - began,
             "wall_solve_s": sums["solve"],
         }
 
-    prescribed = {} if system.hung is None else {"prescribed": system.hung.prescribed.work}
+    arrays = {"y": y, "slope": motion.slopes[0], "control": control}
+    if system.tree is not None:
+        arrays["prescribed"] = system.tree.prescribed.work
+    held = None if isinstance(tree, Tree) else constraints
     return Simulation(
-        advance,
-        state,
-        ledger,
-        {"y": y, "slope": motion.slopes[0], "control": control, **prescribed},
-        sums,
-        diagnostics,
-        REMEDY,
-        None if isinstance(tree, Tree) else constraints,
-        worn=worn,
+        advance, state, ledger, arrays, sums, diagnostics, REMEDY, constraints=held, worn=worn
     )
 
 

@@ -1,76 +1,290 @@
-"""The run loops: error-controlled with located touchdowns, and with equal steps.
+"""The run loops: error-controlled with located events, and with equal steps.
 
-Error-controlled: a touchdown or separation inside an accepted step is located, and the
-integration starts anew from it.  A load's law changes in the same way, with equal
-steps too: one of them is cut in two where it does.
+Events are touchdowns, separations, corners of friction and changes of the laws of loads.  A trial
+step that holds one is repeated until it ends there, so that no step crosses a change of law.  Equal
+steps are cut in two where a load's law changes; contacts change between them only.
 """
 
+import math
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
-    JOINT_INTEGRALS,
     POWER,
     POWER_SQUARE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
-    System,
     accelerate,
-    drift,
-    keep_constraints,
     place,
+)
+from presswear.engines.dae.runge_kutta import (
+    POSITION_SCALE,
+    START,
+    classical_step,
+    embedded_step,
     rates,
 )
-from presswear.engines.dae.events import (
-    HELD_OPEN,
-    end_on_event,
-    first_event,
-    first_of_corners,
-    last_slope,
-    switch,
-    trial_step,
-)
-from presswear.engines.dae.runge_kutta import POSITION_SCALE, Integration, embedded_step
 from presswear.engines.dormand_prince import Tableau
+from presswear.physics.constraints import Held, project
 from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import step_to_break
-from presswear.physics.forces import PRESSURE, WORK, note_forces
-from presswear.physics.loads import count_transitions, next_break
+from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK, note_forces
+from presswear.physics.friction_and_normal import corner_ahead
+from presswear.physics.loads import count_transitions, next_break, transition_value
 from presswear.physics.packed import settle_modes
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     contact_step,
+    joint_crossing,
+    load_crossing,
     remember,
+    separate,
     skim_step,
     step_after_touchdown,
+    touch_down,
 )
-from presswear.recording.observe import RecorderState, observe, settle_state
-from presswear.tools.compile import Records, compiled, copy_to, inlined
+from presswear.recording.observe import observe, settle_state
+from presswear.tools.compile import PackedArguments, compiled, copy_to, inlined, unpack
+
+Array = NDArray[np.float64]
 
 RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
 
 FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
+# Not literals, for which numba would compile the search for events twice
+NO_EVENT: Any = np.int64(-1)
+NO_JOINTS: Any = np.int64(0)
+# Most repetitions that locate an event; four do, halving helps where Newton strays.
+NEWTON_STEPS = 60
+SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
+EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
+DEPTH_TOL = 1e-12  # penetration up to which a place that round-off keeps from it is one, m
+MIN_SEPARATION = 1e-14  # s; a later event differs from the one on which the last step ended
+# Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact.
+HELD_OPEN = -1.0
+# A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s.
+BEHIND = 1e-13
+MAX_BEHIND = 1e-9  # ... and so far where round-off keeps it from ending sooner
+
+
+@compiled
+def reach_end(address: PackedArguments, classical: int | None, t: float, h: float) -> None:
+    """Fill the state of all bodies at the end of a trial step, with accelerations."""
+    (run,) = unpack(address)
+    system, motion, last = run.system, run.motion, run.last
+    n = system.size
+    # An embedded method evaluates its last slopes there.
+    if classical is not None:
+        place(system.tree, system.state, t + h, motion.trial)
+    accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
 
 
 @inlined
-def finish_step(
-    system: System,
-    records: RecorderState,
-    control: Records,
-    motion: Integration,
+def sense_of(corner: int) -> float:
+    """Return the sense in which a corner of friction is passed: every second one downwards."""
+    return 1.0 - 2.0 * (corner & 1)
+
+
+@compiled
+def event_value(
+    address: PackedArguments, classical: int | None, k: int, t: float, h: float
+) -> tuple[float, float]:
+    """Return the switching function of event ``k`` at the end of a trial step, and its rate.
+
+    Events are those of the joints, for which slopes were evaluated last in that state, then the
+    ways out of the modes of the loads, then the corners of friction: of each joint the next one
+    upwards and the next one downwards.
+    """
+    (run,) = unpack(address)
+    system, records = run.system, run.records
+    joints = system.contacts.shape[0]
+    if k < joints:
+        depth, rate = system.contacts[k].penetration, system.contacts[k].rate
+        return (-depth, -rate) if records.onset[k] > 0.0 else (depth, rate)
+    k -= joints
+    transitions = count_transitions(system.packed.loads)
+    if k < transitions:
+        reach_end(address, classical, t, h)
+        q, v, a, _, _ = system.state
+        return transition_value(system.packed.loads, k, q, v, a)
+    sense = sense_of(k - transitions)
+    k = (k - transitions) >> 1
+    start, end = records.contacts[k].sliding, system.contacts[k].sliding
+    corner = corner_ahead(start, sense, system.packed.joints[k].friction)
+    # The mean rate over the step: sliding bends little in one.
+    return sense * (end - corner), sense * (end - start) / h
+
+
+@compiled
+def first_event(
+    address: PackedArguments,
+    tableau: Tableau | None,
     t: float,
     h: float,
-) -> None:
+    excluded: int | np.int64,
+    joints: int,
+) -> tuple[int, float]:
+    """Return the event that comes first in a trial step, and at which part of it; or -1.
+
+    Slopes were last evaluated at the end of the step; see ``event_value`` for the events.
+
+    Parameters
+    ----------
+    excluded : int
+        Event that is ignored: the one on which the step ends.
+    joints : int
+        Number of joints whose events are located, from the first.
+    """
+    (run,) = unpack(address)
+    system, classical, records, control = run.system, run.classical, run.records, run.control
+    loads = system.packed.loads
+    count, transitions = system.contacts.shape[0], count_transitions(loads)
+    event = -1
+    part = 2.0
+    for k in range(joints):
+        if k == excluded:
+            continue
+        s, value, rate = joint_crossing(
+            records.memory[k], system.contacts[k], records.onset[k] > 0.0, h
+        )
+        # A state that was just placed on an event moves away from it and does not repeat it, but
+        # where it is drawn back at once.
+        if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > DEPTH_TOL):
+            event, part = k, s
+    if transitions > 0:
+        reach_end(address, classical, t, h)
+    q, v, a, _, _ = system.state
+    for k in range(transitions):
+        if count + k == excluded:
+            continue
+        # What goes no further behind is round-off, or comes with that on which the step ends.
+        s, value, rate = load_crossing(loads, k, q, v, a, h, 2.0 * BEHIND)
+        if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > MAX_BEHIND):
+            event, part = count + k, s
+    if tableau is None or not tableau.ends_at_corners or control[0].ignores_corners:
+        return event, part
+    for k in range(2 * joints):
+        number, joint = count + transitions + k, k >> 1
+        if records.onset[joint] > 0.0 and number != excluded:
+            start, end = records.contacts[joint].sliding, system.contacts[joint].sliding
+            sense = sense_of(k)
+            law = system.packed.joints[joint].friction
+            ahead = sense * (corner_ahead(start, sense, law) - start)
+            way = sense * (end - start)
+            if way > ahead + 2.0 * BEHIND and ahead < part * way:
+                event, part = number, ahead / way
+    return event, part
+
+
+@compiled
+def end_on_event(
+    address: PackedArguments,
+    tableau: Tableau | None,
+    classical: int | None,
+    t: float,
+    h: float,
+    joints: int,
+) -> tuple[int, float, bool]:
+    """Find the step that ends on the first event of a trial step of length ``h``.
+
+    A joint then has zero penetration, a load is just behind the change of its law.  Newton's
+    method, held between the ends of the trial step: where a surface is steep it would stray to
+    lengths whose error nobody has looked at.
+
+    Returns
+    -------
+    tuple
+        The event or -1, the length of the step, s, and whether it was located.
+    """
+    (run,) = unpack(address)
+    contacts = run.system.contacts.shape[0]
+    k: Any = NO_EVENT
+    length, is_located = h, True
+    # The cubics may see events of two joints in the wrong order.
+    for _ in range(1 + 3 * contacts + count_transitions(run.system.packed.loads)):
+        earlier, part = first_event(address, tableau, t, length, k, joints)
+        if earlier < 0:
+            break
+        k = np.int64(earlier)
+        aim, near, accepted = 0.0, EVENT_DEPTH, DEPTH_TOL
+        if k >= contacts:
+            aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
+        low, high = 0.0, length
+        following, further, is_last = part * length, SHORTEST_MOVE, False
+        value = math.inf
+        for _ in range(NEWTON_STEPS):
+            # The state is that of the length tried last, however the search ends.
+            length = following
+            if tableau is not None:
+                embedded_step(address, tableau, t, length)
+            if classical is not None:
+                classical_step(address, t, length)
+            value, rate = event_value(address, classical, k, t, length)
+            value -= aim
+            if abs(value) <= near or is_last:
+                break
+            if value > 0.0:
+                high = length
+            else:
+                low = length
+            following = length - value / rate if rate != 0.0 else -1.0
+            if not low < following < high:
+                following = 0.5 * (low + high)
+            if abs(following - length) <= SHORTEST_MOVE:
+                if aim == 0.0 or value > 0.0:
+                    break
+                # Round-off keeps it from ending just behind: the nearest that is behind.
+                following = min(length + further, high)
+                further *= 4.0
+                is_last = following == high
+        is_located = abs(value) <= accepted if aim == 0.0 else -near <= value <= accepted
+        if not is_located:
+            break
+    return k, length, is_located
+
+
+@compiled
+def keep_constraints(held: Held | None, is_projected: bool, t: float, y: Array) -> None:
+    """Move a state onto the constraints where that is requested."""
+    if held is not None and is_projected:
+        n = held.inverse_mass.shape[0]
+        project(held, t, y[:n], y[n : 2 * n])
+
+
+@compiled
+def start_march(address: PackedArguments) -> None:
+    """Record the initial state once; without steps to follow, place all bodies in the state."""
+    (run,) = unpack(address)
+    system, records, control, motion = run.system, run.records, run.control, run.motion
+    state, n = control[0], system.size
+    if state.most == 0 or not state.has_started:
+        place(system.tree, system.state, state.time, motion.y)
+    if not state.has_started:
+        accelerate(system.tree, system.state, motion.slopes[0, n : 2 * n])
+        copy_to(records.torque, system.torque)
+        q, v, a, _, _ = system.state
+        note_contacts(records.packed, records.contacts, q, v)
+        settle_state(records, 0.0, LEAST_STEPS)
+        observe(records, 0.0, 0.0, q, v, a)
+        state.has_started = True
+
+
+@compiled
+def finish_step(address: PackedArguments, held: Held | None, t: float, h: float) -> None:
     """Account for an accepted state in ``motion.y``, the one that slopes were evaluated in last."""
-    n = system.size
-    y = motion.y
+    (run,) = unpack(address)
+    system, records, control, motion = run.system, run.records, run.control, run.motion
+    n, y = system.size, motion.y
     for k in range(system.contacts.shape[0]):
         records.contacts[k] = system.contacts[k]
     note_forces(records.packed.joints, records.onset, records.contacts)
     for k in range(system.contacts.shape[0]):
-        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
+        base = 2 * n + DRIVE_INTEGRALS + JOINT_RATES * k
         # Integrals are emptied into the account, so that they never lose digits.
         records.wear_integrals[k].work = y[base + WORK]
         records.wear_integrals[k].pressure = y[base + PRESSURE]
@@ -79,7 +293,7 @@ def finish_step(
         remember(last, records.packed.joints[k], records.onset[k], records.contacts[k], t)
         if records.onset[k] > 0.0:
             last.steps += 1
-    accelerate(system, motion.slopes[0])
+    accelerate(system.tree, system.state, motion.slopes[0, n : 2 * n])
     for k in range(records.drives.shape[0]):
         base = system.first_torque + TORQUE_INTEGRALS * k
         drive = records.drives[k]
@@ -94,77 +308,49 @@ def finish_step(
     state = control[0]
     state.time = t
     state.steps += 1
-    position, velocity = drift(system.held)
-    state.position_error = max(state.position_error, position)
-    state.velocity_error = max(state.velocity_error, velocity)
+    if held is not None:
+        for row in range(held.phi.shape[0]):
+            state.position_error = max(state.position_error, abs(held.phi[row]))
+            state.velocity_error = max(state.velocity_error, abs(held.phi_t[row]))
+
+
+@inlined
+def next_limit(address: PackedArguments, t: float, left: float) -> float:
+    """Return the step, s, that the error control and the contacts allow."""
+    (run,) = unpack(address)
+    system, records, control = run.system, run.records, run.control
+    longest = skim_step(system.packed, records.memory, control[0].longest)
+    longest = step_after_touchdown(system.packed.joints, records.onset, records.memory, longest)
+    h = min(step_to_break(records.motions, t, min(control[0].step, longest)), left)
+    return min(h, next_break(system.packed.loads) - t)
 
 
 @compiled
-def start_march(
-    system: System, records: RecorderState, control: Records, motion: Integration, most: int
-) -> None:
-    """Evaluate the slopes of the state if necessary, and record the initial state once.
-
-    Without steps to follow, only place all bodies in the state.
-    """
-    state, y, slope = control[0], motion.y, motion.slopes[0]
-    if most > 0 and not state.has_slope:
-        rates(system, records.onset, state.time, y, slope)
+def march_controlled(address: PackedArguments, end: float) -> int:
+    """Integrate towards ``end`` for at most ``most`` steps; returns how far it got."""
+    (run,) = unpack(address)
+    system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
+    control, motion, last = run.control, run.motion, run.last
+    n, joints, state = system.size, system.contacts.shape[0], control[0]
+    if state.most > 0 and not state.has_slope:
+        rates(address, state.time, motion.y, START)
         state.has_slope = True
-    if most == 0 or not state.has_started:
-        place(system, state.time, y)
-    if not state.has_started:
-        accelerate(system, slope)
-        copy_to(records.torque, system.torque)
-        q, v, a, _, _ = system.state
-        note_contacts(records.packed, records.contacts, q, v)
-        settle_state(records, 0.0, LEAST_STEPS)
-        observe(records, 0.0, 0.0, q, v, a)
-        state.has_started = True
-
-
-@compiled
-def settle_state_modes(system: System, t: float) -> int:
-    """Bring the loads' modes up to the state placed last; returns how many have changed."""
-    q, v, a, _, _ = system.state
-    return settle_modes(system.packed, t, q, v, a)
-
-
-@compiled
-def march_controlled(
-    system: System,
-    tableau: Tableau,
-    records: RecorderState,
-    control: Records,
-    motion: Integration,
-    end: float,
-    most: int,
-) -> int:
-    """Integrate towards ``end`` for at most so many steps; returns how far it got."""
-    n = system.size
-    state = control[0]
-    start_march(system, records, control, motion, most)
+    start_march(address)
     # No step feels a contact before its touchdown, because steps end there.
-    for k in range(records.onset.shape[0]):
+    for k in range(joints):
         if records.onset[k] == 0.0:
             records.onset[k] = HELD_OPEN
-    for _ in range(most):
+    for _ in range(state.most):
         t = state.time
         left = end - t
         if left <= 0.0:
             return DONE
-        longest = skim_step(system.packed, records.memory, state.longest)
-        longest = step_after_touchdown(system.packed.joints, records.onset, records.memory, longest)
-        h = min(step_to_break(records.motions, t, min(state.step, longest)), left)
-        loaded = count_transitions(system.packed.loads) > 0
-        if loaded:
-            h = min(h, next_break(system.packed.loads) - t)
+        h = next_limit(address, t, left)
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        error = embedded_step(system, tableau, records.onset, motion, t, h)
-        state.evaluations += tableau.b.shape[0]
+        error = embedded_step(address, tableau, t, h)
         if not error <= 1.0:
             state.rejected += 1
             factor = LEAST_FACTOR
@@ -176,96 +362,97 @@ def march_controlled(
             continue
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
-        joints = system.contacts.shape[0]
-        # Not a literal, for which numba would compile the search for events twice.
-        no_event = np.int64(-1)
-        k, part = first_event(system, tableau, records, control, motion, t, h, no_event, joints)
+        k, located, is_located = end_on_event(address, tableau, classical, t, h, joints)
+        if not is_located:
+            # The cubic through both ends saw what is not there; a shorter one sees better.
+            # The sliding of a pin that hardly presses on a worn arc is round-off.
+            state.ignores_corners = k >= joints + count_transitions(system.packed.loads)
+            state.rejected += 1
+            state.step = h if state.ignores_corners else 0.5 * h
+            if not state.step > state.shortest:
+                return STUCK
+            continue
         if k >= 0:
-            k, located, is_located = end_on_event(
-                system, tableau, records, control, motion, t, h, k, part, joints
-            )
-            if not is_located:
-                # The cubic through both ends saw what is not there; a shorter one sees better.
-                # The sliding of a pin that hardly presses on a worn arc is round-off.
-                state.past_corners = k >= first_of_corners(system)
-                state.rejected += 1
-                state.step = h if state.past_corners else 0.5 * h
-                if not state.step > state.shortest:
-                    return STUCK
-                continue
             h = located
             last_step = False
             state.events += 1
-        state.past_corners = False
+        state.ignores_corners = False
         t = end if last_step else t + h
         copy_to(motion.y, motion.trial)
-        changed = settle_state_modes(system, t) if loaded else 0
+        q, v, a, _, _ = system.state
+        changed = settle_modes(system.packed, t, q, v, a)
         if 0 <= k < joints:
-            rate = switch(system, records, k, t)
+            rate = switch(address, k, t)
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
             state.step = min(state.step, part)
-        if state.projected:
-            keep_constraints(system.held, t, motion.y)
         if state.projected or k >= 0 or changed > 0:
-            rates(system, records.onset, t, motion.y, motion.slopes[0])
+            keep_constraints(system.held, state.projected, t, motion.y)
+            rates(address, t, motion.y, START)
             state.evaluations += 1
         else:
-            copy_to(motion.slopes[0], motion.slopes[tableau.b.shape[0]])
-        finish_step(system, records, control, motion, t, h)
+            copy_to(motion.slopes[0], motion.slopes[last])
+        finish_step(address, system.held, t, h)
     return RUNNING
 
 
+@inlined
+def switch(address: PackedArguments, k: int, t: float) -> float:
+    """Open or close joint ``k`` in the state on its event; returns its closing speed, m/s."""
+    (run,) = unpack(address)
+    system, records = run.system, run.records
+    onset, last = records.onset, records.memory[k]
+    rate: float = system.contacts[k].rate
+    if onset[k] > 0.0:
+        separate(last, records.counters[k], records.stored_contacts[k], onset[k], t, rate, 0)
+        onset[k] = HELD_OPEN
+    else:
+        onset[k] = max(rate, 1e-300)
+        touch_down(last, t, False)
+    return rate
+
+
 @compiled
-def march_fixed(
-    system: System,
-    records: RecorderState,
-    control: Records,
-    motion: Integration,
-    end: float,
-    most: int,
-) -> int:
+def march_fixed(address: PackedArguments, end: float) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
-    n = system.size
-    state = control[0]
-    start_march(system, records, control, motion, most)
-    for _ in range(most):
+    (run,) = unpack(address)
+    system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
+    control, motion, last = run.control, run.motion, run.last
+    n, state = system.size, control[0]
+    if state.most > 0 and not state.has_slope:
+        rates(address, state.time, motion.y, START)
+        state.has_slope = True
+    start_march(address)
+    for _ in range(state.most):
         t = state.time
         left = end - t
         # A remainder of round-off is no step.
         if left <= 1e-9 * state.step:
             return DONE
-        h = min(state.step, left)
-        if state.due > t:
-            h = min(state.due - t, left)
+        h = min(state.due - t if state.due > t else state.step, left)
         whole = h
         h = min(step_to_break(records.motions, t, h), next_break(system.packed.loads) - t)
-        trial_step(system, None, records, control, motion, t, h)
-        k, part = first_event(system, None, records, control, motion, t, h, -1, 0)
-        if k >= 0:
-            k, located, is_located = end_on_event(
-                system, None, records, control, motion, t, h, k, part, 0
-            )
-            if is_located:
-                h = located
-                state.events += 1
-            else:
-                trial_step(system, None, records, control, motion, t, h)
+        classical_step(address, t, h)
+        k, located, is_located = end_on_event(address, tableau, classical, t, h, NO_JOINTS)
+        if not is_located:
+            classical_step(address, t, h)
+        elif k >= 0:
+            h = located
+            state.events += 1
         copy_to(motion.y, motion.trial)
         # What is left of a step that was cut follows by itself.
         state.due = t + whole if h < whole else 0.0
         t = end if h >= left else t + h
-        place(system, t, motion.y)
-        accelerate(system, motion.slopes[last_slope(None)])
-        settle_state_modes(system, t)
+        place(system.tree, system.state, t, motion.y)
+        accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
+        q, v, a, _, _ = system.state
+        settle_modes(system.packed, t, q, v, a)
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        place(system, t, motion.y)
-        q, v, _, _, _ = system.state
+        place(system.tree, system.state, t, motion.y)
         note_contacts(records.packed, records.contacts, q, v)
         settle_state(records, t, LEAST_STEPS)
-        if state.projected:
-            keep_constraints(system.held, t, motion.y)
-        rates(system, records.onset, t, motion.y, motion.slopes[0])
-        finish_step(system, records, control, motion, t, h)
+        keep_constraints(system.held, state.projected, t, motion.y)
+        rates(address, t, motion.y, START)
+        finish_step(address, system.held, t, h)
     return RUNNING

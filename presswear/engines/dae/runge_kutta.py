@@ -1,34 +1,55 @@
-"""Explicit Runge-Kutta steps of the equations of motion.
-
-The classical method of order 4, and embedded methods by their tableau.
-"""
+"""Trial steps of the equations of motion: embedded Runge-Kutta methods, and the classical one."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.dae.dynamics import System, bristle_place, evaluate, rates
+from presswear.engines.dae.dynamics import System, bristle_place, evaluate
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS
-from presswear.tools.compile import compiled, inlined
+from presswear.recording.observe import RecorderState
+from presswear.tools.compile import PackedArguments, Records, compiled, inlined, unpack
 
 Array = NDArray[np.float64]
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
-
 UNEXCHANGED = 1e-3  # part of the kinetic energy to which the error of a loss is compared at least
+START: Any = np.int64(0)  # index of the slopes at the start of a step; compiled as any other index
+
+# State of an integration
+CONTROL = np.dtype(
+    [
+        ("time", np.float64),
+        ("most", np.int64),  # steps of a march
+        ("step", np.float64),  # next, s
+        ("due", np.float64),  # time at which an equal step that was cut is to end, s; or 0
+        ("longest", np.float64),  # s
+        ("shortest", np.float64),  # s
+        ("tolerance", np.float64),
+        ("projected", np.bool_),
+        ("has_started", np.bool_),  # the initial state is recorded
+        ("has_slope", np.bool_),  # the slopes of the state are evaluated
+        ("ignores_corners", np.bool_),  # the next step does not end where friction has a corner
+        ("steps", np.int64),
+        ("rejected", np.int64),
+        ("events", np.int64),
+        ("evaluations", np.int64),  # of the accelerations
+        ("position_error", np.float64),  # greatest |Phi|
+        ("velocity_error", np.float64),  # greatest |dPhi/dt|
+    ]
+)
 
 
-class Integration(NamedTuple):
-    """A state and the step from it.
+class Motion(NamedTuple):
+    """State and the step from it.
 
     Attributes
     ----------
     y, trial : ndarray, shape (m,)
-        The state, and its successor on trial.
+        State, and its successor on trial.
     slopes : ndarray, shape (13, m)
         Slopes of the stages; the first holds dy/dt at the start.
     scale : ndarray, shape (n,)
@@ -42,15 +63,54 @@ class Integration(NamedTuple):
     scale: Array
 
 
+class Integration(NamedTuple):
+    """Integration of a system; a march receives its address.
+
+    Attributes
+    ----------
+    system : System
+    tableau : Tableau or None
+        Embedded method.
+    classical : int or None
+        Number of stages of the classical method, for equal steps.  The compiler leaves out the
+        method that is None.
+    records : RecorderState
+    control : one record of CONTROL
+    motion : Motion
+    last : int
+        Index of the slopes at the end of a step.
+    """
+
+    system: System
+    tableau: Tableau | None
+    classical: int | None
+    records: RecorderState
+    control: Records
+    motion: Motion
+    last: int
+
+
 @compiled
-def classical_step(system: System, onset: Array, motion: Integration, t: float, h: float) -> None:
-    """Make one trial step of order 4."""
+def rates(address: PackedArguments, t: float, y: Array, stage: int) -> None:
+    """Evaluate dy/dt in a state and store it as the slopes of a stage."""
+    (run,) = unpack(address)
+    system = run.system
+    out, torques = run.motion.slopes[stage], stage >= 0  # not a literal, as START
+    evaluate(system, system.held, system.tree, run.records.onset, t, y, out, torques)
+
+
+@compiled
+def classical_step(address: PackedArguments, t: float, h: float) -> None:
+    """Make a trial step of order 4."""
+    (run,) = unpack(address)
+    classical, control, motion = run.classical, run.control, run.motion
     y, new, slopes, _ = motion
+    control[0].evaluations += classical
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
         for i in range(y.shape[0]):
             new[i] = y[i] + part * slopes[stage - 1, i]
-        rates(system, onset, t + part, new, slopes[stage])
+        rates(address, t + part, new, stage)
     for i in range(y.shape[0]):
         new[i] = y[i] + h / 6.0 * (
             slopes[0, i] + 2.0 * (slopes[1, i] + slopes[2, i]) + slopes[3, i]
@@ -58,31 +118,27 @@ def classical_step(system: System, onset: Array, motion: Integration, t: float, 
 
 
 @inlined
-def errors_of(tableau: Tableau, slopes: Array, i: int) -> tuple[float, float]:
-    """Both estimates of the error of a component, over the length of the step."""
+def _errors(tableau: Tableau, slopes: Array, i: int, allowed: float) -> tuple[float, float]:
+    """Return both estimates of the error of a component over the allowed one, squared, per step."""
     one = 0.0
     two = 0.0
     for j in range(tableau.b.shape[0] + 1):
         one += tableau.error[j] * slopes[j, i]
         two += tableau.second_error[j] * slopes[j, i]
-    return one, two
+    return (one / allowed) ** 2, (two / allowed) ** 2
 
 
 @compiled
-def embedded_step(
-    system: System,
-    tableau: Tableau,
-    onset: Array,
-    motion: Integration,
-    t: float,
-    h: float,
-) -> float:
-    """Make one trial step with an embedded method; returns its error over the allowed one.
+def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float) -> float:
+    """Make a trial step; returns its error over the allowed one.
 
-    ``slopes[stages]`` holds dy/dt at the end afterwards.
+    The slopes of the last stage hold dy/dt at the end afterwards.
     """
-    y, new, slopes, scale = motion
+    (run,) = unpack(address)
+    system, onset, control = run.system, run.records.onset, run.control
+    y, new, slopes, scale = run.motion
     stages = tableau.b.shape[0]
+    control[0].evaluations += stages
     for stage in range(1, stages + 1):
         is_last = stage == stages
         weights = tableau.b if is_last else tableau.a[stage]
@@ -96,33 +152,34 @@ def embedded_step(
                 for i in range(size):
                     new[i] += factor * slopes[j, i]
         part = 1.0 if is_last else tableau.c[stage]
-        # The torques of the drives are summed with the weights of the step, and known at its end.
+        # The torques of the drives are summed with the weights of the step, and needed at its end.
         torques = is_last or tableau.b[stage] != 0.0
-        evaluate(system, onset, t + part * h, new, slopes[stage], torques)
+        out = slopes[stage]
+        evaluate(system, system.held, system.tree, onset, t + part * h, new, out, torques)
     first = 0.0
     second = 0.0
     count = scale.shape[0]
     for i in range(count):
-        one, two = errors_of(tableau, slopes, i)
-        first += (one / scale[i]) ** 2
-        second += (two / scale[i]) ** 2
+        one, two = _errors(tableau, slopes, i, scale[i])
+        first += one
+        second += two
     for k in range(system.packed.joints.shape[0]):
+        bristle = bristle_place(scale.shape[0], k)
         if system.packed.joints[k].friction.bristle_stiffness > 0.0:
-            one, two = errors_of(tableau, slopes, bristle_place(scale.shape[0], k))
-            first += (one / scale[0]) ** 2
-            second += (two / scale[0]) ** 2
+            one, two = _errors(tableau, slopes, bristle, scale[0])
+            first += one
+            second += two
             count += 1
-        loss = bristle_place(scale.shape[0], k) - BRISTLE + CONTACT_LOSS
+        loss = bristle - BRISTLE + CONTACT_LOSS
         if system.packed.joints[k].normal.abrupt and slopes[0, loss] != 0.0:
             # Its force ends before the contact does: no rate feels the energy lost until then.
             kinetic = 0.0
             for i in range(system.packed.mass.shape[0]):
                 kinetic += 0.5 * system.packed.mass[i] * system.state[1, i] ** 2
             energy = max(new[loss], new[scale.shape[0] + 1], UNEXCHANGED * kinetic)
-            allowed = energy * scale[0] / POSITION_SCALE
-            one, two = errors_of(tableau, slopes, loss)
-            first += (one / allowed) ** 2
-            second += (two / allowed) ** 2
+            one, two = _errors(tableau, slopes, loss, energy * scale[0] / POSITION_SCALE)
+            first += one
+            second += two
             count += 1
     if first == 0.0 and second == 0.0:
         return 0.0
