@@ -15,29 +15,9 @@ from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
 from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.results import press_analysis as press
 from presswear.results.folder import SCHEMA
 from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
-from presswear.results.press_analysis import (
-    ENERGY_BOUND,
-    PHASES,
-    SNAP_THROUGH,
-    SNAP_THROUGH_S,
-    WORK,
-    drives_of,
-    energy_of,
-    has_motion,
-    height_of,
-    ideal_drives,
-    period_of,
-    process_force,
-    resonance,
-    rise,
-    settled_span,
-    spectra_of,
-    strokes_of,
-    timeline_of,
-    tonnage_of,
-)
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Conventions
@@ -72,9 +52,9 @@ _ENDINGS = {
     "enough": "stopped when the wear maps reached the tolerance",
 }
 _TEXTS = {  # names in braces that are the same for all results
-    "snap": f"{short_number(1e3 * SNAP_THROUGH_S)} ms",
-    "residual": short_number(ENERGY_BOUND),
-    "residual_of_wear": short_number(10.0 * ENERGY_BOUND),
+    "snap": f"{short_number(1e3 * press.SNAP_THROUGH_S)} ms",
+    "residual": short_number(press.ENERGY_BOUND),
+    "residual_of_wear": short_number(10.0 * press.ENERGY_BOUND),
     "residual_of_failure": short_number(RESIDUAL),
     "orders": ", ".join(map(str, _HARMONICS)),
 }
@@ -129,7 +109,7 @@ def _result_table(
     repeated: dict[str, Sequence[str]] = {
         "joint": joints,
         "body": [drive.body for drive in linkage.drives],
-        "part_of_stroke": PHASES,
+        "part_of_stroke": press.PHASES,
         "mode": MODES,
         "change": [f"{a} to {b}" for a, b in permutations(MODES, 2)],
         **more,
@@ -202,13 +182,13 @@ def stage_records(result: Result) -> list[Record]:
                 "joints": joints,
                 "bdc": bdc,
                 "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
-                "rise": rise(stage, first) if bdc and first and stage is not first else None,
+                "rise": press.rise(stage, first) if bdc and first and stage is not first else None,
                 "range_strokes": None if bdc is None or bdc.range is None else bdc.range_strokes,
                 "rest": _heights_at_rest(result, stage),
                 "wear": {joint: _wear_record(stage, joint) for joint in scene.clearance_joints},
-                "tonnage": tonnage_of(scene, stage),
+                "tonnage": press.tonnage_of(scene, stage),
                 "ideal_work": None if scene.process is None else scene.process.work,
-                "drives": None if scene.has_untrusted_loads else drives_of(scene, stage),
+                "drives": None if scene.has_untrusted_loads else press.drives_of(scene, stage),
                 "largest": peaks
                 and {
                     "joint": largest,
@@ -279,7 +259,7 @@ def _recorded_peak(scene: Scene, stage: StageResult) -> Record | None:
     angle = math.radians(float(phase_degrees(scene, time[row : row + 1])[0]))
     record: Record = {"joint": joint, "force": float(forces[joint].max()), "angle": angle}
     if bottom_of(scene.ideal) is not None:
-        height = height_of(scene, stage)
+        height = press.height_of(scene, stage)
         falls = height[min(row + 1, time.size - 1)] < height[max(row - 1, 0)]
         record["height"], record["direction"] = float(height[row]), "down" if falls else "up"
         record["phase"] = _work_phase(scene, stage, row)
@@ -288,22 +268,26 @@ def _recorded_peak(scene: Scene, stage: StageResult) -> Record | None:
 
 def _work_phase(scene: Scene, stage: StageResult, row: int) -> str | None:
     """Return the phase of the work at a row of the series; None outside of it."""
-    strokes, force, now = strokes_of(scene, stage), process_force(scene, stage), stage.time[row]
+    strokes, force, now = (
+        press.strokes_of(scene, stage),
+        press.process_force(scene, stage),
+        stage.time[row],
+    )
     if strokes is None or force is None:
         return None
     for contact, fracture in zip(strokes.contact[:, 0], strokes.fracture[:, 0], strict=True):
         is_pressed = force[row] > 0.0 if np.isnan(fracture) else now < fracture
         if contact <= now and is_pressed:
-            return PHASES[WORK]
-        if fracture <= now < fracture + SNAP_THROUGH_S:
-            return PHASES[SNAP_THROUGH]
+            return press.PHASES[press.WORK]
+        if fracture <= now < fracture + press.SNAP_THROUGH_S:
+            return press.PHASES[press.SNAP_THROUGH]
     return None
 
 
 def _moments(scene: Scene, stage: StageResult) -> dict[str, list[str]]:
     """Return phase angles and heights at which strokes touch, break and leave the work."""
     start = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
-    strokes, moments = strokes_of(scene, stage), {}
+    strokes, moments = press.strokes_of(scene, stage), {}
     for name in ("contact", "fracture", "separation") if strokes else ():
         rows = getattr(strokes, name)
         rows = rows[~np.isnan(rows[:, 0])]
@@ -347,7 +331,10 @@ def drive_table(result: Result) -> Table | None:
         return None
     records: list[Record] = []
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
-        drives, energy = drives_of(scene, stage), energy_of(scene, stage)
+        drives, energy = (
+            press.drives_of(scene, stage),
+            press.energy_of(scene, stage),
+        )
         if drives:
             duty = {body: drive.duty for body, drive in drives.items()}
             balance = (
@@ -356,7 +343,7 @@ def drive_table(result: Result) -> Table | None:
             records.append({"name": name, "duty": duty, **balance})
     if not records:
         return None
-    ideal = ideal_drives(scene)
+    ideal = press.ideal_drives(scene)
     work = sum(drive.work for drive in ideal.values())
     return _result_table(
         "drives", result, [*records, {"name": "ideal joints", "duty": ideal, "work": work}]
@@ -393,7 +380,7 @@ def motion_table(result: Result) -> Table | None:
     records = [
         {"name": name, **_motion_record(result, stage)}
         for name, stage in zip(names, result.stages, strict=True)
-        if has_motion(scene, stage)
+        if press.has_motion(scene, stage)
     ]
     if not records:
         return None
@@ -405,13 +392,13 @@ def motion_table(result: Result) -> Table | None:
 
 def _motion_record(result: Result, stage: StageResult) -> Record:
     scene, joints = result.scene, result.scene.clearance_joints
-    start, end = settled_span(scene, stage)
+    start, end = press.settled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
-    lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
+    lines = {joint: press.timeline_of(scene, stage, joint) for joint in joints}
     together = combine(list(lines.values()))
     labels = [f"acceleration of the {scene.output} (m/s²)"]
     labels += [f"force at {joint} (N)" for joint in joints]
-    spectra = dict(zip(labels, spectra_of(scene, stage).values(), strict=True))
+    spectra = dict(zip(labels, press.spectra_of(scene, stage).values(), strict=True))
     return {
         "cycles": cycles,
         "modes": {
@@ -432,7 +419,7 @@ def _motion_record(result: Result, stage: StageResult) -> Record:
             }
             for joint, line in lines.items()
         },
-        "period": str(period_of(scene, stage)),
+        "period": str(press.period_of(scene, stage)),
         "harmonics": {
             name: ", ".join(readable(spectrum.amplitude(order)) for order in _HARMONICS)
             for name, spectrum in spectra.items()
@@ -441,7 +428,7 @@ def _motion_record(result: Result, stage: StageResult) -> Record:
             name: spectrum.harmonic_share if spectrum.lines >= _MIN_LINES else None
             for name, spectrum in spectra.items()
         },
-        "resonance": {joint: resonance(stage, joint) for joint in joints},
+        "resonance": {joint: press.resonance(stage, joint) for joint in joints},
     }
 
 

@@ -49,7 +49,6 @@ def console_of(width: int, clock: Clock) -> Console:
 
 
 def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
-    """Return the lines of a progress bar without colours."""
     console = Console(width=width, file=io.StringIO(), record=True, get_time=clock)
     console.print(bar.make_tasks_table(bar.tasks))
     return console.export_text().splitlines()

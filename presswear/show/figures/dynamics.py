@@ -6,35 +6,11 @@ from typing import Any
 import numpy as np
 
 from presswear.analysis.contact_modes import MODES
-from presswear.results.press_analysis import (
-    MAX_ORDER,
-    has_motion,
-    impacts_of,
-    period_of,
-    resonance,
-    section_of,
-    settled_span,
-    spectra_of,
-    timeline_of,
-)
+from presswear.results import press_analysis as press
 from presswear.results.result import Result
+from presswear.show.figures import style
 from presswear.show.figures.motion import pin_panels
-from presswear.show.figures.style import (
-    REFERENCE,
-    WIDTH,
-    Array,
-    Axes,
-    Drawing,
-    Pen,
-    ShownStage,
-    Stages,
-    between,
-    finished,
-    panels,
-    shown_stages,
-    square_side,
-    title_stages,
-)
+from presswear.show.figures.style import Array, Axes, Drawing, Pen, ShownStage, Stages
 from presswear.tools.numbers import readable, unit_scale
 
 BINS = 180  # bins of the cycle in a timeline of modes
@@ -45,8 +21,8 @@ _HARMONICS = 10  # harmonics of the crank that are marked
 
 def _rattling(result: Result, stages: Stages) -> list[ShownStage]:
     """Return the shown stages with at least a cycle of motion in joints with clearance."""
-    shown = shown_stages(result, stages)
-    return [stage for stage in shown if has_motion(result.scene, stage.data)]
+    shown = style.shown_stages(result, stages)
+    return [stage for stage in shown if press.has_motion(result.scene, stage.data)]
 
 
 def _label_phase(row: Sequence[Axes], result: Result) -> None:
@@ -61,13 +37,13 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     shown, scene = _rattling(result, stages), result.scene
     if not shown:
         return []
-    joints, side = scene.clearance_joints, square_side(len(shown))
+    joints, side = scene.clearance_joints, style.square_side(len(shown))
     count = 1 + len(joints)
     height = 0.7 + (0.75 * side + 0.35) * count
-    sheet, grid = panels(count, len(shown), height, sharex="row", sharey="row")
+    sheet, grid = style.panels(count, len(shown), height, sharex="row", sharey="row")
     factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
     for column, stage in zip(grid.T, shown, strict=True):
-        data = between(stage.data, *settled_span(scene, stage.data))
+        data = style.between(stage.data, *press.settled_span(scene, stage.data))
         look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         column[0].plot(1e3 * data.displacement, data.velocity, **look)
         column[0].set_xlabel(f"displacement of the {scene.output} (mm)")
@@ -77,12 +53,12 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
             time, rows = np.unique(data.time, return_index=True)
             axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
             clearance = factor * scene.bearing(joint).clearance
-            axes.axvline(clearance, color=REFERENCE, linewidth=0.7, linestyle="dashed")
+            axes.axvline(clearance, color=style.REFERENCE, linewidth=0.7, linestyle="dashed")
             axes.set_xlabel(f"|e| in joint {joint} ({unit})")
-    title_stages(grid, shown, side)
+    style.title_stages(grid, shown, side)
     for axes, label in zip(grid[:, 0], ("velocity", *["d|e|/dt"] * len(joints)), strict=True):
         axes.set_ylabel(f"{label} (m/s)")
-    return finished("phase", sheet, scene=scene)
+    return style.finished("phase", sheet, scene=scene)
 
 
 def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
@@ -94,7 +70,7 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
         nonlocal phase
-        points, phase = section_of(scene, stage.data, joint)
+        points, phase = press.section_of(scene, stage.data, joint)
         counts.append(len(points))
         x, y = factor * points.T
         size = 9.0 if len(points) < 50 else 3.0
@@ -102,14 +78,14 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
         return points.T
 
     sheet, circle = pin_panels(result, shown, draw)
-    return finished(
+    return style.finished(
         "poincare",
         sheet,
         [circle],
         scene=scene,
         angle=360.0 * (phase % 1.0),
         fewest=min(counts),
-        periods=[f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown],
+        periods=[f"{one.pen.label}: {press.period_of(scene, one.data)}" for one in shown],
     )
 
 
@@ -119,20 +95,22 @@ def impact_section(result: Result, stages: Stages) -> list[Drawing]:
     if not shown:
         return []
     joints = scene.clearance_joints
-    impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
+    impacts = [[press.impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
     if not any(speed.any() for row in impacts for _, speed in row):
         return []
-    sheet, grid = panels(len(joints), len(shown), 0.7 + 1.5 * len(joints), sharex=True, sharey=True)
+    sheet, grid = style.panels(
+        len(joints), len(shown), 0.7 + 1.5 * len(joints), sharex=True, sharey=True
+    )
     for data, row, joint in zip(impacts, grid, joints, strict=True):
         for (when, speed), axes, stage in zip(data, row, shown, strict=True):
             axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
             # Most touchdowns of a resting pin are far slower than those that end a flight.
             axes.set_yscale("log")
         row[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
-    title_stages(grid, shown, (WIDTH - 0.9) / len(shown))
+    style.title_stages(grid, shown, (style.WIDTH - 0.9) / len(shown))
     _label_phase(grid[-1], result)
     fewest = min(len(speed) for row in impacts for _, speed in row)
-    return finished("impacts", sheet, scene=scene, fewest=fewest)
+    return style.finished("impacts", sheet, scene=scene, fewest=fewest)
 
 
 def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
@@ -141,10 +119,10 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     if not shown:
         return []
     joints, height = scene.clearance_joints, 0.9 + 1.6 * len(shown)
-    sheet, grid = panels(len(shown), len(joints), height, sharex=True, sharey=True)
+    sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey=True)
     for row, stage in zip(grid, shown, strict=True):
         for axes, joint in zip(row, joints, strict=True):
-            line = timeline_of(scene, stage.data, joint)
+            line = press.timeline_of(scene, stage.data, joint)
             _stack(axes, 100.0 * line.over_phase(scene.mechanism.period, BINS))
             shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
             text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
@@ -152,7 +130,7 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
         row[0].set_ylabel("part of the time (%)")
     _label_phase(grid[-1], result)
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
-    return finished("modes", sheet, pens)
+    return style.finished("modes", sheet, pens)
 
 
 def _stack(axes: Axes, parts: Array) -> None:
@@ -169,13 +147,13 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
     if not shown:
         return []
     joints, period = scene.clearance_joints, scene.mechanism.period
-    sheet, grid = panels(1 + len(joints), 1, 0.6 + 1.9 * (1 + len(joints)), sharex=True)
+    sheet, grid = style.panels(1 + len(joints), 1, 0.6 + 1.9 * (1 + len(joints)), sharex=True)
     column, resonances = grid[:, 0], []
     for stage in shown:
-        for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
+        for axes, density in zip(column, press.spectra_of(scene, stage.data).values(), strict=True):
             stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
-        frequencies = [(stage.pen.colour, resonance(stage.data, joint)) for stage in shown]
+        frequencies = [(stage.pen.colour, press.resonance(stage.data, joint)) for stage in shown]
         for colour, frequency in frequencies:
             if frequency is not None:
                 axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
@@ -189,8 +167,8 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_yscale("log")
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
-    column[-1].set_xlim(0.2, MAX_ORDER)
+    column[-1].set_xlim(0.2, press.MAX_ORDER)
     column[-1].set_xlabel("frequency in turns of the cycle (orders)")
     pens = [stage.pen for stage in shown]
     content: dict[str, Any] = {"harmonics": _HARMONICS, "resonances": resonances}
-    return finished("spectrum", sheet, pens, scene=scene, **content)
+    return style.finished("spectrum", sheet, pens, scene=scene, **content)

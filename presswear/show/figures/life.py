@@ -11,31 +11,21 @@ from matplotlib.ticker import MaxNLocator
 from presswear.results.life import UNITS, LifeResult, LimitResult, words_of
 from presswear.results.result import Result
 from presswear.scene.options import Service
-from presswear.show.figures.style import (
-    LINES,
-    MUTED,
-    REFERENCE,
-    TALLEST,
-    WIDTH,
-    Axes,
-    Drawing,
-    Pen,
-    Stages,
-    finished,
-    note,
-    panels,
-    wrapped,
-)
+from presswear.show.figures import style
+from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _COLUMNS = 3
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
-_HEADROOM = 1.15, 1.4  # height of a panel relative to its largest value, without and with a note
+_HEADROOM = (
+    1.15,
+    1.4,
+)  # height of a panel relative to its largest value, without and with a note
 _NARROW = 0.2  # fraction of the strokes below which the name of a phase is upright
-_MEAN = Pen("mean of the replicates, 95 % band", LINES[0][0])
-_LIMIT = Pen("limit", LINES[1][0], (0.0, (5.0, 2.0)))
-_LIFE = Pen("life with its interval", LINES[2][0])
-_SERVICE = Pen("bushing serviced", REFERENCE, "dotted", 0.9)
+_MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
+_LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
+_LIFE = Pen("life with its interval", style.LINES[2][0])
+_SERVICE = Pen("bushing serviced", style.REFERENCE, "dotted", 0.9)
 
 
 @dataclass(frozen=True)
@@ -69,8 +59,8 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     if not unit and end >= 1e4:  # ticks of thousands are too long for narrow panels
         factor, unit = 1e-3, "thousand"
     scale = _Scale(life, tuple(services_done(result)), end, factor, f"{unit} strokes".strip())
-    height = 0.6 + min(1.5, (TALLEST - 1.2) / len(rows)) * len(rows)
-    sheet, grid = panels(len(rows), _COLUMNS, height, sharex=True)
+    height = 0.6 + min(1.5, (style.TALLEST - 1.2) / len(rows)) * len(rows)
+    sheet, grid = style.panels(len(rows), _COLUMNS, height, sharex=True)
     for k, (keys, below) in enumerate(pairwise([*rows, []])):
         for axes, key in zip(grid[k], keys, strict=False):
             _draw_quantity(axes, key, scale)
@@ -83,7 +73,7 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     pens = [_MEAN, _LIMIT, *[_LIFE] * (life.ended == "limit"), *[_SERVICE] * bool(scale.services)]
     curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
     first = life.first if life.ended == "limit" else None
-    return finished(
+    return style.finished(
         "life",
         sheet,
         pens,
@@ -121,14 +111,16 @@ def _draw_quantity(axes: Axes, key: str, scale: _Scale) -> None:
         if limit in near:
             _LIMIT.draw(axes, (0.0, scale.factor * scale.end), (factor * limit.value,) * 2)
         else:
-            note(axes, f"limit {limit_text(limit)}")
+            style.note(axes, f"limit {limit_text(limit)}")
     headroom = _HEADROOM[len(near) < len(limits)]
     axes.set_xlim(0.0, scale.factor * scale.end)
     axes.set_ylim(0.0, headroom * factor * largest if largest > 0.0 else 1.0)
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.set_ylabel(f"({unit})")
     is_first = life.first is not None and life.first.key == key
-    title = wrapped(words_of(key), 0.7 * WIDTH / _COLUMNS) + (": first" if is_first else "")
+    title = style.wrapped(words_of(key), 0.7 * style.WIDTH / _COLUMNS) + (
+        ": first" if is_first else ""
+    )
     axes.set_title(title, loc="left", fontweight="bold" if is_first else "normal")
     _mark_life_and_services(axes, joint, scale)
     if joint and name == "wear_volume":
@@ -157,7 +149,7 @@ def _shade_phases(axes: Axes, joint: str, scale: _Scale) -> None:
     for k, phase in enumerate(phases):
         ends = scale.factor * phase.since, scale.factor * phase.until
         if k % 2:
-            axes.axvspan(*ends, color=MUTED, alpha=0.12, linewidth=0.0)
+            axes.axvspan(*ends, color=style.MUTED, alpha=0.12, linewidth=0.0)
         is_narrow = phase.until - phase.since < _NARROW * scale.end
         look = {"ha": "center", "va": "top", "rotation": 90.0 if is_narrow else 0.0}
         _upright(axes, 0.5 * sum(ends), 0.96, phase.name, **look)

@@ -12,17 +12,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import AnyLoad, Force, Load
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
-from presswear.show.figures.style import (
-    LINES,
-    MUTED,
-    WIDTH,
-    Array,
-    Axes,
-    Drawing,
-    Stages,
-    captioned,
-    panels,
-)
+from presswear.show.figures import style
+from presswear.show.figures.style import Array, Axes, Drawing, Stages
 
 _HEIGHTS = (3.2, 6.4)  # least and greatest height of the figure, inches
 _EDGES = 0.65, 0.55  # width and height of the figure beside the axes, inches
@@ -55,10 +46,10 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     size = float(np.hypot(*np.ptp(everything, axis=0)))
     low, high = everything.min(axis=0) - _MARGIN * size, everything.max(axis=0) + _MARGIN * size
     wide, tall = high - low
-    height = min(max((WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
-    sheet, ((axes,),) = panels(1, 1, height)
+    height = min(max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
+    sheet, ((axes,),) = style.panels(1, 1, height)
     for path in paths.values():
-        axes.plot(*path[1:].T, color=MUTED, linewidth=0.5, zorder=1)
+        axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
     along = np.array([math.cos(output.direction), math.sin(output.direction)])
     place = _path(linkage, position, Attachment(output.body, output.x, output.y))[0]
@@ -66,7 +57,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     _draw_joints(axes, scene, ends, {name: path[0] for name, path in paths.items()}, centres, size)
     for place, body in enumerate(linkage.bodies):
         points = [paths[name][0] for name, end in ends if end.body == body.name]
-        colour = LINES[place % len(LINES)][0]
+        colour = style.LINES[place % len(style.LINES)][0]
         angle = position[0, 3 * place + 2]
         _draw_body(axes, body.name, points, centres[body.name][0], angle, size, colour)
     _draw_guides_and_forces(axes, linkage, position, centres, size)
@@ -83,7 +74,9 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
-    return captioned("mechanism", sheet, linkage=linkage, time=1e3 * time, period=1e3 * period)
+    return style.captioned(
+        "mechanism", sheet, linkage=linkage, time=1e3 * time, period=1e3 * period
+    )
 
 
 def _path(linkage: Linkage, position: Array, end: Attachment) -> Array:
@@ -211,8 +204,8 @@ def _draw_guides_and_forces(
         across = np.array([second[1] - first[1], first[0] - second[0]])
         swing = 0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
         line = first + np.outer(part, second - first) + np.outer(swing, across)
-        axes.plot(*line.T, color=MUTED, linewidth=1.0, zorder=2)
-        _label(axes, spring.name, 0.5 * (first + second), -across, 9.0, color=MUTED)
+        axes.plot(*line.T, color=style.MUTED, linewidth=1.0, zorder=2)
+        _label(axes, spring.name, 0.5 * (first + second), -across, 9.0, color=style.MUTED)
     for load in linkage.loads:
         point = load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0)
         _draw_load(axes, load, _path(linkage, position, point)[0], size)

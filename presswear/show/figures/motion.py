@@ -10,41 +10,11 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from presswear.linkage.loads import Coining
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.press_analysis import bottom_errors as bottom_strokes
-from presswear.results.press_analysis import (
-    curves_of,
-    height_of,
-    ideal_curves,
-    process_force,
-    settled_strokes,
-    strokes_of,
-)
+from presswear.results import press_analysis as press
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult
-from presswear.show.figures.style import (
-    MUTED,
-    REFERENCE,
-    SHOWN_CYCLES,
-    TALLEST,
-    WIDTH,
-    Array,
-    Axes,
-    Drawing,
-    Pen,
-    Sheet,
-    ShownStage,
-    Stages,
-    between,
-    finished,
-    maps_turn,
-    note,
-    panels,
-    shown_stages,
-    square_side,
-    title_joint,
-    title_stages,
-    wrapped,
-)
+from presswear.show.figures import style
+from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, ShownStage, Stages
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
@@ -55,9 +25,9 @@ _MOMENTS = {
     "fracture": ("x", "cross: the work breaks"),
     "separation": ("^", "triangle up: leaves the work"),
 }
-IDEAL = Pen("ideal", REFERENCE, (0.0, (4.0, 2.0)), 0.9)
+IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
-_LIMIT = Pen("gap limit, c + wear depths", REFERENCE, width=0.7)
+_LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
 
 
 def moving_stages(result: Result, stages: Stages, joints: bool = False) -> list[ShownStage]:
@@ -67,7 +37,7 @@ def moving_stages(result: Result, stages: Stages, joints: bool = False) -> list[
     """
     return [
         stage
-        for stage in shown_stages(result, stages)
+        for stage in style.shown_stages(result, stages)
         if not stage.data.failed
         and stage.data.time.size > 1
         and (stage.data.has_joint_series or not joints)
@@ -102,7 +72,7 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     fewest = min(round((end - run_up) / period - 0.48) for end in ends)
     first = max(min(STARTUP_CYCLES, fewest - 1), 0)
     start = run_up + first * period
-    end = min(start + SHOWN_CYCLES * period, max(ends))
+    end = min(start + style.SHOWN_CYCLES * period, max(ends))
     count = (end - run_up) / period
     cycles = round(count)
     if abs(count - cycles) > 0.02:
@@ -112,7 +82,7 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     else:
         words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
     words = f"{words} of {1e3 * period:.0f} ms{' after the run-up' if run_up > 0.0 else ''}"
-    shown = [replace(stage, data=between(stage.data, start, end)) for stage in stages]
+    shown = [replace(stage, data=style.between(stage.data, start, end)) for stage in stages]
     return shown, Window(start, end, period, run_up, result.scene.mechanism.linkage().phase, words)
 
 
@@ -129,11 +99,11 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     factor, unit = unit_scale("m", scene.stroke)
     time = np.linspace(window.start, window.end, 1001)
     offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
-    sheet, ((axes,),) = panels(1, 1, 2.9)
+    sheet, ((axes,),) = style.panels(1, 1, 2.9)
     marks: dict[str, str] = {}
     for stage, full in zip(shown, moving, strict=True):
-        stage.pen.draw(axes, stage.data.time, factor * height_of(scene, stage.data))
-        strokes = strokes_of(scene, full.data)
+        stage.pen.draw(axes, stage.data.time, factor * press.height_of(scene, stage.data))
+        strokes = press.strokes_of(scene, full.data)
         for name, (mark, words) in _MOMENTS.items() if strokes else ():
             moments = getattr(strokes, name)
             inside = (moments[:, 0] >= window.start) & (moments[:, 0] <= window.end)
@@ -144,7 +114,9 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     IDEAL.draw(axes, time, factor * (offset + scene.ideal_slider(time)[:, 0] - scene.bottom))
     axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
-    return finished("stroke", sheet, _pens(shown), scene=scene, window=window, marks=marks.values())
+    return style.finished(
+        "stroke", sheet, _pens(shown), scene=scene, window=window, marks=marks.values()
+    )
 
 
 def response(result: Result, stages: Stages) -> list[Drawing]:
@@ -156,8 +128,8 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     time = np.linspace(window.start, window.end, 2001)
     place, velocity, acceleration = scene.ideal_slider(time).T
     heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
-    height = 0.9 + min(1.15, (TALLEST - 0.9) / sum(heights)) * sum(heights)
-    sheet, grid = panels(len(heights), 1, height, sharex=True, height_ratios=heights)
+    height = 0.9 + min(1.15, (style.TALLEST - 0.9) / sum(heights)) * sum(heights)
+    sheet, grid = style.panels(len(heights), 1, height, sharex=True, height_ratios=heights)
     column = grid[:, 0]
     deviations = [s.data.displacement - scene.ideal_slider(s.data.time)[:, 0] for s in shown]
     factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
@@ -178,7 +150,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
         _draw_mean_accelerations(column[-1], moving, time, velocity, interval)
     window.label(column[-1])
     pens = _pens(shown)
-    return finished("response", sheet, pens, scene=scene, window=window, interval=interval)
+    return style.finished("response", sheet, pens, scene=scene, window=window, interval=interval)
 
 
 def _draw_accelerations(
@@ -210,7 +182,7 @@ def _draw_jagged(
     peaks = each_cycle[start:end]
     largest = max(float(np.abs(values).max()), float(peaks.max(initial=0.0)))
     axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
-    note(axes, f"{stage.pen.label}, largest {readable(largest)} {unit}")
+    style.note(axes, f"{stage.pen.label}, largest {readable(largest)} {unit}")
     return largest
 
 
@@ -237,7 +209,7 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
         return []
     shown, window = settled(result, moving)
     height = 0.5 + 1.35 * len(shown)
-    sheet, grid = panels(len(shown), len(joints), height, sharex=True, sharey="col")
+    sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey="col")
     for column, joint in zip(grid.T, joints, strict=True):
         largest = 0.0
         for axes, stage in zip(column, shown, strict=True):
@@ -246,35 +218,37 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
             peak = _draw_jagged(axes, stage, series.force[:, 0], peaks, window, "N")
             axes.set_ylabel("normal force (N)")
             largest = max(largest, peak)
-        title_joint(column[0], f"joint {joint}")
+        style.title_joint(column[0], f"joint {joint}")
         column[0].set_ylim(0.0, 1.25 * largest if largest > 0.0 else 1.0)
         window.label(column[-1])
-    return finished("force", sheet, window=window)
+    return style.finished("force", sheet, window=window)
 
 
 def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the height of bottom dead centre over the ideal in each stroke, a panel per stage."""
     scene = result.scene
-    shown = [stage for stage in shown_stages(result, stages) if stage.data.statistics.bdc]
+    shown = [stage for stage in style.shown_stages(result, stages) if stage.data.statistics.bdc]
     if not shown or not scene.clearance_joints:
         return []
-    strokes = [bottom_strokes(scene, stage.data) for stage in shown]
+    strokes = [press.bottom_errors(scene, stage.data) for stage in shown]
     heights = np.concatenate([rows for replicates in strokes for _, rows in replicates])
     factor, unit = unit_scale("m", float(np.abs(heights).max(initial=0.0)))
-    sheet, (row,) = panels(1, len(shown), 2.6, sharey=True)
+    sheet, (row,) = style.panels(1, len(shown), 2.6, sharey=True)
     for axes, stage, replicates in zip(row, shown, strokes, strict=True):
         for number, rows in replicates:
             stage.pen.draw(axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0)
         error = stage.data.bdc.error.scaled(factor)
         ends = (error.mean if end is None else end for end in (error.low, error.high))
         axes.axhspan(*ends, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
-        axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=MUTED, alpha=0.12, linewidth=0.0)
+        axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0)
         last = max(float(number[-1]) for number, _ in replicates if number.size)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        axes.set_xlabel(wrapped("since the start (strokes)", (WIDTH - 0.7) / len(shown) - 0.1))
+        axes.set_xlabel(
+            style.wrapped("since the start (strokes)", (style.WIDTH - 0.7) / len(shown) - 0.1)
+        )
     row[0].set_ylabel(f"lowest position of the {scene.output}\nminus ideal ({unit})")
-    return finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
+    return style.finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
 
 
 def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
@@ -297,7 +271,7 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     maps = [joint for stage in shown for joint in stage.data.joints.values()]
     is_worn = any(np.any(each.depth(side) > 0.0) for each in maps for side in SIDES)
     pens = [circle, _LIMIT] if is_bounded else [circle]
-    return finished("path", sheet, pens, window=window, is_open=is_worn and not is_bounded)
+    return style.finished("path", sheet, pens, window=window, is_open=is_worn and not is_bounded)
 
 
 def pin_panels(
@@ -318,13 +292,13 @@ def pin_panels(
     Pen
         Line of the clearance circle.
     """
-    side, gaps = square_side(len(shown)), {}
+    side, gaps = style.square_side(len(shown)), {}
     for joint in result.scene.clearance_joints:
         gaps[joint] = result.scene.bearing(joint).clearance
     widest = max(gaps.values())
     factor, unit = unit_scale("m", widest)
     height = 0.95 + (side + 0.1) * len(gaps)
-    sheet, grid = panels(len(gaps), len(shown), height, sharex=True, sharey=True)
+    sheet, grid = style.panels(len(gaps), len(shown), height, sharex=True, sharey=True)
     around = np.linspace(0.0, 2.0 * math.pi, 361)
     circle = np.array([np.cos(around), np.sin(around)])
     for row, (joint, gap) in zip(grid, gaps.items(), strict=True):
@@ -340,7 +314,7 @@ def pin_panels(
     grid[0, 0].set(xlim=(-edge, edge), ylim=(-edge, edge))
     for axes in grid[-1]:
         axes.set_xlabel(f"$e_x$ ({unit})")
-    title_stages(grid, shown, side)
+    style.title_stages(grid, shown, side)
     joints: dict[str, list[str]] = {}
     for joint, gap in gaps.items():
         joints.setdefault(quantity_text(gap, "m"), []).append(joint)
@@ -352,7 +326,7 @@ def gap_limit(result: Result, joint: str, stage: StageResult) -> Array:
     """Return the line that bounds a pin centre, m, shape (2, n); empty if none is fixed."""
     maps = stage.joints[joint]
     depth = maps.depth("bearing") + maps.depth("pin")
-    if maps_turn(result) or not np.any(depth > 0.0):
+    if style.maps_turn(result) or not np.any(depth > 0.0):
         return np.zeros((2, 0))
     angle = np.append(maps.angle, maps.angle[0])
     gap = result.scene.bearing(joint).clearance + np.append(depth, depth[0])
@@ -365,18 +339,18 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
     shown = [
         (stage, strokes)
         for stage in moving_stages(result, stages)
-        if (strokes := settled_strokes(scene, stage.data))
+        if (strokes := press.settled_strokes(scene, stage.data))
     ]
     if process is None or not shown:
         return []
     joints = scene.clearance_joints if all(one.data.has_joint_series for one, _ in shown) else ()
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)
-    sheet, grid = panels(1 + len(joints), 1, 0.8 + 1.7 * (1 + len(joints)), sharex=True)
+    sheet, grid = style.panels(1 + len(joints), 1, 0.8 + 1.7 * (1 + len(joints)), sharex=True)
     column = grid[:, 0]
     for stage, strokes in shown:
-        time, height = stage.data.time, height_of(scene, stage.data)
-        force = process_force(scene, stage.data)
+        time, height = stage.data.time, press.height_of(scene, stage.data)
+        force = press.process_force(scene, stage.data)
         assert force is not None, "the scene has a process"
         series = [force, *(np.hypot(*stage.data.joints[name].force.T) for name in joints)]
         for stroke in strokes:
@@ -394,7 +368,7 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_ylabel(f"force {name} (N)")
     column[-1].set_xlim(factor * reach, 0.0)
     column[-1].set_xlabel(f"height over the ideal bottom dead centre ({unit})")
-    return finished("tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene)
+    return style.finished("tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene)
 
 
 def drive_work(result: Result, stages: Stages) -> list[Drawing]:
@@ -408,9 +382,9 @@ def drive_work(result: Result, stages: Stages) -> list[Drawing]:
     if not shown or not drives or scene.has_untrusted_loads:
         return []
     shown, window = settled(result, shown)
-    sheet, grid = panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
-    curves = [(stage.pen, stage.data.time, curves_of(scene, stage.data)) for stage in shown]
-    ideal = ideal_curves(scene)
+    sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
+    curves = [(stage.pen, stage.data.time, press.curves_of(scene, stage.data)) for stage in shown]
+    ideal = press.ideal_curves(scene)
     cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):
         time = ideal[drive].time - scene.run_up - window.period
@@ -420,10 +394,10 @@ def drive_work(result: Result, stages: Stages) -> list[Drawing]:
             expected = np.tile(getattr(ideal[drive], name), cycles.size)
             _draw_drive(axes, lines, (time, expected), unit)
             axes.set_ylabel(f"{name} ({unit})")
-        title_joint(row[0], drive)
+        style.title_joint(row[0], drive)
     for axes in grid[-1]:
         window.label(axes)
-    return finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)
+    return style.finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)
 
 
 def _draw_drive(

@@ -11,30 +11,8 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from presswear.linkage.surface import Surface
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, JointResult, StageResult
-from presswear.show.figures.style import (
-    LINES,
-    MICRONS,
-    MUTED,
-    REFERENCE,
-    WIDTH,
-    Array,
-    Axes,
-    Drawing,
-    Pen,
-    Place,
-    Sheet,
-    ShownStage,
-    Stages,
-    angle_label,
-    captioned,
-    finished,
-    legend,
-    maps_turn,
-    panels,
-    round_down,
-    shown_stages,
-    title_joint,
-)
+from presswear.show.figures import style
+from presswear.show.figures.style import Array, Axes, Drawing, Pen, Place, Sheet, ShownStage, Stages
 from presswear.tools.numbers import readable, unit_factor
 
 _LINEAR_RATIO = 20.0  # largest over smallest peak up to which one linear scale shows both
@@ -42,10 +20,10 @@ _BARELY_WORN = 0.05  # depth relative to the deepest up to which a place is hard
 _TICKS = 60.0  # degrees between ticks of an axis of angles
 _MARKED_STEPS = 60  # most steps whose ends are marked; more would be a thick line
 _NAMED_UPDATES = 2  # most wear updates named beside each other; of more, the last is named
-_SURFACES = {side: Pen(side, *line) for side, line in zip(SIDES, LINES, strict=False)}
+_SURFACES = {side: Pen(side, *line) for side, line in zip(SIDES, style.LINES, strict=False)}
 _DRAWN_DEPTH = 0.25  # largest wear depth in an outline, relative to the bearing radius
 _MATERIAL = "0.91"  # colour
-_NEW = Pen("no wear", REFERENCE, "dotted", 0.8)
+_NEW = Pen("no wear", style.REFERENCE, "dotted", 0.8)
 # Left, bottom, width and height in inches, because the scales of the profiles follow from them.
 _HEIGHT = 4.3
 _OUTLINE = (0.42, 0.62, 2.75, 2.75)
@@ -58,7 +36,7 @@ _RIGHT: Place = "outside upper right"
 
 def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the cumulative wear depth over angle at each clearance joint."""
-    parts = [(side,) for side in SIDES] if maps_turn(result) else [SIDES]
+    parts = [(side,) for side in SIDES] if style.maps_turn(result) else [SIDES]
     curves = [
         (joint, sides, _depth_curves(result, stages, joint, sides))
         for joint in result.scene.clearance_joints
@@ -69,20 +47,20 @@ def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
     if not pens:
         return []
     rows = len(curves) // len(parts)
-    sheet, grid = panels(rows, len(parts), 0.5 + 2.3 * rows)
+    sheet, grid = style.panels(rows, len(parts), 0.5 + 2.3 * rows)
     for axes, (joint, sides, lines) in zip(grid.flat, curves, strict=True):
         _draw_depth(axes, stages[0].joints[joint].angle, lines)
-        axes.set_xlabel(angle_label(result, sides[0]))
+        axes.set_xlabel(style.angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
-        title_joint(axes, f"joint {joint}")
+        style.title_joint(axes, f"joint {joint}")
     content = {
-        "turns": maps_turn(result),
+        "turns": style.maps_turn(result),
         "is_shifted": any(axes.get_xlim()[0] for axes in grid.flat),
-        "has_next": any(pen.colour == MUTED for pen in pens.values()),
+        "has_next": any(pen.colour == style.MUTED for pen in pens.values()),
         "in_steps": result.grew_in_steps,
         "is_log": any(axes.get_yscale() == "log" for axes in grid.flat),
     }
-    return finished("wear", sheet, pens.values(), _RIGHT, **content)
+    return style.finished("wear", sheet, pens.values(), _RIGHT, **content)
 
 
 def _depth_curves(
@@ -96,12 +74,14 @@ def _depth_curves(
 
     curves = [
         (stage.pen, total(stage.data, "depth"))
-        for stage in shown_stages(result, stages)
+        for stage in style.shown_stages(result, stages)
         if stage.data.is_worn
     ]
     last = stages[-1]
     if last is result.stages[-1] and not last.failed and result.life is None:
-        not_run = Pen(f"{result.stage_name(last.index + 1)}, not run", MUTED, (0.0, (2.0, 2.0)))
+        not_run = Pen(
+            f"{result.stage_name(last.index + 1)}, not run", style.MUTED, (0.0, (2.0, 2.0))
+        )
         curves.append((not_run, total(last, "depth", "wear")))
     return [(pen, depth) for pen, depth in curves if np.any(depth > 0.0)]
 
@@ -127,13 +107,13 @@ def seam(angle: Array, depths: list[Array]) -> float:
 
 
 def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> None:
-    peaks = [MICRONS * float(depth.max()) for _, depth in curves]
+    peaks = [style.MICRONS * float(depth.max()) for _, depth in curves]
     start = seam(angle, [depth for _, depth in curves])
     since = (np.degrees(angle) - start) % 360.0
     order = np.argsort(since)
     for pen, depth in curves:
-        width = 0.9 if pen.colour == MUTED else 1.2
-        pen.draw(axes, start + since[order], MICRONS * depth[order], linewidth=width)
+        width = 0.9 if pen.colour == style.MUTED else 1.2
+        pen.draw(axes, start + since[order], style.MICRONS * depth[order], linewidth=width)
     axes.set_xlim(start, start + 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(_TICKS))
     axes.xaxis.set_major_formatter(lambda place, _: f"{place % 360.0:.0f}")
@@ -164,24 +144,28 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
             updates.append((cycles[last], result.stage_name(stage.index + 1)))
     shown = slice(first, last + 1)
     marker = "." if last - first < _MARKED_STEPS else ""
-    sheet, (row,) = panels(1, len(joints), 2.9)
+    sheet, (row,) = style.panels(1, len(joints), 2.9)
     for axes, joint in zip(row, joints, strict=True):
         for side, pen in _SURFACES.items():
             initial = float(result.stages[0].joints[joint].depth(side).max())
-            depth = MICRONS * np.array([initial, *(step.max_depth[joint][side] for step in steps)])
+            depth = style.MICRONS * np.array(
+                [initial, *(step.max_depth[joint][side] for step in steps)]
+            )
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_updates(axes, updates)
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
         axes.set_xlabel("represented cycles (million)")
         axes.set_ylabel("deepest wear (µm)")
-        title_joint(axes, f"joint {joint}")
-    return finished("growth", sheet, _SURFACES.values(), _RIGHT, turns=maps_turn(result))
+        style.title_joint(axes, f"joint {joint}")
+    return style.finished(
+        "growth", sheet, _SURFACES.values(), _RIGHT, turns=style.maps_turn(result)
+    )
 
 
 def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
     for end, _ in updates:
-        axes.axvline(end, color=MUTED, linewidth=0.6)
+        axes.axvline(end, color=style.MUTED, linewidth=0.6)
     for end, name in updates if len(updates) <= _NAMED_UPDATES else updates[-1:]:
         axes.annotate(
             name,
@@ -191,7 +175,7 @@ def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
             textcoords="offset points",
             ha="right",
             va="bottom",
-            color=MUTED,
+            color=style.MUTED,
         )
 
 
@@ -233,7 +217,7 @@ def worn_surfaces(result: Result, stages: Stages) -> list[Drawing]:
     for joint in result.scene.clearance_joints:
         worn = [
             stage
-            for stage in shown_stages(result, stages)
+            for stage in style.shown_stages(result, stages)
             if any(np.any(stage.data.joints[joint].depth(side) > 0.0) for side in SIDES)
         ]
         if worn:
@@ -256,41 +240,43 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     angle = worn[-1][1].angle
     views = _views(result, joint, angle, worn[-1][1])
     deepest = max(float(maps.depth(side).max()) for _, maps in worn for side in SIDES)
-    factor = max(1.0, round_down(_DRAWN_DEPTH * bearing.bearing_radius / deepest))
+    factor = max(1.0, style.round_down(_DRAWN_DEPTH * bearing.bearing_radius / deepest))
     scale = "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
-    sheet = Sheet(figsize=(WIDTH, _HEIGHT))
+    sheet = Sheet(figsize=(style.WIDTH, _HEIGHT))
     outline = PolarAxes(sheet, _fractions(_OUTLINE))
     sheet.add_axes(outline)
     _draw_outline(outline, angle, worn, factor, views)
     for side, view in views.items():
         axes = sheet.add_axes(_fractions(_PROFILES[side]))
         _draw_profile(axes, worn, view)
-        axes.set_xlabel(angle_label(result, side))
-    sheet.text(0.12 / WIDTH, 1.0 - 0.2 / _HEIGHT, f"joint {joint}", va="center", weight="bold")
-    middle, below = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / WIDTH, 0.15 / _HEIGHT
+        axes.set_xlabel(style.angle_label(result, side))
+    sheet.text(
+        0.12 / style.WIDTH, 1.0 - 0.2 / _HEIGHT, f"joint {joint}", va="center", weight="bold"
+    )
+    middle, below = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / style.WIDTH, 0.15 / _HEIGHT
     sheet.text(middle, below, f"wear {scale}, clearance to scale", ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
-    legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
-    return captioned(
+    style.legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
+    return style.captioned(
         "surface",
         sheet,
         joint=joint,
         scale=scale,
         clearance=bearing.clearance,
         deepest=deepest,
-        turns=maps_turn(result),
+        turns=style.maps_turn(result),
     )
 
 
 def _fractions(inches: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
     left, bottom, width, height = inches
-    return left / WIDTH, bottom / _HEIGHT, width / WIDTH, height / _HEIGHT
+    return left / style.WIDTH, bottom / _HEIGHT, width / style.WIDTH, height / _HEIGHT
 
 
 def _views(result: Result, joint: str, angle: Array, maps: JointResult) -> dict[str, _View]:
     """Return the part of each surface to enlarge; the same part of both in fixed directions."""
     depth = {side: maps.depth(side) for side in SIDES}
-    turn, bearing = maps_turn(result), result.scene.bearing(joint)
+    turn, bearing = style.maps_turn(result), result.scene.bearing(joint)
     radii = (bearing.bearing_radius, bearing.bearing_radius - bearing.clearance)
     views = {}
     for side, radius in zip(SIDES, radii, strict=True):
@@ -299,7 +285,7 @@ def _views(result: Result, joint: str, angle: Array, maps: JointResult) -> dict[
         half = _half_width(angle, worn)
         # The smaller surface sets the scale, because rounding could separate two equal views.
         most = _radial_range(side, half, min(radii))
-        scale = max(1.0, round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
+        scale = max(1.0, style.round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
         views[side] = _View(side, float(angle[int(worn.argmax())]), half, radius, scale)
     return views
 
@@ -329,7 +315,7 @@ def _draw_outline(
         _NEW.draw(axes, around, np.full_like(around, view.radius))
         marked = rim if side == "bearing" else 0.62 * view.radius
         sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
-        axes.plot(sector, np.full_like(sector, marked), color=REFERENCE, linewidth=2.0)
+        axes.plot(sector, np.full_like(sector, marked), color=style.REFERENCE, linewidth=2.0)
     axes.set_rlim(0.0, 1.02 * rim)
     axes.set_rticks([])
     axes.set_thetagrids(range(0, 360, 45))
@@ -344,7 +330,7 @@ def _draw_outline(
 def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
     angle = np.linspace(view.centre - view.half, view.centre + view.half, 1200)
     degrees = np.degrees(angle)
-    outwards = MICRONS * _OUTWARDS[view.side]
+    outwards = style.MICRONS * _OUTWARDS[view.side]
     far_edge = outwards * view.span
     for pen, maps in worn:
         position = outwards * Surface(maps.depth(view.side))(angle)
