@@ -63,7 +63,7 @@ def gravity() -> Any:
 
 
 @dataclass(frozen=True)
-class Linkage:
+class Linkage(Checked):
     """Planar mechanism, driven, with or without clearance joints; see ``assemble`` for its parts.
 
     Its joints are ideal; those with clearance are in ``clearances``. The output point is recorded

@@ -127,17 +127,7 @@ FOLLOWED: dict[str, Followed] = {
 
 @dataclass(frozen=True)
 class Limit:
-    """Upper limit of a followed number.
-
-    Attributes
-    ----------
-    name : str
-        Key of ``FOLLOWED``.
-    joint : str
-        Joint of the number; empty for the whole mechanism.
-    value : float
-        SI.
-    """
+    """Upper limit, SI, of a number of ``FOLLOWED``; ``joint`` is empty for the whole mechanism."""
 
     name: str
     joint: str
@@ -200,17 +190,9 @@ class Life(Checked):
     )
 
     def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:
-        """Return the limits, of all joints where none is named.
+        """Return the limits, of all joints with clearance where none is named.
 
-        Parameters
-        ----------
-        joints : sequence of str
-            Joints with clearance.
-
-        Raises
-        ------
-        InputError
-            For an unknown number or joint, and for a value that is none or has no unit.
+        InputError for an unknown number or joint, and for a value that is none or has no unit.
         """
         limits = []
         for text in map(str.strip, self.until.split(",")):

@@ -13,7 +13,6 @@ from presswear.linkage.loads import (
     LOAD_PARAMETERS,
     PROCESSES,
     Force,
-    Load,
     OverPosition,
     Process,
     check_reach,
@@ -154,20 +153,30 @@ class Scene:
             isinstance(self.bearings, Mapping)
             and not self.bearings.keys() & Bearing().__dict__.keys()
         ):
-            self._open(self.bearings)
+            for name in self.bearings:
+                if name not in self.mechanism.openable:
+                    raise unknown("joint in bearings", name, self.mechanism.openable)
+            joints, common = self._openable.combine(self.bearings), [*self.bearings.values()]
+            self._set(
+                joints=joints,
+                joint_bearings=dict(self.bearings),
+                bearings=common[0] if common else Bearing(),
+            )
         if self.joints is None:
-            self._close()
+            if not self.mechanism.loose and self.bearings != Bearing():
+                raise InputError(
+                    "bearings: no joint has clearance; joints = ..., or a mapping by joint, says "
+                    f"which of {', '.join(self.mechanism.openable)}"
+                )
+            self._set(joints=self._openable.combine(self.mechanism.loose))
         check_fields(self)
         for name in self.joint_bearings:
             if name not in self.mechanism.openable:
                 raise unknown("joint", name, self.mechanism.openable)
-        self._set(
-            # One spelling, so that equal scenes are equal.
-            joints=self._openable.combine(self.clearance_joints),
-            joint_bearings={
-                name: one for name, one in self.joint_bearings.items() if one != self.bearings
-            },
-        )
+        differing = {k: one for k, one in self.joint_bearings.items() if one != self.bearings}
+        # One spelling, so that equal scenes are equal.
+        joints = self._openable.combine(self.clearance_joints)
+        self._set(joints=joints, joint_bearings=differing)
         self._set(surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing))
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in {"": self.bearings, **self.joint_bearings}.items():
@@ -235,25 +244,6 @@ class Scene:
         life.limits(self.clearance_joints)
         life.services(self.clearance_joints)
 
-    def _open(self, bearings: Mapping[str, Any]) -> None:
-        """Open the joints that a mapping gives bearings for."""
-        for name in bearings:
-            if name not in self.mechanism.openable:
-                raise unknown("joint in bearings", name, self.mechanism.openable)
-        common = next(iter(bearings.values()), Bearing())
-        self._set(
-            joints=self._openable.combine(bearings), bearings=common, joint_bearings=dict(bearings)
-        )
-
-    def _close(self) -> None:
-        """Open the usual joints of the mechanism."""
-        if not self.mechanism.loose and self.bearings != Bearing():
-            raise InputError(
-                "bearings: no joint has clearance; joints = ..., or a mapping by joint, says which "
-                f"of {', '.join(self.mechanism.openable)}"
-            )
-        self._set(joints=self._openable.combine(self.mechanism.loose))
-
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
@@ -269,39 +259,29 @@ class Scene:
         self.check_trusted()
         for joint in self.clearance_joints:
             self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
-        if self.load_laws:
-            from presswear.tools.compile import check_compiles  # slow import
-        for key, law in self.load_laws.items():
-            check_compiles(law, key, LOAD_PARAMETERS)
+        for key, law in self.user_laws.items():
+            if key.startswith("loads["):
+                from presswear.tools.compile import check_compiles  # slow import
+
+                check_compiles(law, key, LOAD_PARAMETERS)
 
     @property
-    def joint_laws(self) -> dict[str, UserFunction]:
-        """User laws of contact and friction, by keys such as ``A.normal_law``."""
+    def user_laws(self) -> dict[str, UserFunction]:
+        """User laws, source code, by keys such as ``A.normal_law`` and ``loads[0].law``."""
         laws = {
             f"{joint}.{key}": getattr(self.bearing(joint), key)
             for joint in self.clearance_joints
             for key in ("normal_law", "friction_law")
         }
+        loads = enumerate(self.mechanism.linkage().loads)
+        laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in loads}
         return {key: law for key, law in laws.items() if isinstance(law, UserFunction)}
-
-    @property
-    def load_laws(self) -> dict[str, UserFunction]:
-        """User laws of loads, by keys such as ``loads[0].law``."""
-        return {
-            f"loads[{k}].law": load.law
-            for k, load in enumerate(self.mechanism.linkage().loads)
-            if not isinstance(load, Load) and isinstance(load.law, UserFunction)
-        }
 
     @property
     def has_untrusted_loads(self) -> bool:
         """True where ideal torques would execute source code that was read from a result."""
-        return not all(law.is_trusted for law in self.load_laws.values())
-
-    @property
-    def user_laws(self) -> dict[str, UserFunction]:
-        """All user laws, which are Python source code, by their keys."""
-        return self.joint_laws | self.load_laws
+        laws = self.user_laws.items()
+        return any(key.startswith("loads[") and not law.is_trusted for key, law in laws)
 
     def check_trusted(self) -> None:
         """Raise UntrustedLaw if a run would execute source code that was read from a result."""
@@ -347,10 +327,7 @@ class Scene:
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """Return the linkage of a stage.
 
-        Parameters
-        ----------
-        worn : mapping or None
-            Bearing and pin surface by joint; joints without have their initial surfaces.
+        ``worn`` has bearing and pin surface by joint; joints without have their initial surfaces.
         """
         ideal = self.loaded
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
@@ -444,17 +421,8 @@ class Scene:
     def ideal_slider(self, time: Array, closed: bool = True) -> Array:
         """Return displacement from the start, velocity and acceleration of the ideal output.
 
-        Parameters
-        ----------
-        time : ndarray, shape (n,)
-            s.
-        closed : bool
-            See ``IdealMotion.at``.
-
-        Returns
-        -------
-        ndarray, shape (n, 3)
-            m, m/s, m/s^2.
+        Shape (n, 3) at times of shape (n,), s; m, m/s, m/s^2. See ``IdealMotion.at`` for
+        ``closed``.
         """
         slider = self.ideal.at(np.append(0.0, time), closed).output(self.base_linkage)
         slider[:, 0] -= slider[0, 0]
@@ -479,13 +447,7 @@ class Scene:
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
-        """Return a scene from ``as_dict``; nothing is filled in.
-
-        Raises
-        ------
-        InputError
-            With the key that does not fit or is missing.
-        """
+        """Return a scene from ``as_dict``; InputError for a key that does not fit or is missing."""
         _refuse_files(data)
         if isinstance(data, Mapping) and data.get("joints") is None:
             raise InputError("this is no whole scene: 'joints' is missing")
@@ -507,13 +469,12 @@ def _refuse_files(data: Any) -> None:
 
 def mechanism_from(data: Any) -> OneMechanism:
     """Return a mechanism from its kind, or from plain data with a kind."""
-    if isinstance(data, str):
-        data = {"kind": data}
-    kind, rest = data.get("kind"), {key: value for key, value in data.items() if key != "kind"}
+    data = {"kind": data} if isinstance(data, str) else data
+    kind = data.get("kind")
     Choice((*MECHANISMS, Linkage.kind)).check("kind of mechanism", kind)
     if kind == Linkage.kind:
-        return linkage_from(rest, "mechanism")
-    return cast(OneMechanism, make("mechanism", MECHANISMS[kind], rest))
+        return linkage_from(data, "mechanism")
+    return cast(OneMechanism, make("mechanism", MECHANISMS[kind], data))
 
 
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")

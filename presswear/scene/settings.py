@@ -89,7 +89,7 @@ def _settings(
         meaning = meaning_of(item, owner)
         if isinstance(meaning, Choice):
             setting = Setting(key, meaning.shown(value), meaning)
-            if meaning.instances is None and meaning.kinds is None:
+            if not meaning.is_part:
                 plain.append(setting)
                 continue
             yield setting
@@ -165,15 +165,17 @@ def _changed(
     message_prefix: str = "",
     **updates: Any,
 ) -> Any:
-    """Return a data class with its fields, and those of its parts, set by key."""
+    """Return a data class with its fields, and those of its parts, set by key.
+
+    The data classes convert and check their fields themselves.
+    """
     for item in fields(owner):
         key, value = f"{prefix}{item.name}", getattr(owner, item.name)
         meaning = meaning_of(item, owner)
-        result = value
-        if meaning is not None and key in settings:
-            is_same = isinstance(meaning, Choice) and settings[key] == meaning.shown(value)
-            if not is_same:
-                result = meaning.convert(f"{message_prefix}{key}", settings[key])
+        result = settings.get(key, value) if meaning is not None else value
+        if isinstance(meaning, Choice) and result is not value and meaning.is_part:
+            is_same = result == meaning.shown(value)
+            result = value if is_same else meaning.convert(f"{message_prefix}{key}", result)
         inner = _inner_prefix(key, prefix, meaning)
         if inner != prefix:
             _check_part_keys(key, result, meaning, settings)
@@ -337,8 +339,7 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
 
 
 def _is_set(setting: Setting) -> bool:
-    meaning = setting.meaning
-    return isinstance(meaning, Choice) and bool(meaning.instances or meaning.kinds)
+    return isinstance(setting.meaning, Choice) and setting.meaning.is_part
 
 
 def _words(setting: Setting) -> tuple[str, ...]:

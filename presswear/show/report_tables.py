@@ -209,7 +209,7 @@ def stage_records(result: Result) -> list[Record]:
 def _heights_at_rest(result: Result, stage: StageResult) -> Record | None:
     """Return total clearance and rise under a static force at bottom dead centre, m."""
     scene = result.scene
-    is_trusted = all(law.is_trusted for law in scene.joint_laws.values())
+    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
     if stage.failed or not scene.clearance_joints or not is_trusted:
         return None
     linkage = scene.linkage(stage.surfaces)

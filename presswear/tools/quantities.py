@@ -181,7 +181,7 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     except ValueError:
         fault = f"is not a number{' with a unit' * bool(unit)}"
     if fault:
-        example = f", for instance {name}={_example(meaning)!r}" if unit else ""
+        example = f", for instance {_example(meaning)!r}" if unit else ""
         raise InputError(f"{name} = {text!r} {fault}{example}; allowed is {meaning.range_text()}")
     if re.match(r",\s*[0-9]", written):
         raise InputError(f"{name} = {text!r}: use a decimal point, {text.replace(',', '.')!r}")
@@ -235,6 +235,11 @@ class Choice:
     example: str = ""
 
     unit: ClassVar[str] = ""
+
+    @property
+    def is_part(self) -> bool:
+        """True where the field holds a data class."""
+        return self.instances is not None or self.kinds is not None
 
     @property
     def _separator(self) -> str:

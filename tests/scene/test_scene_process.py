@@ -121,7 +121,7 @@ def limited(torque: float, **values: Any) -> pw.Scene:
         ),
         (
             lambda: changed(IDEAL, {"process": "drawing", "process.force": "3"}),
-            r"process\.force = '3' has no unit, for instance process.force='500N'",
+            r"process\.force = '3' has no unit, for instance '500N'",
         ),
     ],
 )

@@ -97,7 +97,7 @@ def test_reads(text: str, unit: str, value: float) -> None:
 def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> None:
     with pytest.raises(InputError, match="has no unit") as refusal:
         _read("1.5", unit)
-    example_text = str(refusal.value).split("key='")[1].split("'")[0]
+    example_text = str(refusal.value).split("for instance '")[1].split("'")[0]
     assert math.isfinite(_read(example_text, unit))
     with pytest.raises(
         InputError, match=f"unknown unit 'furlong'; known are (.*, )?{re.escape(unit)}"
@@ -247,5 +247,5 @@ def test_a_unit_that_nothing_else_has_is_known_by_itself() -> None:
     assert parse_quantity("stiffness", "3e4 N m/rad", force) == 3e4
     with pytest.raises(InputError, match=r"unknown unit 'N/m'; .*known are N m/rad"):
         parse_quantity("stiffness", "3 N/m", force)
-    with pytest.raises(InputError, match="for instance stiffness='1N m/rad'"):
+    with pytest.raises(InputError, match="for instance '1N m/rad'"):
         parse_quantity("stiffness", "3", force)
