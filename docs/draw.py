@@ -17,16 +17,15 @@ from matplotlib.axes import Axes
 
 import presswear
 from presswear.campaign.campaign import run_stage, workers_of
-from presswear.campaign.ensemble import ProgressEstimate, Runner
+from presswear.campaign.ensemble import Runner
 from presswear.campaign.service_life import (
     BlockPlan,
     LifeProblem,
     Refinement,
-    SceneHistories,
-    crossing,
+    WearHistories,
     next_block,
 )
-from presswear.campaign.wear_update import initial_depth, update_surfaces
+from presswear.campaign.wear_update import initial_depth
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.drives import RISES, Drive, Rise
@@ -138,13 +137,12 @@ def life(axes: Axes) -> None:
 
 def _steps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
     """Return the cycles of a replicate and the life of each, with one update per cycle."""
-    runner = Runner(scene, ProgressEstimate(scene, ()), workers)
-    histories = SceneHistories(runner, initial_depth(scene), ())
+    histories = WearHistories(Runner(scene, workers), initial_depth(scene), ())
     problem = LifeProblem((UNTIL,), (), 1e12, 1.0, 1_000_000)
     level = Refinement(step, 1)
     while isinstance(plan := next_block(problem, level), BlockPlan):
         level = replace(level, blocks=(*level.blocks, histories.advance(1, level.blocks, plan)))
-        lives = [crossing(level.blocks, UNTIL, np.array([k])) for k in range(REPLICATES)]
+        lives = [level.crossing([UNTIL], np.array([k])) for k in range(REPLICATES)]
         if np.all(np.isfinite(lives)):
             break
     return sum(block.cycles for block in level.blocks[1:]), np.array(lives)
@@ -161,7 +159,7 @@ def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
         )
         maps = run_stage(seeded, 0, worn, workers=workers)[1].added_by_run()
         share = step * joint.clearance / float(maps[:, 0].mean(axis=0).max())
-        worn = update_surfaces(worn, share * maps)
+        worn = worn + share * maps
         jumps += 1
         strokes.append(strokes[-1] + share)
         depth.append(worn[:, 0].max(axis=(1, 2)))

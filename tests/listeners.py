@@ -29,10 +29,3 @@ class Keeps(Observer):
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         self.keep(state())
         return False
-
-
-class Interrupts(Observer):
-    """Interrupts a run at once."""
-
-    def on_advance(self, part: float) -> None:
-        raise KeyboardInterrupt

@@ -2,8 +2,8 @@
 
 import logging
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import (
-    Ensemble,
-    EnsembleState,
-    ProgressEstimate,
-    Runner,
-    max_runs,
-)
+from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner, max_runs
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.service_life import LifeState, run_life, wear_between
 from presswear.campaign.stage_statistics import stage_result
@@ -33,7 +26,7 @@ from presswear.campaign.wear_update import (
 )
 from presswear.engines.settings import Engine
 from presswear.linkage.elements import ClearanceJoint
-from presswear.recording.observer import Observer, Progress
+from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import INTERVAL, ResultFolder, provenance
@@ -41,6 +34,7 @@ from presswear.results.life import LifeResult
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
+from presswear.tools.arrays import State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
 from presswear.tools.processes import InProcess, Report, Workers, cores, workers_for
@@ -53,6 +47,7 @@ _LOG = logging.getLogger(__name__)
 WORK_MODULE = "presswear.campaign.replicates"  # imported by worker processes before the first job
 TURN = 1.0  # s, of work units that several processes share: they end together
 _UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval old
+_DOCUMENT = "document"  # array of a checkpoint that holds everything but its arrays
 
 
 def run(
@@ -99,23 +94,12 @@ def run(
         raise InputError(f"jobs = {jobs}: must be at least 1")
     scene = with_engine(scene, engine)
     if folder is None:
-        stages: list[StageResult] = []
-        lives: list[LifeResult] = []
-
-        class Keep(Observer):
-            """Keeps the stages in memory."""
-
-            def on_life(self, life: LifeResult) -> None:
-                lives.append(life)
-
-            def on_stage(self, stage: StageResult) -> None:
-                stages.append(stage)
-
+        memory = _Memory()
         with workers_of(scene, jobs, observers) as workers:
-            status, message, finding = run_campaign(scene, (Keep(), *observers), workers=workers)
-        wall = sum(stage.wall_s for stage in stages)
-        life = lives[0] if lives else None
-        result = Result(scene, tuple(stages), status, message, provenance(), wall, life=life)
+            status, message, finding = run_campaign(scene, (memory, *observers), workers=workers)
+        wall = sum(stage.wall_s for stage in memory.stages)
+        stages = tuple(memory.stages)
+        result = Result(scene, stages, status, message, provenance(), wall, life=memory.life)
     else:
         store = ResultFolder(Path(folder), scene, interval, resume=True)
         with workers_of(scene, jobs, observers, store.interval) as workers:
@@ -128,12 +112,26 @@ def run(
     return result
 
 
+class _Memory(Observer):
+    """Keeps a campaign in memory."""
+
+    def __init__(self) -> None:
+        self.stages: list[StageResult] = []
+        self.life: LifeResult | None = None
+
+    def on_life(self, life: LifeResult) -> None:
+        self.life = life
+
+    def on_stage(self, stage: StageResult) -> None:
+        self.stages.append(stage)
+
+
 def run_scenes(
     scenes: Mapping[str, Scene],
     folder: str | Path,
     engine: str | Engine | None = None,
     jobs: int | None = None,
-    on_progress: Any = None,
+    on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
 ) -> dict[str, Result]:
     """Run named scenes, several at a time, each into the sub-folder of its name.
 
@@ -150,7 +148,7 @@ def run_scenes(
         Engine of every scene, as in `run`; None: each scene's own.
     jobs : int or None
         Scenes that run at a time; None: as many as there are cores.
-    on_progress : callable or None
+    on_progress : callable
         Called with the name of a scene, the completed fraction of its run, and a few words. At
         1.0 the run has ended and the words are its status.
 
@@ -166,7 +164,6 @@ def run_scenes(
     """
     if jobs is not None and jobs < 1:
         raise InputError(f"jobs = {jobs}: must be at least 1")
-    notify: Callable[[str, float, str], object] = on_progress or (lambda *report: None)
     paths = {}
     for name, scene in scenes.items():
         if not name or name != Path(name).name:
@@ -175,18 +172,18 @@ def run_scenes(
         check_name(paths[name])
         scene.check_trusted()
     names = list(scenes)
+
+    def on_end(key: int, status: str) -> dict[int, None]:
+        on_progress(names[key], 1.0, status)
+        return {}
+
+    def on_report(key: int, done: float, words: str, _: object) -> None:
+        on_progress(names[key], 0.0 if math.isnan(done) else done, words)
+
     tasks = {
         key: partial(_run_one, with_engine(scenes[name], engine), paths[name])
         for key, name in enumerate(names)
     }
-
-    def on_end(key: int, status: str) -> dict[int, None]:
-        notify(names[key], 1.0, status)
-        return {}
-
-    def on_report(key: int, done: float, words: str, _: object) -> None:
-        notify(names[key], 0.0 if math.isnan(done) else done, words)
-
     with workers_for(min(jobs or cores(), len(names)), (WORK_MODULE,)) as workers:
         workers.run(tasks, on_end, on_report)
     return {name: load(path) for name, path in paths.items()}
@@ -196,11 +193,11 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
     """Run a scene in this process and return its status, with the reason of a failure."""
 
     class Reports(Observer):
-        def on_progress(self, progress: Progress) -> None:
-            report(min(progress.whole, 0.999), progress.word)
+        """Passes the progress on."""
 
-        def on_compile(self) -> None:
-            report(math.nan, "compiling")
+        def on_progress(self, progress: Progress) -> None:
+            is_compiling = progress.word == COMPILING
+            report(math.nan if is_compiling else min(progress.whole, 0.999), progress.word)
 
     result = run(scene, path, jobs=1, observers=[Reports()], check=False)
     return f"{result.status}: {result.message}" if result.message else result.status
@@ -240,6 +237,54 @@ def workers_of(
     return workers_for(count, (WORK_MODULE, scene.solver.module), duration)
 
 
+@dataclass(frozen=True)
+class Checkpoint:
+    """State of a campaign between two cycles, saved as named arrays."""
+
+    index: int = 0  # of the stage that runs
+    depth: Array = field(default_factory=lambda: np.zeros(0))  # of the surfaces of its runs, m
+    stage: EnsembleState | None = None  # its finished runs, while they wear
+    update: WearUpdate | None = None  # last pass over the wear update after it
+    running: EnsembleState = EnsembleState()  # unfinished runs of the stage or of the next pass
+    life: LifeState | None = None  # of the service life, which comes before the stages
+
+    @property
+    def words(self) -> str:
+        """Description of the last stored cycle."""
+        if self.life is not None and self.life.running.runs:
+            blocks = self.life.refinements[-1].blocks if self.life.refinements else ()
+            strokes = blocks[-1].strokes if blocks else 0.0
+            return f"pass {self.life.place[0]} over the life, {strokes:.3g} strokes"
+        wear = "" if self.stage is None else ", the wear after it"
+        return f"stage {self.index}{wear}, cycle {self.running.cycles}"
+
+    def save(self) -> State:
+        """Return the arrays in it by number, and everything else as a document."""
+        import msgspec  # slow to import
+
+        arrays: dict[str, NDArray[Any]] = {}
+
+        def number_of(value: Any) -> Any:
+            if isinstance(value, np.generic):
+                return value.item()
+            arrays[f"{len(arrays)}"] = value
+            return len(arrays) - 1
+
+        document = msgspec.msgpack.encode(self, enc_hook=number_of)
+        return arrays | {_DOCUMENT: np.frombuffer(document, np.uint8)}
+
+    @staticmethod
+    def load(arrays: State) -> "Checkpoint":
+        """Return the checkpoint that ``save`` gave."""
+        import msgspec  # slow to import
+
+        return msgspec.msgpack.decode(
+            arrays[_DOCUMENT].tobytes(),
+            type=Checkpoint,
+            dec_hook=lambda kind, number: arrays[f"{number}"],
+        )
+
+
 def run_into(
     store: ResultFolder,
     scene: Scene,
@@ -275,7 +320,7 @@ def run_campaign(
         None: this process does the runs.
     """
     scene.check_own_laws()
-    runner = Runner(scene, ProgressEstimate(scene, observers), workers or InProcess())
+    runner = Runner(scene, workers or InProcess(), observers)
     return _Campaign(runner, checkpoint or Checkpoint(depth=initial_depth(scene))).run()
 
 
@@ -295,9 +340,8 @@ def run_stage(
     workers : Workers or None
         None: this process does the runs.
     """
-    progress = ProgressEstimate(replace(scene, wear_updates=index), observers)
-    progress.start_stage(index)
-    runner = Runner(scene, progress, workers or InProcess())
+    runner = Runner(scene, workers or InProcess(), observers)
+    runner.start_stage(index)
     depth = initial_depth(scene) if depth is None else depth
     ensemble = runner.run(depth, stage_spec(scene, index), step_check=StepCheck(scene, depth[0]))
     stage = stage_result(scene, index, ensemble)
@@ -311,11 +355,10 @@ class _Campaign:
 
     def __init__(self, runner: Runner, checkpoint: Checkpoint) -> None:
         self._runner, self._at = runner, checkpoint
-        self._observers = runner.progress.observers
         self._unconverged: list[str] = []
 
     def _checkpoint(self, checkpoint: Checkpoint, is_stage: bool = False) -> None:
-        for observer in self._observers:
+        for observer in self._runner.observers:
             observer.on_checkpoint(checkpoint, is_stage)
 
     def run(self) -> Outcome:
@@ -336,116 +379,106 @@ class _Campaign:
 
     def _run_life(self) -> float:
         """Run the service life and return its strokes."""
-        scene, at = self._runner.scene, self._at
+        runner, at = self._runner, self._at
+        scene = runner.scene
 
         def keep(life: LifeState) -> None:
             self._checkpoint(Checkpoint(depth=at.depth, life=life))
 
-        passes, life = run_life(self._runner, initial_depth(scene), at.life or LifeState(), keep)
-        for observer in self._observers:
+        refinements, life = run_life(runner, initial_depth(scene), at.life or LifeState(), keep)
+        for observer in runner.observers:
             observer.on_life(life)
         self._unconverged += unknown_life(scene, life)
-        self._at = replace(at, life=LifeState(passes))
+        self._at = replace(at, life=LifeState(refinements))
         # The wear update after a stage is for the part of the life up to the next stage.
         part = max(life.strokes / scene.wear_updates, 1.0)
-        self._runner = replace(self._runner, scene=replace(scene, cycles_per_update=part))
+        runner.scene = replace(scene, cycles_per_update=part)
         return life.strokes
 
     def _run_stage(self, index: int, strokes: float | None) -> Outcome | None:
         """Run a stage and the wear update after it; return how it failed, or None."""
         runner, scene, at = self._runner, self._runner.scene, self._at
-        runner.progress.start_stage(index)
+        runner.start_stage(index)
         _LOG.info("stage %d begins: %s", index, scene.stage_name(index))
         spec, is_last = stage_spec(scene, index), index == scene.wear_updates
         if at.stage is not None:
             ensemble = Ensemble.of(scene, spec, at.depth, at.stage)
-            runner.progress.done += ensemble.cycles / scene.replicate_count
+            runner.done += ensemble.state.cycles / scene.replicate_count
         else:
             if scene.wears_in_steps and not is_last and strokes is None:
-                runner.progress.later = 3.0 * (scene.cycles or FIRST_PASS)
+                runner.later = 3.0 * (scene.cycles or FIRST_PASS)
 
             def keep(running: EnsembleState) -> None:
                 self._checkpoint(replace(at, running=running))
 
             step_check = StepCheck(scene, at.depth[0])
             ensemble = runner.run(at.depth, spec, at.running, keep, step_check)
-            at = replace(at, running=EnsembleState())
         if ensemble.failure or is_last:
             self._finish(stage_result(scene, index, ensemble))
             if ensemble.failure:
                 return "failed", f"stage {index}: {ensemble.failure}", ensemble.finding
             return None
-        if strokes is not None:
+        if strokes is None:
+            running = EnsembleState() if at.stage is None else at.running
+            update = self._apply_wear(index, ensemble, at.update, running)
+            if isinstance(update, Finding):
+                return "failed", update.words, update
+        else:
             assert at.life is not None
             since, until = (strokes * k / scene.wear_updates for k in (index, index + 1))
             joints, initial = ensemble.linkage.clearances, initial_depth(scene)
-            update = wear_between(at.life.passes, joints, initial, since, until)
+            update = wear_between(at.life.refinements, joints, initial, since, until)
             self._finish(stage_result(scene, index, ensemble, update))
-        else:
-            applied, finding = self._apply_wear(index, ensemble, at)
-            if finding:
-                return "failed", finding.words, finding
-            assert applied is not None
-            update = applied
         self._at = Checkpoint(index + 1, update.depth, life=at.life)
         self._checkpoint(self._at, is_stage=True)
         return None
 
     def _apply_wear(
-        self, index: int, ensemble: Ensemble, at: Checkpoint
-    ) -> tuple[WearUpdate | None, Finding | None]:
+        self, index: int, ensemble: Ensemble, update: WearUpdate | None, running: EnsembleState
+    ) -> WearUpdate | Finding:
         """Apply the wear update after a stage; return it, or the finding that ended it."""
-        scene, update, finding = self._runner.scene, at.update, None
-        at = replace(at, stage=ensemble.state)
-        self._checkpoint(at)
+        runner, scene, joints = self._runner, self._runner.scene, ensemble.linkage.clearances
+        at = replace(self._at, stage=ensemble.state)
+        finding: Finding | None = None
+
+        def keep(running: EnsembleState) -> None:
+            self._checkpoint(replace(at, update=update, running=running))
+
+        keep(running)
         try:
-            for update, finding in self._passes(index, ensemble, at):  # noqa: B007
-                pass
+            if not scene.wears_in_steps:
+                update = jump(ensemble, scene.cycles_per_update)
+                finding = _worn_out(joints, update.depth, f"after stage {index}", ensemble)
+            while scene.wears_in_steps and finding is None:
+                spec = pass_spec(scene, index, update)
+                if spec is None:
+                    break
+                runner.later = 2.0 * spec.cycles if update is None else 0.0
+                _LOG.info("the wear after stage %d begins: %s", index, spec.label)
+                worn = runner.run(ensemble.depth, spec, running, keep)
+                running = EnsembleState()
+                if worn.finding is not None:
+                    finding = replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
+                    break
+                depth = [recorder.surface_depth for recorder in worn.recorders]
+                finding = _worn_out(joints, depth, f"the {spec.label}:", worn)
+                if finding is None:
+                    update = cycle_by_cycle(worn, scene.cycles_per_update, update)
         finally:
             # The stage is finished, even if somebody interrupts the wear update after it.
             self._finish(stage_result(scene, index, ensemble, update, finding))
-        return update, finding
-
-    def _passes(
-        self, index: int, ensemble: Ensemble, at: Checkpoint
-    ) -> Iterator[tuple[WearUpdate | None, Finding | None]]:
-        """Apply a wear update pass by pass; yield each with the finding that ended it, if any."""
-        runner, scene = self._runner, self._runner.scene
-        joints, update, running = ensemble.linkage.clearances, at.update, at.running
-        if not scene.wears_in_steps:
-            update = jump(ensemble, scene.cycles_per_update)
-            time = sum(run.time for run in ensemble.runs)
-            yield update, _worn_out(joints, update.depth, f"after stage {index}", time)
-            return
-        while spec := pass_spec(scene, index, update):
-            runner.progress.later = 2.0 * spec.cycles if update is None else 0.0
-            _LOG.info("the wear after stage %d begins: %s", index, spec.label)
-
-            def keep(running: EnsembleState, update: WearUpdate | None = update) -> None:
-                self._checkpoint(replace(at, update=update, running=running))
-
-            ensemble_of_pass = runner.run(ensemble.depth, spec, running, keep)
-            running = EnsembleState()
-            finding = ensemble_of_pass.finding
-            if finding:
-                yield update, replace(finding, what=f"{spec.label}: {finding.what}")
-                return
-            depth = np.array([recorder.surface_depth for recorder in ensemble_of_pass.recorders])
-            time = sum(run.time for run in ensemble_of_pass.runs)
-            finding = _worn_out(joints, depth, f"the {spec.label}:", time)
-            if finding is None:
-                update = cycle_by_cycle(ensemble_of_pass, scene.cycles_per_update, update)
-            yield update, finding
-            if finding:
-                return
+        if finding is not None:
+            return finding
+        assert update is not None
+        return update
 
     def _finish(self, stage: StageResult) -> None:
         if self._at.life is None:
-            self._unconverged.extend(unknown_wear(self._runner.scene, stage))
+            self._unconverged += unknown_wear(self._runner.scene, stage)
         steps = {key: value for key, value in stage.diagnostics.items() if key.startswith("steps")}
         how = stage.message or stage.status
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, stage.cycles, steps)
-        for observer in self._observers:
+        for observer in self._runner.observers:
             observer.on_stage(stage)
 
 
@@ -489,13 +522,13 @@ def pass_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | 
 
 
 def _worn_out(
-    joints: Sequence[ClearanceJoint], depth: Array, where: str, time: float
+    joints: Sequence[ClearanceJoint], depth: Iterable[Array], where: str, ensemble: Ensemble
 ) -> Finding | None:
     """Return a finding on the first replicate with a surface worn deeper than the clearance."""
     for surfaces in depth:
         worn = worn_out(joints, surfaces)
         if worn is not None:
-            what = f"{where} {worn[1]}"
+            what, time = f"{where} {worn[1]}", sum(run.time for run in ensemble.runs)
             return Finding("wear", what, time, worn[0], "a smaller cycles_per_update may help")
     return None
 

@@ -31,7 +31,7 @@ from presswear.campaign.replicates import STEP_CHECK_CYCLES, RunSpec, RunState, 
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
-from presswear.recording.observer import Observer, Progress
+from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
@@ -43,7 +43,7 @@ from presswear.recording.statistics import (
     mean_map,
 )
 from presswear.scene.scene import Scene
-from presswear.tools.processes import Job, Workers
+from presswear.tools.processes import InProcess, Job, Workers
 
 Array = NDArray[np.float64]
 
@@ -57,24 +57,12 @@ _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_
 
 @dataclass(frozen=True)
 class EnsembleState:
-    """State of an ensemble between two cycles.
+    """State of an ensemble between two cycles."""
 
-    Attributes
-    ----------
-    runs : tuple of RunState or None
-        None: the run has not started.
-    until : tuple of int
-        Cycle at which each run ends its round.
-    wall : float
-        Wall time, s.
-    step_errors : mapping
-        Result of the step check, where it is finished.
-    """
-
-    runs: tuple[RunState | None, ...] = ()
-    until: tuple[int, ...] = ()
-    wall: float = 0.0
-    step_errors: Mapping[str, float] = field(default_factory=dict)
+    runs: tuple[RunState | None, ...] = ()  # None: the run has not started
+    until: tuple[int, ...] = ()  # cycle at which each run ends its round
+    wall: float = 0.0  # wall time, s
+    step_errors: Mapping[str, float] = field(default_factory=dict)  # of a finished step check
 
     @property
     def cycles(self) -> int:
@@ -84,25 +72,12 @@ class EnsembleState:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Finished runs of a linkage from one or several replicates.
+    """Finished runs of a linkage from one or several replicates."""
 
-    Attributes
-    ----------
-    linkage : Linkage
-        On the surfaces that the scene starts on.
-    depth : ndarray, shape (runs, joints, 2, bins)
-        Depth of the surfaces at the start of each run, m.
-    runs : tuple of Run
-        By replicate, of one set or two; a failed one is the last.
-    replicates : int
-        Number of runs in a set.
-    state : EnsembleState
-    """
-
-    linkage: Linkage
-    depth: Array
-    runs: tuple[Run, ...]
-    replicates: int
+    linkage: Linkage  # on the surfaces that the scene starts on
+    depth: Array  # of the surfaces at the start of each run, (runs, joints, 2, bins), m
+    runs: tuple[Run, ...]  # by replicate, of one set or two; a failed one is the last
+    replicates: int  # number of runs in a set
     state: EnsembleState
 
     @staticmethod
@@ -118,6 +93,9 @@ class Ensemble:
         state = replace(state, runs=state.runs[: len(runs)])
         return Ensemble(scene.linkage(), depth, tuple(runs), scene.replicate_count, state)
 
+    def _set(self, part: slice) -> "Ensemble":
+        return replace(self, depth=self.depth[part], runs=self.runs[part])
+
     @property
     def together(self) -> "Ensemble":
         """The first set, which the statistics of a stage are of."""
@@ -130,18 +108,15 @@ class Ensemble:
         is_twice = len(self.runs) > self.replicates
         return self._set(slice(self.replicates, len(self.runs))) if is_twice else self
 
-    def _set(self, part: slice) -> "Ensemble":
-        return replace(self, depth=self.depth[part], runs=self.runs[part])
-
     @property
     def recorders(self) -> tuple[Recorder, ...]:
         """Recorders of the runs."""
         return tuple(run.recorder for run in self.runs)
 
     @property
-    def cycles(self) -> int:
-        """Finished cycles of all runs."""
-        return sum(len(recorder.cycles) for recorder in self.recorders)
+    def maps(self) -> list[MapBatches]:
+        """Wear maps of the runs."""
+        return [run.recorder.maps for run in self.runs]
 
     @property
     def failure(self) -> str:
@@ -159,21 +134,14 @@ class Ensemble:
     @property
     def status(self) -> Status:
         """``failed``, ``enough`` if the maps were known early, or ``completed``."""
-        if self.failure:
+        statuses = [run.status for run in self.runs]
+        if statuses[-1] == "failed":
             return "failed"
-        return "enough" if any(run.status == "enough" for run in self.runs) else "completed"
+        return "enough" if "enough" in statuses else "completed"
 
     def added_by_run(self) -> Array:
         """Return the mean depth that a cycle adds in each run, shape (runs, joints, 2, bins), m."""
-        return np.array([mean_map([recorder.maps]) for recorder in self.recorders])
-
-    def mean_added(self) -> Array:
-        """Return the mean depth that a cycle adds in all runs, shape (joints, 2, bins), m."""
-        return mean_map([recorder.maps for recorder in self.recorders])
-
-    def batches(self) -> tuple[Array, Array]:
-        """Return wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
-        return map_batches([recorder.maps for recorder in self.recorders])
+        return np.array([mean_map([maps]) for maps in self.maps])
 
     def diagnostics(self) -> dict[str, float | int | str]:
         """Return diagnostics of the solver: texts of the first run, numbers of all."""
@@ -185,72 +153,35 @@ class Ensemble:
                     continue
                 merged[key] = max(before, value) if key in _LARGEST else before + value
         # Signed residuals of several runs would cancel.
-        merged["energy_residual_J"] = sum(
-            abs(float(run.diagnostics["energy_residual_J"])) for run in self.runs
-        )
-        if len(self.runs) > 1:
-            merged["replicates"] = len(self.runs)
-        return merged
+        residuals = [abs(float(run.diagnostics["energy_residual_J"])) for run in self.runs]
+        merged["energy_residual_J"] = sum(residuals)
+        return merged | ({"replicates": len(self.runs)} if len(self.runs) > 1 else {})
+
+
+def max_runs(scene: Scene) -> int:
+    """Return the largest number of runs of an ensemble of a scene."""
+    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.replicate_count > 1
+    return scene.replicate_count * (2 if is_twice else 1)
 
 
 @dataclass
-class ProgressEstimate:
-    """Estimate of the progress of a campaign, passed on to observers; it never falls.
+class Runner:
+    """Runs the linkage of a scene from every replicate, and reports the progress.
 
-    Attributes
-    ----------
-    scene : Scene
-    observers : sequence of Observer
-    index : int
-        Index of the stage that runs.
-    done, later : float
-        Cycles of each replicate in the stage and the wear update after it: finished, and expected
-        after the present ensemble.
+    Progress counts the cycles of each replicate in a stage and the wear update after it.
     """
 
     scene: Scene
-    observers: Sequence[Observer]
-    index: int = 0
-    done: float = 0.0
-    later: float = 0.0
-    _shown: float = 0.0
+    workers: Workers = field(default_factory=InProcess)
+    observers: Sequence[Observer] = ()
+    index: int = 0  # of the stage that runs
+    done: float = 0.0  # cycles of the ensembles before this one
+    later: float = 0.0  # cycles expected after it
+    _shown: float = 0.0  # part of the stage: progress never falls
 
     def start_stage(self, index: int) -> None:
-        """Start another stage."""
+        """Start the progress of another stage."""
         self.index, self.done, self.later, self._shown = index, 0.0, 0.0, 0.0
-
-    def report(
-        self, run: float, needed: float, word: str, linkage: Linkage, film: Film | None
-    ) -> None:
-        """Notify the observers.
-
-        Parameters
-        ----------
-        run, needed : float
-            Cycles of each replicate in the present ensemble, so far and in all.
-        """
-        part = (self.done + run) / (self.done + needed + self.later)
-        self._shown = max(self._shown, min(part, 1.0))
-        whole = (self.index + self._shown) / (self.scene.wear_updates + 1)
-        progress = Progress(self.index, self._shown, whole, word, linkage, film)
-        for observer in self.observers:
-            observer.on_progress(progress)
-
-
-@dataclass(frozen=True)
-class Runner:
-    """Runs the linkage of a scene from every replicate.
-
-    Attributes
-    ----------
-    scene : Scene
-    progress : ProgressEstimate
-    workers : Workers
-    """
-
-    scene: Scene
-    progress: ProgressEstimate
-    workers: Workers
 
     def run(
         self,
@@ -278,52 +209,18 @@ class Runner:
         rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
         self.workers.run(rounds.jobs(), rounds.on_end, rounds.on_report)
         ensemble = Ensemble.of(self.scene, spec, depth, rounds.state())
-        self.progress.done += ensemble.cycles / self.scene.replicate_count
+        self.done += ensemble.state.cycles / self.scene.replicate_count
         return ensemble
 
-
-def max_runs(scene: Scene) -> int:
-    """Return the largest number of runs of an ensemble of a scene."""
-    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.replicate_count > 1
-    return scene.replicate_count * (2 if is_twice else 1)
-
-
-def deal(total: int, runs: int) -> tuple[int, ...]:
-    """Return numbers of cycles that sum up to a total, as equal as possible."""
-    return tuple((total + runs - 1 - index) // runs for index in range(runs))
-
-
-def first_round(spec: RunSpec, runs: int) -> tuple[int, ...]:
-    """Return the cycles of each run of a set at the end of the first round."""
-    if spec.tolerance is None:
-        return (spec.cycles,) * runs
-    total = STARTUP_CYCLES * runs + max(FEWEST, MIN_SAMPLES * runs)
-    return tuple(min(cycles, spec.cycles) for cycles in deal(total, runs))
-
-
-def lacking_cycles(spec: RunSpec, maps: Sequence[MapBatches], error: float) -> float:
-    """Return the cycles of all runs that a relative error of the maps lacks; 0: it is reached."""
-    assert spec.tolerance is not None
-    samples = sum(run.samples for run in maps)
-    return max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
-
-
-def next_round(spec: RunSpec, maps: Sequence[MapBatches], error: float) -> tuple[int, ...] | None:
-    """Return the cycles of each run at the end of another round; None: there is none.
-
-    Parameters
-    ----------
-    maps : sequence of MapBatches
-        Of each run of a set.
-    error : float
-        Relative error of their mean.
-    """
-    cycles = [run.cycles for run in maps]
-    lacking = lacking_cycles(spec, maps, error)
-    if lacking == 0.0 or min(cycles) >= spec.cycles:
-        return None
-    total = sum(cycles) + math.ceil(ROUND_FRACTION * lacking)
-    return tuple(min(count, spec.cycles) for count in deal(total, len(maps)))
+    def report(
+        self, part: float, needed: float, word: str, linkage: Linkage, film: Film | None
+    ) -> None:
+        """Report cycles of each replicate in the present ensemble, so far and in all."""
+        share = (self.done + part) / (self.done + needed + self.later)
+        self._shown = max(self._shown, min(share, 1.0))
+        whole = (self.index + self._shown) / (self.scene.wear_updates + 1)
+        for observer in self.observers:
+            observer.on_progress(Progress(self.index, self._shown, whole, word, linkage, film))
 
 
 class _Rounds:
@@ -340,23 +237,30 @@ class _Rounds:
     ) -> None:
         self._runner, self._depth, self._spec, self._keep = runner, depth, spec, keep
         self._step_check, self._step_errors = step_check, state.step_errors
-        self._size = runner.scene.replicate_count
-        sets = len(depth) // self._size
+        self._size = size = runner.scene.replicate_count
+        first = (spec.cycles,) * size
+        if spec.tolerance is not None:
+            first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
+        sets = len(depth) // size
         self._runs = list(state.runs) or [None] * len(depth)
-        self._until = list(state.until) or [*first_round(spec, self._size) * sets]
+        self._until = list(state.until) or [*first * sets]
         self._linkages = [linkage_on(runner.scene, surfaces) for surfaces in depth]
         self._wall, self._started = state.wall, clock.perf_counter() - state.wall
         self._done = [0.0 if run is None else float(run.cycles) for run in self._runs]
         # Most often the first round is enough, which shows only at its end.
         self._needed, self._reached = [float(max(self._until))] * sets, [""] * sets
 
+    def _deal(self, total: int) -> tuple[int, ...]:
+        """Return cycles for the runs of a set, with a total, as equal as possible."""
+        each = ((total + self._size - 1 - k) // self._size for k in range(self._size))
+        return tuple(min(cycles, self._spec.cycles) for cycles in each)
+
     def state(self) -> EnsembleState:
         """Return the present state."""
         return EnsembleState(tuple(self._runs), tuple(self._until), self._wall, self._step_errors)
 
-    @property
     def _last(self) -> int:
-        """Index of the last run that counts: the first that failed."""
+        """Return the index of the last run that counts: the first that failed."""
         failed = (k for k, run in enumerate(self._runs) if run and run.status == "failed")
         return next(failed, len(self._runs) - 1)
 
@@ -379,21 +283,23 @@ class _Rounds:
 
     def _units(self, indices: Iterable[int]) -> dict[int, Job]:
         """Return the work units that runs lack until the end of their round."""
+        runner, last = self._runner, self._last()
+        frames = max((observer.frames for observer in runner.observers), default=0)
+        observers = tuple(item for item in runner.observers if item.observes_runs)
         units: dict[int, Job] = {}
         for index in indices:
             run = self._runs[index]
-            if index <= self._last and not self._is_over(index):
-                observers = self._runner.progress.observers
+            if index <= last and not self._is_over(index):
                 units[index] = WorkUnit(
-                    self._runner.scene,
+                    runner.scene,
                     self._spec,
                     self._depth[index],
                     index + self._size * self._spec.number,
                     self._until[index],
                     None if run is None else run.arrays,
-                    self._runner.workers.lasts,
-                    max((observer.frames for observer in observers), default=0),
-                    tuple(observer for observer in observers if observer.observes_runs),
+                    runner.workers.lasts,
+                    frames,
+                    observers,
                 )
         return units
 
@@ -417,32 +323,30 @@ class _Rounds:
 
     def _next_round(self, number: int) -> Sequence[int]:
         """Return the runs of a set if another round of it starts."""
-        members = range(number * self._size, (number + 1) * self._size)
-        if self._spec.tolerance is None or self._last < members[-1]:
+        spec, members = self._spec, range(number * self._size, (number + 1) * self._size)
+        if spec.tolerance is None or self._last() < members[-1]:
             return ()
         maps = [run.maps for run in self._runs[members.start : members.stop] if run]
         if len(maps) < len(members) or not all(map(self._is_over, members)):
             return ()
         error = float(map_errors(*map_batches(maps)).max())
-        cycles = sum(run.cycles for run in maps)
-        _LOG.info("wear maps known to %.2g after %d cycles", error, cycles)
+        cycles = [run.cycles for run in maps]
+        _LOG.info("wear maps known to %.2g after %d cycles", error, sum(cycles))
         self._reached[number] = f", wear maps known to {100.0 * error:.0f} %"
-        until = next_round(self._spec, maps, error)
-        if until is None:
+        samples = sum(run.samples for run in maps)
+        lacking = max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
+        if lacking == 0.0 or min(cycles) >= spec.cycles:
             return ()
+        until = self._deal(sum(cycles) + math.ceil(ROUND_FRACTION * lacking))
         self._until[members.start : members.stop] = until
-        needed = (cycles + lacking_cycles(self._spec, maps, error)) / len(maps)
-        self._needed[number] = min(max(needed, *until), self._spec.cycles)
+        needed = (sum(cycles) + lacking) / len(maps)
+        self._needed[number] = min(max(needed, *until), spec.cycles)
         return members
 
     def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
         """Report the progress of the runs."""
-        progress, size = self._runner.progress, self._size
-        if math.isnan(done):
-            for observer in progress.observers:
-                observer.on_compile()
-            return
-        if index != STEP_CHECK:
+        is_compiling, size = math.isnan(done), self._size
+        if index != STEP_CHECK and not is_compiling:
             self._done[index] = done
         number = max(index, 0) // size
         needed, cycles = np.repeat(self._needed, size), self._done[number * size :][:size]
@@ -455,10 +359,10 @@ class _Rounds:
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(self._linkages[index].clearances))
-        progress.report(
+        self._runner.report(
             float(np.minimum(self._done, needed).sum()) / size,
             float(needed.sum()) / size,
-            word,
+            COMPILING if is_compiling else word,
             self._linkages[index],
             film,
         )

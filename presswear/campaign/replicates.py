@@ -20,7 +20,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import bottom_of
-from presswear.recording.observer import AdvanceObserver, Observer
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBatches
@@ -103,13 +103,7 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
 
 
 def linkage_on(scene: Scene, depth: Array) -> Linkage:
-    """Return the linkage of a scene on worn surfaces.
-
-    Parameters
-    ----------
-    depth : ndarray, shape (joints, 2, bins)
-        Depth of bearings and pins, m; see ``map_shape``.
-    """
+    """Return the linkage of a scene on surfaces worn by a depth, m; see ``map_shape``."""
     surfaces = {}
     for joint, (bearing, pin) in zip(scene.linkage().clearances, depth, strict=True):
         surfaces[joint.name] = Surface(bearing[: joint.bins]), Surface(pin[: joint.bins])
@@ -120,11 +114,6 @@ def worn_out(joints: Sequence[ClearanceJoint], depth: Array) -> tuple[str, str] 
     """Return the first joint that is worn deeper than its clearance, and a message; or None.
 
     Beyond that depth the model of a pin in a round bearing does not hold.
-
-    Parameters
-    ----------
-    depth : ndarray, shape (joints, 2, bins)
-        Depth of bearings and pins, m.
     """
     for joint, sides in zip(joints, depth, strict=True):
         for name, side in zip(SIDES, sides, strict=True):
@@ -139,28 +128,13 @@ def worn_out(joints: Sequence[ClearanceJoint], depth: Array) -> tuple[str, str] 
 
 @dataclass(frozen=True)
 class RunSpec:
-    """Run specification shared by the replicates of an ensemble.
+    """Run specification shared by the replicates of an ensemble."""
 
-    Attributes
-    ----------
-    cycles : int
-        Maximum number of cycles of each replicate.
-    tolerance : float or None
-        Relative error of the wear maps of all replicates at which the runs end early; None: all
-        cycles run.
-    wear : callable or None
-        Wear of the surfaces after each cycle, see ``Plan.wear``; None: the surfaces stay.
-    number : int
-        Number of the ensemble within its stage; no two of them start alike.
-    label : str
-        Short description for progress, or nothing.
-    """
-
-    cycles: int
-    tolerance: float | None = None
-    wear: Callable[[int, Array], Array] | None = None
-    number: int = 0
-    label: str = ""
+    cycles: int  # of each replicate, at most
+    tolerance: float | None = None  # relative error of all wear maps at which the runs end early
+    wear: Callable[[int, Array], Array] | None = None  # wear after each cycle, see ``Plan.wear``
+    number: int = 0  # of the ensemble within its stage; no two of them start alike
+    label: str = ""  # short description for progress
 
     def plan(self, scene: Scene) -> Plan:
         """Return the plan of each run, without observers."""
@@ -186,34 +160,14 @@ class RunSpec:
 
 @dataclass(frozen=True)
 class RunState:
-    """State of a run between two cycles.
+    """State of a run between two cycles."""
 
-    Attributes
-    ----------
-    arrays : State
-        Arrays of its recorder and, where the run can resume, of its engine.
-    status : Status or None
-        As ``Run.status``; None: the run is not finished.
-    finding : Finding or None
-    end : Start or None
-    time : float
-        s.
-    diagnostics : mapping
-    """
-
-    arrays: State
-    status: Status | None = None
+    arrays: State  # of its recorder and, where the run can resume, of its engine
+    status: Status | None = None  # as ``Run.status``; None: the run is not finished
     finding: Finding | None = None
     end: Start | None = None
-    time: float = 0.0
+    time: float = 0.0  # s
     diagnostics: Mapping[str, float | int | str] = field(default_factory=dict)
-
-    @staticmethod
-    def of(run: Run, arrays: State | None = None) -> "RunState":
-        """Return the state of a run, with the arrays to resume from where there are any."""
-        if arrays is None:
-            arrays = named("recorder", run.recorder.state())
-        return RunState(arrays, run.status, run.finding, run.end, run.time, run.diagnostics)
 
     @property
     def cycles(self) -> int:
@@ -223,58 +177,47 @@ class RunState:
     @property
     def maps(self) -> MapBatches:
         """Wear maps of the finished cycles."""
-        return MapBatches.stored(part(self.arrays, "recorder/maps"))
+        return MapBatches.load(part(self.arrays, "recorder/maps"))
 
     def run(self, scene: Scene, spec: RunSpec, depth: Array) -> Run:
         """Return the finished run on surfaces, shape (joints, 2, bins), m."""
         assert self.status is not None
         assert self.end is not None
         recorder = recorder_of(linkage_on(scene, depth), start_of(scene), spec.plan(scene))
-        recorder.restore(part(self.arrays, "recorder"))
+        recorder.load(part(self.arrays, "recorder"))
         diagnostics = dict(self.diagnostics)
         return Run(self.status, self.finding, recorder, self.end, self.time, diagnostics)
 
 
 @dataclass(frozen=True)
 class WorkUnit:
-    """Part of a run that one process does at a time.
-
-    Attributes
-    ----------
-    scene : Scene
-    spec : RunSpec
-    depth : ndarray, shape (joints, 2, bins)
-        Depth of the surfaces at the start of the run, m.
-    replicate : int
-        Number of the replicate; see ``start_of``.
-    until : int
-        Cycle of the run after which the unit ends.
-    arrays : State or None
-        State to resume from; None: the run starts.
-    duration : float
-        Wall time after which the unit ends with the next cycle, s.
-    frames : int
-        Number of film frames to show while it runs.
-    observers : tuple of Observer
-        Notified by the engine, in this process.
-    """
+    """Part of a run that one process does at a time."""
 
     scene: Scene
     spec: RunSpec
-    depth: Array
-    replicate: int
-    until: int
-    arrays: State | None
-    duration: float
-    frames: int = 0
-    observers: tuple[Observer, ...] = ()
+    depth: Array  # of the surfaces at the start of the run, (joints, 2, bins), m
+    replicate: int  # number of the replicate, see ``start_of``
+    until: int  # cycle of the run after which the unit ends
+    arrays: State | None  # state to resume from; None: the run starts
+    duration: float  # wall time after which the unit ends with the next cycle, s
+    frames: int = 0  # film frames to show while it runs
+    observers: tuple[Observer, ...] = ()  # notified by the engine, in this process
 
     def __call__(self, report: Report) -> RunState:
         """Run it; an interrupt raises ``Stopped`` with the state of the last finished cycle."""
         linkage = linkage_on(self.scene, self.depth)
-        watch = _UnitObserver(self, linkage, report)
-        observers = (watch, *self.observers)
-        plan = replace(self.spec.plan(self.scene), observers=observers, resume=self.arrays)
+        ending = _EndOfUnit(self, linkage.clearances)
+
+        def advanced(part: float, recorder: Recorder) -> None:
+            rows = recorder.last_frames(self.frames) if self.frames else None
+            report(part * self.spec.cycles, "", rows)
+
+        plan = replace(
+            self.spec.plan(self.scene),
+            observers=(ending, *self.observers),
+            report=advanced,
+            resume=self.arrays,
+        )
         start = start_of(self.scene, self.replicate)
         with on_compiling(lambda seconds: report(math.nan, "compiling")):
             try:
@@ -282,43 +225,35 @@ class WorkUnit:
             except BaseException as error:
                 # After a signal any error is treated as an interrupt.
                 is_interrupt = isinstance(error, KeyboardInterrupt) or is_stopped()
-                if watch.arrays is None or not is_interrupt:
+                if ending.arrays is None or not is_interrupt:
                     raise
-                raise Stopped(RunState(watch.arrays)) from None
-        if run.status == "failed" or watch.arrays is None:
-            return RunState.of(run)
-        state = RunState.of(run, watch.arrays)
-        return replace(state, status=None) if watch.is_interrupted else state
+                raise Stopped(RunState(ending.arrays)) from None
+        arrays = ending.arrays
+        if run.status == "failed" or arrays is None:
+            arrays = named("recorder", run.recorder.save())
+        status = None if ending.is_interrupted and run.status != "failed" else run.status
+        return RunState(arrays, status, run.finding, run.end, run.time, run.diagnostics)
 
 
-class _UnitObserver(Observer):
+class _EndOfUnit(Observer):
     """Ends a work unit in time, and keeps the arrays to resume from."""
 
-    def __init__(self, unit: WorkUnit, linkage: Linkage, report: Report) -> None:
-        self._unit, self._joints, self._report = unit, linkage.clearances, report
+    def __init__(self, unit: WorkUnit, joints: Sequence[ClearanceJoint]) -> None:
+        self._unit, self._joints = unit, joints
         self._started = clock.perf_counter()
         self._before = 0 if unit.arrays is None else len(unit.arrays["recorder/cycles"])
-        self.arrays = unit.arrays
-        self.is_interrupted = False
-
-    def on_start(self, recorder: Recorder) -> None:
-        self._recorder = recorder
+        self.arrays, self.is_interrupted = unit.arrays, False
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         cycles, unit = len(recorder.cycles), self._unit
         if cycles > self._before:
             self.arrays = state()
-        is_worn_out = unit.spec.wear is not None and worn_out(self._joints, recorder.surface_depth)
+        is_worn_out = unit.spec.wear and worn_out(self._joints, recorder.surface_depth)
         if is_worn_out or cycles >= unit.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration
         self.is_interrupted = is_due and cycles > self._before
         return self.is_interrupted
-
-    def on_advance(self, part: float) -> None:
-        frames = self._unit.frames
-        rows = self._recorder.last_frames(frames) if frames else None
-        self._report(part * self._unit.spec.cycles, "", rows)
 
 
 _CHECKED = {"load_distance": "load_distance_step_error", "force_max": "peak_force_step_error"}
@@ -331,19 +266,11 @@ class StepCheck:
     Two runs at different tolerances diverge after some touchdowns, and then their difference
     measures the chaos of the motion, not the error of integration.  Each piece therefore starts
     in a state of the run itself and is too short to diverge.
-
-    Attributes
-    ----------
-    scene : Scene
-    depth : ndarray, shape (joints, 2, bins)
-        Depth of the surfaces, m.
-    replicate : int
-        Number of the replicate; those of stages are not negative.
     """
 
     scene: Scene
-    depth: Array
-    replicate: int = -1
+    depth: Array  # of the surfaces, (joints, 2, bins), m
+    replicate: int = -1  # those of stages are not negative
 
     def __call__(self, report: Report) -> dict[str, float]:
         """Run a cycle, and pieces of it again with finer steps.
@@ -358,13 +285,14 @@ class StepCheck:
         scene, linkage = self.scene, linkage_on(self.scene, self.depth)
         cycle, joints = scene.mechanism.period, range(len(linkage.clearances))
         engine = scene.solver.for_cycle(cycle)
-        refined = engine.finer(REFINEMENT)
-        if refined is None or not joints:
+        finer: Engine | None = engine.finer(REFINEMENT)
+        if finer is None or not joints:
             return {}
-        finer: Engine = refined
-        start = start_of(scene, self.replicate)
+        simulate_finer, start = finer.simulate, start_of(scene, self.replicate)
         first, last = PIECES * SETTLING, PIECES * (SETTLING + 1)
         plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
+        plan = replace(plan, report=lambda part, recorder: report(part))
+        fine: dict[int, Array] = {}
 
         def values_of(recorder: Recorder, piece: int) -> Array:
             if piece >= len(recorder.cycles):
@@ -374,24 +302,17 @@ class StepCheck:
         class Refining(Observer):
             """Runs pieces of a run again with finer steps."""
 
-            def __init__(self) -> None:
-                self.fine: dict[int, Array] = {}
-
             def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
                 piece = len(recorder.cycles)
                 if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
                     again = replace(plan, cycles=piece + 1, resume=state())
-                    recorder = finer.simulate(linkage, start, again).recorder
-                    self.fine[piece] = values_of(recorder, piece)
+                    fine[piece] = values_of(simulate_finer(linkage, start, again).recorder, piece)
                 return False
 
-        refining = Refining()
-        observed = replace(plan, observers=(refining, AdvanceObserver(report)))
-        run = engine.simulate(linkage, start, observed)
-        usual = np.array([values_of(run.recorder, piece) for piece in refining.fine])
-        fine = np.array(list(refining.fine.values()))
-        if run.status == "failed" or np.isnan(fine).any():
+        run = engine.simulate(linkage, start, replace(plan, observers=(Refining(),)))
+        if run.status == "failed" or np.isnan([*fine.values()]).any():
             return {}
-        whole, change = usual.sum(axis=0), np.abs(fine.sum(axis=0) - usual.sum(axis=0))
-        relative = np.divide(change, whole, out=np.zeros_like(whole), where=whole > 0.0)
+        usual = np.sum([values_of(run.recorder, piece) for piece in fine], axis=0)
+        change = np.abs(np.sum([*fine.values()], axis=0) - usual)
+        relative = np.divide(change, usual, out=np.zeros_like(usual), where=usual > 0.0)
         return dict(zip(_CHECKED.values(), relative.max(axis=1).tolist(), strict=True))

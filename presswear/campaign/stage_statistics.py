@@ -5,8 +5,8 @@ The start-up cycles are left out, where enough more ran.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -17,7 +17,6 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.wear_update import WearUpdate, wear_error
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
-from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.ideal import DWELL, bottom_of, dwell_of
 from presswear.physics.wear import worn_volume
@@ -27,7 +26,9 @@ from presswear.recording.statistics import (
     Estimate,
     after_startup,
     half_width,
+    map_batches,
     map_errors,
+    mean_map,
     mean_range,
     peak_of,
     pooled,
@@ -56,218 +57,16 @@ STILL = 1e-9  # of the stroke, by which an ideal slider at rest moves
 
 @dataclass(frozen=True)
 class StageWear:
-    """Depth that one wear update adds, with its samples.
+    """Depth that the wear update after a stage adds, with its samples, m."""
 
-    Attributes
-    ----------
-    added : ndarray, shape (joints, 2, bins)
-        Depth that it adds to bearing and pin, m.
-    maps : ndarray, shape (n, joints, 2, bins)
-        Samples of it, by batches of cycles or by replicates, m; empty: no intervals.
-    weights : ndarray, shape (n,)
-        Cycles in each sample.
-    coarser : ndarray or None
-        Depth added in half as many steps, m; the difference is the error of the step.
-    by_replicate : ndarray, shape (replicates, joints, 2, bins)
-        Depth added by each replicate alone, m.
-    is_frozen : bool
-        True if a wear update cycle by cycle is extrapolated from surfaces that stood still: the
-        noise of few cycles hides its deepest places.
-    """
-
-    added: Array
-    maps: Array
-    weights: Array
-    coarser: Array | None
-    by_replicate: Array
+    added: Array  # (joints, 2, bins)
+    maps: Array  # samples of it, by batches of cycles or by replicates; none: no intervals
+    weights: Array  # cycles in each sample, (n,)
+    coarser: Array | None  # added in half as many steps: the difference is the error of the step
+    by_replicate: Array  # added by each replicate alone, (replicates, joints, 2, bins)
+    # True if a wear update cycle by cycle is extrapolated from surfaces that stood still: the
+    # noise of few cycles hides its deepest places.
     is_frozen: bool
-
-    def of_joint(self, k: int, bins: int) -> "StageWear":
-        """Return the wear of joint ``k``: arrays without the axis of joints, with its bins."""
-        return replace(
-            self,
-            added=self.added[k, :, :bins],
-            maps=self.maps[:, k, :, :bins],
-            coarser=None if self.coarser is None else self.coarser[k, :, :bins],
-            by_replicate=self.by_replicate[:, k, :, :bins],
-        )
-
-
-def _joint_statistics(
-    joint: ClearanceJoint, k: int, recorders: Recorders, alone: Recorders, wear: StageWear
-) -> JointStatistics:
-    """Return the statistics of one clearance joint; see ``stage_statistics``."""
-    wear = wear.of_joint(k, joint.bins)
-    added, maps, weights, coarser = wear.added, wear.maps, wear.weights, wear.coarser
-    mean, volume = mean_of(recorders, alone), worn_volume(joint, added)
-    force = [recorder.each_cycle("force_max", k) for recorder in recorders]
-    counters = np.array([recorder.records.counters[k] for recorder in recorders])
-    contacts = int(counters["contacts"].sum())
-    time = sum(recorder.last_time for recorder in recorders)
-    half = None
-    if len(maps) > 1:
-        volumes = np.array([worn_volume(joint, depth) for depth in maps])
-        off = volume - float(np.average(volumes, weights=weights))
-        half = math.hypot(half_width(volumes) or 0.0, off)
-    error = float(map_errors(maps[:, np.newaxis], weights)[0])
-    return JointStatistics(
-        peak_force=float(max(after_startup(peaks).max() for peaks in force)),
-        peak_force_per_cycle=mean(lambda run: run.each_cycle("force_max", k)),
-        contacts=contacts,
-        contacts_per_cycle=mean(lambda run: run.each_cycle("contacts", k)),
-        unresolved_contacts=int(counters["unresolved"].sum()),
-        min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
-        contact_time_fraction=float(counters["closed_time"].sum()) / time,
-        load_distance_per_cycle=mean(lambda run: run.each_cycle("load_distance", k)),
-        wear_volume=Estimate.symmetric(volume, half, len(maps)),
-        wear_volume_step_error=(
-            None if coarser is None else abs(worn_volume(joint, coarser) - volume)
-        ),
-        wear_map_error=error if math.isfinite(error) else None,
-        wear_depth_max_by_replicate=tuple(wear.by_replicate.max(axis=(1, 2)).tolist()),
-        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, wear),
-    )
-
-
-def _wear_peaks(joint: ClearanceJoint, wear: StageWear) -> dict[str, WearPeak]:
-    """Return the deepest places of the wear map of one joint by side."""
-    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
-    if joint.map_frame == "fixed":
-        sides["both"] = [0, 1]
-    angles = bin_centres(wear.added.shape[1])
-    peaks = {}
-    for name, rows in sides.items():
-        depth = wear.added[rows].sum(axis=0)
-        deepest = float(depth.max())
-        error = None
-        if wear.coarser is not None:
-            error = abs(float(deepest - wear.coarser[rows].sum(axis=0).max()))
-        estimates = Estimate(deepest), Estimate(float(angles[int(depth.argmax())]))
-        if len(wear.maps):
-            drawn = wear.maps[:, rows].sum(axis=1)
-            draws = resampled(drawn, wear.weights)
-            centre = np.average(drawn, axis=0, weights=wear.weights)
-            peak = peak_of(depth, draws, len(wear.maps), centre)
-            estimates = widened(peak[0], error or 0.0), peak[1]
-        peaks[name] = WearPeak(*estimates, error)
-    return peaks
-
-
-def mean_of(
-    recorders: Recorders, alone: Recorders
-) -> Callable[[Callable[[Recorder], Array]], Estimate]:
-    """Return a function that estimates the mean of a quantity that recorders have of each cycle.
-
-    Parameters
-    ----------
-    recorders, alone : sequence of Recorder
-        As in ``stage_statistics``.
-    """
-
-    def mean(each: Callable[[Recorder], Array]) -> Estimate:
-        return pooled([each(run) for run in recorders], [each(run) for run in alone])[0]
-
-    return mean
-
-
-def stage_statistics(
-    linkage: Linkage, recorders: Recorders, wear: StageWear, alone: Recorders = ()
-) -> StageStatistics:
-    """Return the statistics of one stage that its recorders and its wear give.
-
-    Parameters
-    ----------
-    recorders : sequence of Recorder
-        One for each replicate.
-    alone : sequence of Recorder
-        One for each replicate on surfaces of its own, where the runs are the samples, not their
-        cycles; they may be the same.
-    """
-    finished, alone = ([run for run in runs if len(run.cycles)] for runs in (recorders, alone))
-    if not finished:
-        return StageStatistics(cycles=0)
-    mean = mean_of(finished, alone)
-    displacement, slowest, fastest, acceleration = (
-        [after_startup(recorder.each_cycle(name)) for recorder in finished]
-        for name in ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
-    )
-    return StageStatistics(
-        cycles=sum(len(run.cycles) for run in finished),
-        energy_made_per_cycle=mean(lambda run: run.each_cycle("contact_made")),
-        drive_work_per_cycle=mean(lambda run: run.each_cycle("drive_work")),
-        output=OutputStatistics(
-            displacement_max=float(max(values.max() for values in displacement)),
-            velocity_min=float(min(values.min() for values in slowest)),
-            velocity_max=float(max(values.max() for values in fastest)),
-            acceleration_max=float(max(values.max() for values in acceleration)),
-            displacement_max_per_cycle=mean(lambda run: run.each_cycle("displacement_max")),
-            velocity_max_per_cycle=mean(lambda run: run.each_cycle("velocity_max")),
-            acceleration_max_per_cycle=mean(lambda run: run.each_cycle("acceleration_max")),
-        ),
-        joints={
-            joint.name: _joint_statistics(joint, k, finished, alone, wear)
-            for k, joint in enumerate(linkage.clearances)
-        },
-    )
-
-
-def bottom_statistics(
-    scene: Scene, recorders: Recorders, alone: Recorders = ()
-) -> BottomStatistics | None:
-    """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
-
-    None if there is no settled stroke. The ideal motion of a servo that dwells there has no instant
-    to be later than: there is no delay if the ideal motion stays within ``SHARP`` of the scatter
-    for longer than ``DWELL``.
-
-    Parameters
-    ----------
-    recorders, alone : sequence of Recorder
-        As in ``stage_statistics``.
-    """
-    ideal = bottom_of(scene.ideal)
-    if ideal is None:
-        return None
-    finished, alone = (
-        [run for run in runs if len(run.cycles) > ideal.first] for runs in (recorders, alone)
-    )
-    if not finished:
-        return None
-    turn = 2.0 * math.pi / ideal.period
-
-    def heights(run: Recorder) -> Array:
-        return run.each_cycle("bottom_height")
-
-    def delays(run: Recorder) -> Array:
-        return ideal.delay(run.each_cycle("bottom_time"))
-
-    mean = mean_of(finished, alone)
-    settled = [after_startup(heights(run)) for run in finished]
-    height = mean(heights)
-    span, count = mean_range(list(map(heights, finished)))
-    scatter = spread(list(map(heights, finished)))
-    near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
-    dwell = dwell_of(scene.ideal, near)
-    delay: dict[str, Estimate | None] = {}
-    if dwell < DWELL * ideal.period:
-        delay = {
-            "delay": mean(delays),
-            "delay_angle": mean(lambda run: turn * delays(run)),
-            "delay_standard_deviation": spread(list(map(delays, finished))),
-        }
-    return BottomStatistics(
-        strokes=sum(run.size for run in settled),
-        ideal_height=ideal.height,
-        ideal_time=ideal.time,
-        ideal_dwell=dwell,
-        height=height,
-        error=Estimate.symmetric(height.mean - ideal.height, height.half_width, height.samples),
-        range_of_all=float(max(run.max() for run in settled) - min(run.min() for run in settled)),
-        range=span,
-        range_strokes=count,
-        standard_deviation=scatter,
-        **delay,
-    )
 
 
 def stage_result(
@@ -286,32 +85,14 @@ def stage_result(
         jump would add.
     """
     together, joints = ensemble.together, ensemble.linkage.clearances
-    batches, weights = together.batches()
-    error = float(map_errors(batches, weights).max(initial=0.0))
-    is_in_steps = update is not None and scene.wears_in_steps
-    if update is not None and is_in_steps:
+    wear, diagnostics = _stage_wear(scene, index, ensemble, update), ensemble.diagnostics()
+    if update is not None and scene.wears_in_steps:
         error = wear_error(joints, update)
-    wear = _stage_wear(scene, index, ensemble, update)
-    alone = ensemble.alone.recorders if index > 0 else ()
-    diagnostics = ensemble.diagnostics()
-    made = float(diagnostics.get("contact_made_J", 0.0))
-    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + made
-    dissipated += float(diagnostics.get("friction_loss_J", 0.0))
-    statistics = replace(
-        stage_statistics(ensemble.linkage, together.recorders, wear, alone),
-        bdc=bottom_statistics(scene, together.recorders, alone),
-        wear_error=error if joints and math.isfinite(error) else None,
-        energy_residual=float(diagnostics["energy_residual_J"]),
-        energy_exchanged=float(diagnostics["drive_exchange_J"]),
-        energy_made_fraction=made / dissipated if dissipated > 0.0 else 0.0,
-        load_distance_step_error=ensemble.state.step_errors.get("load_distance_step_error"),
-        peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
-    )
-    if not _all_finite(asdict(statistics)):
-        statistics = StageStatistics(statistics.cycles)
+    else:
+        error = float(map_errors(*map_batches(together.maps)).max(initial=0.0))
     film = ensemble.recorders[0].film
     steps = () if update is None else update.steps
-    samples = max(sum(recorder.maps.samples for recorder in together.recorders), 1)
+    samples = max(sum(maps.samples for maps in together.maps), 1)
     factor = scene.cycles_per_update * len(together.runs) / samples
     return StageResult(
         index=index,
@@ -323,7 +104,7 @@ def stage_result(
         simulated_s=sum(run.time for run in ensemble.runs),
         wall_s=ensemble.state.wall,
         diagnostics=diagnostics,
-        statistics=statistics,
+        statistics=_statistics(scene, index, ensemble, wear, error, diagnostics),
         arrays=_arrays(scene, ensemble, wear),
         joint_names=tuple(joint.name for joint in joints),
         read_film=lambda: film,
@@ -333,35 +114,202 @@ def stage_result(
 def _stage_wear(
     scene: Scene, index: int, ensemble: Ensemble, update: WearUpdate | None
 ) -> StageWear:
-    """Return the depth that the wear update after a stage adds, with its samples."""
-    factor, count = scene.cycles_per_update, ensemble.replicates
-    batches, weights = ensemble.together.batches()
-    samples = factor * batches
+    factor, count, together = scene.cycles_per_update, ensemble.replicates, ensemble.together
+    batches, weights = map_batches(together.maps)
+    samples, coarser = factor * batches, None
     if update is None:
-        added = factor * ensemble.together.mean_added()
-        by_replicate = factor * ensemble.alone.added_by_run()
+        added, by_replicate = factor * mean_map(together.maps), ensemble.alone.added_by_run()
+        by_replicate = factor * by_replicate
     else:
         added, by_replicate = update.added[:count].mean(axis=0), update.added[-count:]
+        coarser = None if update.coarser is None else update.coarser.mean(axis=0)
     is_in_steps = update is not None and scene.wears_in_steps
     if scene.replicate_count > 1 and (index > 0 or is_in_steps):
         # Cycles on one surface are no samples of the motion on other surfaces: replicates are.
         samples, weights = by_replicate, np.ones(len(by_replicate))
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
-    coarser = None
-    if update is not None and update.coarser is not None:
-        coarser = update.coarser.mean(axis=0)
     is_frozen = update is None and index > 0 and scene.wears_in_steps
     return StageWear(added, samples, weights, coarser, by_replicate, is_frozen)
 
 
+def _statistics(
+    scene: Scene,
+    index: int,
+    ensemble: Ensemble,
+    wear: StageWear,
+    wear_error: float,
+    diagnostics: dict[str, float | int | str],
+) -> StageStatistics:
+    """Return the statistics of a stage; only its cycles if they are not finite."""
+    # After the first stage the runs on surfaces of their own are the samples, not their cycles.
+    independent = ensemble.alone.recorders if index > 0 else ()
+    recorders, alone = (
+        [run for run in runs if len(run.cycles)]
+        for runs in (ensemble.together.recorders, independent)
+    )
+    count = sum(len(run.cycles) for run in recorders)
+    if not recorders:
+        return StageStatistics(cycles=0)
+    names = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
+    settled = {name: np.concatenate(_settled(recorders, name)) for name in names}
+    joints = ensemble.linkage.clearances
+    made = float(diagnostics.get("contact_made_J", 0.0))
+    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + made
+    dissipated += float(diagnostics.get("friction_loss_J", 0.0))
+    statistics = StageStatistics(
+        cycles=count,
+        energy_made_per_cycle=_mean(recorders, alone, "contact_made"),
+        drive_work_per_cycle=_mean(recorders, alone, "drive_work"),
+        output=OutputStatistics(
+            displacement_max=float(settled["displacement_max"].max()),
+            velocity_min=float(settled["velocity_min"].min()),
+            velocity_max=float(settled["velocity_max"].max()),
+            acceleration_max=float(settled["acceleration_max"].max()),
+            displacement_max_per_cycle=_mean(recorders, alone, "displacement_max"),
+            velocity_max_per_cycle=_mean(recorders, alone, "velocity_max"),
+            acceleration_max_per_cycle=_mean(recorders, alone, "acceleration_max"),
+        ),
+        joints={
+            joint.name: _joint_statistics(joint, k, recorders, alone, wear)
+            for k, joint in enumerate(joints)
+        },
+        bdc=bottom_statistics(scene, recorders, alone),
+        wear_error=wear_error if joints and math.isfinite(wear_error) else None,
+        energy_residual=float(diagnostics["energy_residual_J"]),
+        energy_exchanged=float(diagnostics["drive_exchange_J"]),
+        energy_made_fraction=made / dissipated if dissipated > 0.0 else 0.0,
+        load_distance_step_error=ensemble.state.step_errors.get("load_distance_step_error"),
+        peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
+    )
+    return statistics if _all_finite(asdict(statistics)) else StageStatistics(count)
+
+
+def _settled(recorders: Recorders, name: str, joint: int | None = None) -> list[Array]:
+    return [after_startup(recorder.each_cycle(name, joint)) for recorder in recorders]
+
+
+def _mean(recorders: Recorders, alone: Recorders, name: str, joint: int | None = None) -> Estimate:
+    """Return the mean over cycles of a quantity; see ``pooled``."""
+    rows = ([run.each_cycle(name, joint) for run in runs] for runs in (recorders, alone))
+    return pooled(*rows)[0]
+
+
 def _all_finite(value: Any) -> bool:
     """Return whether all numbers in nested containers are finite."""
-    if isinstance(value, dict):
-        return all(map(_all_finite, value.values()))
-    if isinstance(value, tuple):
-        return all(map(_all_finite, value))
+    if isinstance(value, dict | tuple):
+        return all(map(_all_finite, value.values() if isinstance(value, dict) else value))
     return not isinstance(value, float) or math.isfinite(value)
+
+
+def _joint_statistics(
+    joint: ClearanceJoint, k: int, recorders: Recorders, alone: Recorders, wear: StageWear
+) -> JointStatistics:
+    added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
+    coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
+    volume = worn_volume(joint, added)
+    counters = np.array([recorder.records.counters[k] for recorder in recorders])
+    contacts = int(counters["contacts"].sum())
+    time = sum(recorder.last_time for recorder in recorders)
+    half = None
+    if len(maps) > 1:
+        volumes = np.array([worn_volume(joint, depth) for depth in maps])
+        off = volume - float(np.average(volumes, weights=wear.weights))
+        half = math.hypot(half_width(volumes) or 0.0, off)
+    error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
+    return JointStatistics(
+        peak_force=float(np.concatenate(_settled(recorders, "force_max", k)).max()),
+        peak_force_per_cycle=_mean(recorders, alone, "force_max", k),
+        contacts=contacts,
+        contacts_per_cycle=_mean(recorders, alone, "contacts", k),
+        unresolved_contacts=int(counters["unresolved"].sum()),
+        min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
+        contact_time_fraction=float(counters["closed_time"].sum()) / time,
+        load_distance_per_cycle=_mean(recorders, alone, "load_distance", k),
+        wear_volume=Estimate.symmetric(volume, half, len(maps)),
+        wear_volume_step_error=(
+            None if coarser is None else abs(worn_volume(joint, coarser) - volume)
+        ),
+        wear_map_error=error if math.isfinite(error) else None,
+        wear_depth_max_by_replicate=tuple(
+            wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
+        ),
+        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, added, maps, wear.weights, coarser),
+    )
+
+
+def _wear_peaks(
+    joint: ClearanceJoint, added: Array, maps: Array, weights: Array, coarser: Array | None
+) -> dict[str, WearPeak]:
+    """Return the deepest places of the wear map of one joint by side."""
+    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
+    if joint.map_frame == "fixed":
+        sides["both"] = [0, 1]
+    angles = bin_centres(joint.bins)
+    peaks = {}
+    for name, rows in sides.items():
+        depth = added[rows].sum(axis=0)
+        deepest, error = float(depth.max()), None
+        if coarser is not None:
+            error = abs(float(deepest - coarser[rows].sum(axis=0).max()))
+        peak = Estimate(deepest), Estimate(float(angles[int(depth.argmax())]))
+        if len(maps):
+            samples = maps[:, rows].sum(axis=1)
+            centre = np.average(samples, axis=0, weights=weights)
+            peak = peak_of(depth, resampled(samples, weights), len(maps), centre)
+            peak = widened(peak[0], error or 0.0), peak[1]
+        peaks[name] = WearPeak(*peak, error)
+    return peaks
+
+
+def bottom_statistics(
+    scene: Scene, recorders: Recorders, alone: Recorders = ()
+) -> BottomStatistics | None:
+    """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
+
+    None if there is no settled stroke. The ideal motion of a servo that dwells there has no instant
+    to be later than: there is no delay if the ideal motion stays within ``SHARP`` of the scatter
+    for longer than ``DWELL``.
+    """
+    ideal = bottom_of(scene.ideal)
+    if ideal is None:
+        return None
+    finished, alone = (
+        [run for run in runs if len(run.cycles) > ideal.first] for runs in (recorders, alone)
+    )
+    if not finished:
+        return None
+    heights = [run.each_cycle("bottom_height") for run in finished]
+    settled = [after_startup(rows) for rows in heights]
+    height, scatter = _mean(finished, alone, "bottom_height"), spread(heights)
+    span, count = mean_range(heights)
+    near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
+    dwell = dwell_of(scene.ideal, near)
+    delay: dict[str, Estimate | None] = {}
+    if dwell < DWELL * ideal.period:
+        delays, alone_delays = (
+            [ideal.delay(run.each_cycle("bottom_time")) for run in runs]
+            for runs in (finished, alone)
+        )
+        mean = pooled(delays, alone_delays)[0]
+        delay = {
+            "delay": mean,
+            "delay_angle": mean.scaled(2.0 * math.pi / ideal.period),
+            "delay_standard_deviation": spread(delays),
+        }
+    return BottomStatistics(
+        strokes=sum(run.size for run in settled),
+        ideal_height=ideal.height,
+        ideal_time=ideal.time,
+        ideal_dwell=dwell,
+        height=height,
+        error=Estimate.symmetric(height.mean - ideal.height, height.half_width, height.samples),
+        range_of_all=float(np.ptp(np.concatenate(settled))),
+        range=span,
+        range_strokes=count,
+        standard_deviation=scatter,
+        **delay,
+    )
 
 
 def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Array]:
@@ -375,49 +323,47 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
     depth = ensemble.together.depth.mean(axis=0)
 
     def stacked(*names: str, joint: int | None = None) -> Array:
-        return np.column_stack([recorder.series(name, joint) for name in names])
+        # Copies: the arrays of the recorder are much longer.
+        columns = [recorder.series(name, joint) for name in names]
+        values = np.column_stack(columns) if len(columns) > 1 else columns[0].copy()
+        if joint is None or recording.digits != "single":
+            return values
+        # Rounded numbers in double precision: their trailing zeros are compressed.
+        return values.astype(np.float32).astype(np.float64)
 
-    # Copies: the arrays of the recorder are much longer.
-    arrays: dict[str, Array] = {
-        "time": recorder.series("time").copy(),
+    arrays = {
+        "time": stacked("time"),
         "slider": stacked("displacement", "velocity", "acceleration"),
+        "wear_batch_cycles": wear.weights,
+        "cycles": np.concatenate([run.cycles for run in recorders]),
     }
     if recorder.torques.size:
         arrays["drive_torque"] = recorder.torques.copy()
+    if recorder.sections_per_cycle:
+        arrays["sections"] = recorder.sections
+    deviations = [deviation(scene, run) for run in recorders]
+    for name, rows in (
+        ("cycle_start", [run.cycles for run in recorders]),
+        ("deviation_start", deviations),
+    ):
+        arrays[name] = np.repeat(np.arange(float(len(rows))), list(map(len, rows)))
+    each = np.concatenate(deviations)
+    arrays["deviation"] = each[:, : len(COLUMNS)].copy()
     for k, joint in enumerate(joints):
         name = joint.name
         if recording.series == "all":
-            series = {
-                "eccentricity": stacked("eccentricity_x", "eccentricity_y", joint=k),
-                "penetration": recorder.series("penetration", k).copy(),
-                "force": stacked("normal", "tangential", joint=k),
-                "sliding": recorder.series("sliding", k).copy(),
-            }
-            for word, values in series.items():
-                # Rounded numbers in double precision: their trailing zeros are compressed.
-                is_single = recording.digits == "single"
-                rounded = values.astype(np.float32) if is_single else values
-                arrays[f"{name}_{word}"] = rounded.astype(np.float64)
+            arrays[f"{name}_eccentricity"] = stacked("eccentricity_x", "eccentricity_y", joint=k)
+            arrays[f"{name}_penetration"] = stacked("penetration", joint=k)
+            arrays[f"{name}_force"] = stacked("normal", "tangential", joint=k)
+            arrays[f"{name}_sliding"] = stacked("sliding", joint=k)
         arrays[f"{name}_contacts"] = recorder.stored_contacts(k).copy()
+        arrays[f"{name}_flight"] = each[:, len(COLUMNS) + k].copy()
+        arrays[f"{name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
             arrays[f"{name}_wear_{side}"] = wear.added[k, i, : joint.bins]
-        arrays[f"{name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]
     bins = {joint.name: joint.bins for joint in joints}
-    arrays |= {angle: bin_centres(bins[name]) for name, angle in angle_names(bins).items()}
-    arrays["wear_batch_cycles"] = wear.weights
-    if recorder.sections_per_cycle:
-        arrays["sections"] = recorder.sections
-    arrays["cycles"] = np.concatenate([run.cycles for run in recorders])
-    counts = [len(run.cycles) for run in recorders]
-    arrays["cycle_start"] = np.repeat(np.arange(float(len(recorders))), counts)
-    rows = [deviation(scene, run) for run in recorders]
-    counts, deviations = list(map(len, rows)), np.concatenate(rows)
-    arrays["deviation_start"] = np.repeat(np.arange(float(len(recorders))), counts)
-    arrays["deviation"] = deviations[:, : len(COLUMNS)].copy()
-    for name, flight in zip(bins, deviations[:, len(COLUMNS) :].T, strict=True):
-        arrays[f"{name}_flight"] = flight.copy()
-    return arrays
+    return arrays | {angle: bin_centres(bins[name]) for name, angle in angle_names(bins).items()}
 
 
 def deviation(scene: Scene, recorder: Recorder) -> Array:

@@ -28,7 +28,7 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES
 from presswear.physics.wear import map_shape, worn_volume
-from presswear.recording.statistics import STARTUP_CYCLES, after_startup, half_width
+from presswear.recording.statistics import STARTUP_CYCLES, after_startup, half_width, mean_map
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
 
@@ -39,24 +39,12 @@ FIRST_PASS = 8  # cycles of each replicate in the first pass over a wear update
 
 @dataclass(frozen=True)
 class WearUpdate:
-    """Wear update as far as it is known.
+    """Wear update as far as it is known."""
 
-    Attributes
-    ----------
-    depth : ndarray, shape (runs, joints, 2, bins)
-        Depth of the surfaces of each run after it, m.
-    added : ndarray, shape (runs, joints, 2, bins)
-        Depth that it added, m; see ``Ensemble`` for the order of runs.
-    steps : tuple of WearStep
-        Steps in which it was applied, means over the replicates.
-    coarser : ndarray or None
-        Depth added by a pass in half as many steps, m.
-    """
-
-    depth: Array
-    added: Array
-    steps: tuple[WearStep, ...]
-    coarser: Array | None = None
+    depth: Array  # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
+    added: Array  # depth that it added, m
+    steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
+    coarser: Array | None = None  # depth added by a pass in half as many steps, m
 
 
 def initial_depth(scene: Scene) -> Array:
@@ -102,15 +90,15 @@ def _lost(share: float, extra: Array | float, cycle: int, added: Array) -> Array
 def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     """Return a wear update in one jump, of all replicates together and of each alone."""
     together, alone = ensemble.together, ensemble.alone
-    mean = np.broadcast_to(together.mean_added(), together.depth.shape)
+    mean = np.broadcast_to(mean_map(together.maps), together.depth.shape)
     sets = [(together.depth, mean), (alone.depth, alone.added_by_run())]
     if ensemble.replicates == 1:
         sets = sets[:1]
     before, per_cycle = (np.concatenate(arrays) for arrays in zip(*sets, strict=True))
     added = cycles_per_update * per_cycle
-    depth = update_surfaces(before, added)
+    depth = before + added
     recorders, joints = together.recorders, ensemble.linkage.clearances
-    cycles = sum(recorder.maps.samples for recorder in recorders)
+    cycles = sum(maps.samples for maps in together.maps)
     step = WearStep(
         cycles_per_update=cycles_per_update,
         cycles=cycles,
@@ -127,11 +115,6 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
         wall_s=ensemble.state.wall,
     )
     return WearUpdate(depth, added, (step,))
-
-
-def update_surfaces(depth: Array, added: Array) -> Array:
-    """Return the depth of surfaces after a wear update, m."""
-    return depth + added
 
 
 def cycle_by_cycle(
@@ -180,10 +163,8 @@ def by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[s
 
 def largest_change(joints: Sequence[ClearanceJoint], added: Array) -> float:
     """Return the largest added depth, shape (joints, 2, bins), relative to the clearance."""
-    return max(
-        (float(sides.max()) / joint.clearance for joint, sides in zip(joints, added, strict=True)),
-        default=0.0,
-    )
+    pairs = zip(joints, added, strict=True)
+    return max((float(sides.max()) / joint.clearance for joint, sides in pairs), default=0.0)
 
 
 def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:

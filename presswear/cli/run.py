@@ -22,7 +22,7 @@ from presswear.cli.terminal import (
     resumable,
     resume_command,
 )
-from presswear.recording.observer import Observer, Progress
+from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.scene.catalog import title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
@@ -158,14 +158,15 @@ class RunObserver(Observer):
         self._compile_start: float | None = None
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
 
-    def on_compile(self) -> None:
-        """Show that kernels are compiled; this time does not count as computing time."""
-        if self._compile_start is None:
-            self._compile_start = clock.perf_counter()
-        self._bar.update(self._task, description="compiling, once")
-
     def on_progress(self, progress: Progress) -> None:
-        """Update the progress bar; raise KeyboardInterrupt after a signal."""
+        """Update the progress bar; raise KeyboardInterrupt after a signal.
+
+        The time in which kernels are compiled does not count as computing time.
+        """
+        if progress.word == COMPILING:
+            self._compile_start = self._compile_start or clock.perf_counter()
+            self._bar.update(self._task, description="compiling, once")
+            return
         check_stopped()
         if self._compile_start is not None:
             # The time of a stage does not include the wear update after it.

@@ -50,7 +50,9 @@ class Plan:
     torques : bool
         Whether the series hold the torques of the drives.
     observers : tuple of Observer
-        Notified of progress; each can end the run after a cycle.
+        Notified after each cycle; each can end the run.
+    report : callable
+        Called many times a second with the completed fraction, 0 to 1, and the recorder.
     wear : callable or None
         Gives the depth, m, that the surfaces lose after a cycle, from the number of cycles run
         and the depth that the last one added, both depths of shape (joints, 2, m); None: the
@@ -70,6 +72,7 @@ class Plan:
     sections: tuple[float, ...] = ()
     torques: bool = True
     observers: tuple[Observer, ...] = ()
+    report: Callable[[float, Recorder], object] = lambda part, recorder: None
     wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None
     run_up: float = 0.0
@@ -85,10 +88,9 @@ class Plan:
         """Time from which the energies of a run are judged, s."""
         return self.run_up + SETTLED * self.cycle
 
-    def advanced(self, time: float) -> None:
-        """Report the time reached, s, to the observers."""
-        for observer in self.observers:
-            observer.on_advance(min(time / self.duration, 1.0))
+    def advanced(self, time: float, recorder: Recorder) -> None:
+        """Report the time reached, s."""
+        self.report(min(time / self.duration, 1.0), recorder)
 
 
 @dataclass(frozen=True)

@@ -77,15 +77,13 @@ def _balance(running: Simulation) -> Ledger:
 def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     recorder = recorder_of(linkage, start, plan)
-    for observer in plan.observers:
-        observer.on_start(recorder)
     running = prepare(linkage, start, settings, plan, recorder)
     running.sums.update({_WORN_OFF: 0.0, _MADE: 0.0, _DRIVE_WORK: 0.0})
     if plan.resume is not None:
         for name, array in running.arrays.items():
             array[...] = plan.resume[name]
         set_numbers(running.sums, plan.resume["sums"])
-        recorder.restore(part(plan.resume, "recorder"))
+        recorder.load(part(plan.resume, "recorder"))
     status, finding = _cycles(linkage, recorder, plan, running)
     time, position, velocity = running.state()
     run = Run(
@@ -113,7 +111,7 @@ def _cycles(
         return {
             **{name: array.copy() for name, array in running.arrays.items()},
             "sums": numbers(running.sums),
-            **named("recorder", recorder.state()),
+            **named("recorder", recorder.save()),
         }
 
     def advanced(end: float) -> Finding | None:

@@ -168,7 +168,7 @@ def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callab
                 return False
             write(iteration, min(following, solve.end - t))
             if sums["steps"] % _PROGRESS_STEPS == 0:
-                solve.plan.advanced(t)
+                solve.plan.advanced(t, solve.recorder)
                 return solve.is_sound()
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
             solve.error = error

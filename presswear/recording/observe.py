@@ -101,7 +101,6 @@ OUTPUT = np.dtype(
         ("x", np.float64),  # the output point in the frame of its body, m
         ("y", np.float64),
         ("start", np.float64),  # output coordinate at the start, m
-        ("steps", np.int64),
         ("room", np.int64),  # rows that may be written
         ("place", np.float64),  # output coordinate, m, in the last state
         ("velocity", np.float64),  # m/s
@@ -118,59 +117,26 @@ OUTPUT = np.dtype(
 
 
 class RecorderState(NamedTuple):
-    """Recorder state: arrays that the kernels fill during one run.
+    """Recorder state: arrays that the kernels fill during one run."""
 
-    Attributes
-    ----------
-    packed : Packed
-        The linkage.
-    motions : records of MOTION
-        Of its drives.
-    contacts : records of CONTACT
-        With their forces, in the last accepted state.
-    onset : ndarray, shape (joints,)
-        Latched closing speeds, 0 where open, m/s.
-    memory, counters : records of MEMORY and COUNTERS
-    stored_contacts : records of STORED_CONTACT, shape (joints, rows)
-    output : one record of OUTPUT
-    series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
-        Without the torques of the drives where they are not asked for.
-    film, sampler : ndarray and one record of FRAME_SAMPLER
-        See ``presswear.recording.film``.
-    cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
-        Row of the present cycle.
-    depth : ndarray, shape (joints, 2, m)
-        Depth that the present cycle added to bearing and pin, each joint's in its own bins, the
-        first of the m; m.
-    wear_integrals : records of WEAR_INTEGRALS
-        Doses in the last step.
-    shares : ndarray, shape (2, m)
-        Working space of ``deposit_over_arc``.
-    torque : ndarray, shape (drives,)
-        Torques of the drives in the present state, N m.
-    drives : records of DRIVE
-    ledger : one record of LEDGER
-        Filled by engines that sum powers by steps.
-    """
-
-    packed: Packed
-    motions: Records
-    contacts: Records
-    onset: Array
-    memory: Records
-    counters: Records
-    stored_contacts: Records
-    output: Records
-    series: Array
-    film: Array
-    sampler: Records
-    cycle: Array
-    depth: Array
-    wear_integrals: Records
-    shares: Array
-    torque: Array
-    drives: Records
-    ledger: Records
+    packed: Packed  # the linkage
+    motions: Records  # of MOTION, of its drives
+    contacts: Records  # of CONTACT, with their forces, in the last accepted state
+    onset: Array  # latched closing speeds of the joints, 0 where open, m/s
+    memory: Records  # of MEMORY
+    counters: Records  # of COUNTERS
+    stored_contacts: Records  # of STORED_CONTACT, shape (joints, rows)
+    output: Records  # one of OUTPUT
+    series: Array  # (rows, SERIES_FIXED + SERIES_JOINT joints + drives where torques are stored)
+    film: Array  # see ``presswear.recording.film``
+    sampler: Records  # one of FRAME_SAMPLER
+    cycle: Array  # row of the present cycle, see ``cycle_columns``
+    depth: Array  # that the present cycle added, (joints, 2, m), see ``map_shape``, m
+    wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
+    shares: Array  # working space of ``deposit_over_arc``, (2, m)
+    torque: Array  # of the drives in the present state, N m
+    drives: Records  # of DRIVE
+    ledger: Records  # one of LEDGER, filled by engines that sum powers by steps
 
 
 @compiled
@@ -181,14 +147,8 @@ def deposit(records: RecorderState, k: int) -> None:
     bins = joint.map_bins
     depth = records.depth[k, :, :bins]
     if joint.over_arc:
-        deposit_over_arc(
-            depth,
-            joint,
-            records.packed.surfaces[k],
-            contact,
-            records.wear_integrals[k].work,
-            records.shares[:, :bins],
-        )
+        work, shares = records.wear_integrals[k].work, records.shares[:, :bins]
+        deposit_over_arc(depth, joint, records.packed.surfaces[k], contact, work, shares)
     else:
         deposit_in_bin(depth, joint, contact, records.wear_integrals[k].pressure)
 
@@ -214,9 +174,7 @@ def settle_state(records: RecorderState, t: float, needed: int) -> int:
 @inlined
 def output_motion(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Return position, m, velocity and acceleration of the output along its direction."""
-    i = state.index
-    along = state.cos
-    across = state.sin
+    i, along, across = state.index, state.cos, state.sin
     place: float = along * q[i] + across * q[i + 1]
     velocity: float = along * v[i] + across * v[i + 1]
     acceleration: float = along * a[i] + across * a[i + 1]
@@ -236,23 +194,12 @@ def lowest_between(
     before: tuple[float, float, float],
     after: tuple[float, float, float],
 ) -> tuple[float, float]:
-    """Return the lowest position in a step in which a coordinate turns from falling to rising.
+    """Return the lowest position in a step, m, and the time since the step began, s.
 
-    It is the minimum of the quintic polynomial through both ends.  If the motion has six
-    derivatives in the step, its place is off by h^6 / 46080 times the greatest sixth at most; if
-    the acceleration has jumped by J at the first end, by 0.018 J h^2.
-
-    Parameters
-    ----------
-    h : float
-        Length of the step, s.
-    before, after : tuple of float
-        Place, m, velocity, not above zero before and above it after, and acceleration.
-
-    Returns
-    -------
-    float, float
-        Place, m, and time since the step began, s.
+    The coordinate turns from falling to rising between its two ends, each of place, velocity and
+    acceleration.  The lowest position is the minimum of the quintic polynomial through both.  If
+    the motion has six derivatives in the step, it is off by h^6 / 46080 times the greatest sixth at
+    most; if the acceleration has jumped by J at the first end, by 0.018 J h^2.
     """
     c1 = h * before[1]
     c2 = 0.5 * h * h * before[2]
@@ -285,15 +232,7 @@ def lowest_between(
 def note_bottom(
     state: Records, cycle: Array, t: float, h: float, now: tuple[float, float, float]
 ) -> None:
-    """Find the bottom of the present stroke in a step, and store it when the stroke has ended.
-
-    Parameters
-    ----------
-    cycle : ndarray
-        Row of the present cycle.
-    now : tuple of float
-        Place, velocity and acceleration of the output point in the step's end.
-    """
+    """Find the bottom of the present stroke in a step, and store it when the stroke has ended."""
     if t > state.stroke_begin:
         if now[0] < state.bottom:
             state.bottom, state.bottom_time = now[0], t
@@ -313,15 +252,7 @@ def note_bottom(
 
 @compiled
 def sum_drives(records: RecorderState, h: float, v: Array) -> None:
-    """Integrate torque and power of the drives over a step by the trapezoidal rule.
-
-    Parameters
-    ----------
-    h : float
-        Length of the step, s.
-    v : ndarray, shape (3 bodies,)
-        At its end, where the torques are in the records.
-    """
+    """Integrate torque and power of the drives over a step by the trapezoidal rule."""
     half = 0.5 * h
     for k in range(records.drives.shape[0]):
         drive, torque = records.drives[k], records.torque[k]
@@ -380,7 +311,6 @@ def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: A
     cycle[STEPS] += 1
     note_bottom(state, cycle, t, h, (place, velocity, acceleration))
     note_drives(records, h, v)
-    state.steps += 1
     state.now = t
     row = state.rows
     has_room = row < min(state.room, series.shape[0])

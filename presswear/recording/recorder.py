@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,25 +53,13 @@ Array = NDArray[np.float64]
 
 STROKE_NOISE = 1e-9  # of a cycle, by which a stroke ends earlier than planned
 
-_SMALL = (
-    "contacts",
-    "onset",
-    "memory",
-    "counters",
-    "output",
-    "sampler",
-    "cycle",
-    "depth",
-    "wear_integrals",
-    "torque",
-    "drives",
-    "ledger",
-)
+_KEPT = ("packed", "motions", "series", "stored_contacts", "film", "shares")
+_SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)  # saved whole
 
 
 @dataclass
 class Recorder:
-    """Quantities that one run has observed so far.
+    """Quantities that one run has observed so far; SI units.
 
     Attributes
     ----------
@@ -81,19 +68,23 @@ class Recorder:
     maps : MapBatches
         Depth that the finished cycles added to bearing and pin, m.
     sections_per_cycle : int
+    cycles : ndarray, shape (cycles, columns)
+        Rows of the finished cycles, columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE.
+    growth : ndarray, shape (cycles, 2, joints, 2)
+        Largest depth added by each cycle, and depth after it, of bearing and pin, m; no row where
+        the surfaces stay.
     """
 
     records: RecorderState
     maps: MapBatches
     sections_per_cycle: int = 0
+    cycles: Array = field(init=False)
+    growth: Array = field(init=False)
     _sections: list[Array] = field(default_factory=list, init=False)
-    _rows: Array = field(init=False)
-    _growth: Array = field(init=False)
-    _finished: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._rows = np.zeros((0, self.records.cycle.size))
-        self._growth = np.zeros((0, 2, self.records.memory.size, 2))
+        self.cycles = np.zeros((0, self.records.cycle.size))
+        self.growth = np.zeros((0, 2, self.records.memory.size, 2))
 
     @staticmethod
     def of(
@@ -108,26 +99,15 @@ class Recorder:
         rows_per_cycle: int = ROWS_AT_LEAST,
         sections: int = 0,
     ) -> "Recorder":
-        """Return an empty recorder for a linkage that starts in a position.
+        """Return an empty recorder for a linkage that starts in a position; see ``Plan``.
 
         Parameters
         ----------
-        position : ndarray, shape (3 bodies,)
-        recorded_cycles : int
-            Cycles whose series and single contacts are recorded.
-        cycle : float
-            Duration of one cycle, s.
-        torques : bool
-            Whether series hold the torques of the drives.
         wearing : bool
             Whether the surfaces wear while the linkage runs; see ``wear``.
-        run_up : float
-            Time before the first cycle, s.
         stroke : (float, float) or None
             Times from the start of a cycle between which the bottom of its stroke is searched, s;
             the first may be negative. None: start and end of the cycle.
-        rows_per_cycle : int
-            Series rows in a cycle without contact, at least.
         sections : int
             Poincare sections in a cycle.
         """
@@ -179,17 +159,12 @@ class Recorder:
         return recorder
 
     @property
-    def cycles(self) -> Array:
-        """Rows of the finished cycles, columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE."""
-        return self._rows[: self._finished]
-
-    @property
     def rows(self) -> Array:
         """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
         return self.records.series[: int(self.records.output["rows"][0])]
 
     def series(self, name: str, joint: int | None = None) -> Array:
-        """Return a recorded series of the linkage or of a joint, shape (n,); SI units."""
+        """Return a recorded series of the linkage or of a joint, shape (n,)."""
         if joint is None:
             return self.rows[:, SERIES_NAMES.index(name)]
         return self.rows[:, SERIES_FIXED + SERIES_JOINT * joint + SERIES_JOINT_NAMES.index(name)]
@@ -200,7 +175,7 @@ class Recorder:
         return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.records.memory.size :]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
-        """Return a quantity of each finished cycle by its name, shape (cycles,); SI units."""
+        """Return a quantity of each finished cycle by its name, shape (cycles,)."""
         if joint is None:
             return self.cycles[:, CYCLE_FIXED.index(name)]
         first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * joint
@@ -209,16 +184,14 @@ class Recorder:
     @property
     def film(self) -> Film:
         """Frames kept so far."""
-        records = self.records
-        rows = records.film[: int(records.sampler["frames"][0])]
-        return Film.of(rows, records.memory.size)
+        rows = self.records.film[: int(self.records.sampler["frames"][0])]
+        return Film.of(rows, self.records.memory.size)
 
     def last_frames(self, count: int) -> Array:
         """Return the rows of the last frames for ``Film.of``; of a full film the present frame."""
-        records = self.records
-        frames = int(records.sampler["frames"][0])
-        first = frames if frames == len(records.film) - 1 else max(frames - count, 0)
-        return records.film[first : max(frames, first + 1)]
+        film, frames = self.records.film, int(self.records.sampler["frames"][0])
+        first = frames if frames == len(film) - 1 else max(frames - count, 0)
+        return film[first : max(frames, first + 1)]
 
     def stored_contacts(self, k: int) -> Array:
         """Return the recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
@@ -238,34 +211,27 @@ class Recorder:
 
     @property
     def sections(self) -> Array:
-        """Sections of the finished cycles, shape (cycles, sections, columns); SI units.
+        """Sections of the finished cycles, shape (cycles, sections, columns).
 
         Columns SECTION_NAMES, then SECTION_JOINT_NAMES of each joint.
         """
         columns = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.records.memory.size
-        whole = self._sections[: self._finished * self.sections_per_cycle]
+        whole = self._sections[: len(self.cycles) * self.sections_per_cycle]
         return np.reshape(whole, (-1 if whole else 0, self.sections_per_cycle, columns))
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
-        self.records.counters["contacts_before"] = self.records.counters["contacts"]
-        self.records.cycle[:] = 0.0
-        self.records.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
-        self.records.cycle[VELOCITY_MIN] = math.inf
-        self.records.depth[:] = 0.0
+        records = self.records
+        records.counters["contacts_before"] = records.counters["contacts"]
+        records.cycle[:] = 0.0
+        records.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
+        records.cycle[VELOCITY_MIN] = math.inf
+        records.depth[:] = 0.0
 
     @property
     def last_time(self) -> float:
         """Time of the last accepted state, s."""
         return float(self.records.output["now"][0])
-
-    @property
-    def growth(self) -> Array:
-        """Largest depth added by each cycle, and depth after it, shape (cycles, 2, joints, 2), m.
-
-        The last axis holds bearing and pin; no row where the surfaces stay.
-        """
-        return self._growth
 
     @property
     def surface_depth(self) -> Array:
@@ -283,11 +249,10 @@ class Recorder:
 
         Pins that rested on the lost material are open; a lasting contact keeps its closing speed.
         """
-        records = self.records
-        self._rebuild(self.surface_depth + lost)
-        self._growth = np.append(
-            self._growth, [[lost.max(axis=2), self.surface_depth.max(axis=2)]], axis=0
-        )
+        records, depth = self.records, self.surface_depth + lost
+        self._rebuild(depth)
+        growth = [lost.max(axis=2), self.surface_depth.max(axis=2)]
+        self.growth = np.append(self.growth, [growth], axis=0)
         note_contacts(records.packed, records.contacts, q, v)
         step = records.memory["step"].copy()
         settle_state(records, self.last_time, LEAST_STEPS)
@@ -295,61 +260,48 @@ class Recorder:
 
     def end_cycle(self) -> Array:
         """Store the present cycle and start the next; return the depth that it added, m."""
-        if self._finished == len(self._rows):
-            # A new array each time it is full: views of the old one stay what they are.
-            more = np.zeros((max(2 * self._finished, 64), self.records.cycle.size))
-            more[: self._finished] = self.cycles
-            self._rows = more
-        self._rows[self._finished] = self.records.cycle
-        self._finished += 1
+        self.cycles = np.append(self.cycles, [self.records.cycle], axis=0)
         depth = self.records.depth.copy()
         self.maps.add(depth)
         self.start_cycle()
         return depth
 
-    def state(self) -> dict[str, NDArray[Any]]:
+    def save(self) -> State:
         """Return all that is not in the linkage, the start and the plan, as named arrays.
 
         Rows of series, contacts, film and cycles are views: once written they do not change.
         """
-        records = self.records
-        frames = int(records.sampler["frames"][0])
-        return {
+        records, frames = self.records, int(self.records.sampler["frames"][0])
+        arrays = {
             **{name: getattr(records, name).copy() for name in _SMALL},
+            **named("maps", self.maps.save()),
             "series": self.rows,
-            **{
-                f"past_{k}": records.stored_contacts[k, :n]
-                for k, n in enumerate(records.counters["rows"])
-            },
             "film": records.film[:frames],
             "frame": records.film[frames].copy(),
             "cycles": self.cycles,
-            **named("maps", self.maps.state()),
-            **(
-                {} if records.packed.loads is None else {"modes": records.packed.loads.modes.copy()}
-            ),
-            "worn": self.surface_depth,
+            "surface_depth": self.surface_depth,
             "growth": self.growth,
-            **({"sections": self.sections} if self.sections_per_cycle else {}),
+            "sections": self.sections,
         }
-
-    def restore(self, stored: State) -> None:
-        """Resume from the state of a recorder of the same linkage, start and plan."""
-        records = self.records
-        for name in _SMALL:
-            getattr(records, name)[...] = stored[name]
+        for k, count in enumerate(records.counters["rows"]):
+            arrays[f"stored_contacts_{k}"] = records.stored_contacts[k, :count]
         if records.packed.loads is not None:
-            records.packed.loads.modes[...] = stored["modes"]
-        records.series[: len(stored["series"])] = stored["series"]
+            arrays["modes"] = records.packed.loads.modes.copy()
+        return arrays
+
+    def load(self, saved: State) -> None:
+        """Resume from what a recorder of the same linkage, start and plan has saved."""
+        records, frames = self.records, len(saved["film"])
+        for name in _SMALL:
+            getattr(records, name)[...] = saved[name]
+        self.maps = MapBatches.load(part(saved, "maps"))
+        records.series[: len(saved["series"])] = saved["series"]
+        records.film[:frames], records.film[frames] = saved["film"], saved["frame"]
+        self.cycles, self.growth = np.array(saved["cycles"]), np.array(saved["growth"])
+        self._sections = [row for sections in saved["sections"] for row in sections]
+        self._rebuild(saved["surface_depth"])
         for k in range(records.memory.size):
-            records.stored_contacts[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]
-        frames = len(stored["film"])
-        records.film[:frames] = stored["film"]
-        records.film[frames] = stored["frame"]
-        self._rows = np.array(stored["cycles"])
-        self._finished = len(self._rows)
-        self.maps.restore(part(stored, "maps"))
-        self._rebuild(stored["worn"])
-        self._growth = np.array(stored["growth"])
-        if self.sections_per_cycle:
-            self._sections = [*np.concatenate(stored["sections"])]
+            rows = saved[f"stored_contacts_{k}"]
+            records.stored_contacts[k, : len(rows)] = rows
+        if records.packed.loads is not None:
+            records.packed.loads.modes[...] = saved["modes"]

@@ -6,12 +6,15 @@ second knocks less than any later one (mean peak forces at A of a hundred replic
 scene are 271, 82, 120, 131, 118 N).  Many cycles are averaged in batches of neighbours, so that
 what one cycle passes on to the next is counted once: the method of batch means (Law and Kelton,
 Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are of 95 %.
+
+In this module ``runs`` are arrays of one number per cycle, start-up included, one for each run;
+``count`` is the number of maps that bootstrap samples are from.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,9 +61,7 @@ class Estimate:
     @property
     def half_width(self) -> float | None:
         """Half the length of the interval; None: too few samples."""
-        if self.low is None or self.high is None:
-            return None
-        return 0.5 * (self.high - self.low)
+        return None if self.low is None or self.high is None else 0.5 * (self.high - self.low)
 
     def scaled(self, factor: float) -> "Estimate":
         """Return the estimate in another unit; the factor is positive."""
@@ -81,9 +82,8 @@ def batched(samples: Array) -> Array:
     size = -(-len(samples) // MAX_BATCHES)
     if size <= 1:
         return samples
-    count = len(samples) // size
-    whole = samples[len(samples) - count * size :]
-    return np.asarray(whole.reshape(count, size, *samples.shape[1:]).mean(axis=1))
+    whole = samples[len(samples) % size :]
+    return np.asarray(whole.reshape(-1, size, *samples.shape[1:]).mean(axis=1))
 
 
 def half_width(samples: Array) -> float | None:
@@ -110,9 +110,7 @@ def estimate(rows: Array) -> Estimate:
 
 @dataclass
 class MapBatches:
-    """Wear maps of a run, summed over batches of neighbouring cycles.
-
-    Memory does not grow with the number of cycles.
+    """Wear maps of a run, summed over batches of neighbouring cycles, in constant memory.
 
     Attributes
     ----------
@@ -127,8 +125,8 @@ class MapBatches:
     shape: tuple[int, ...]
     cycles: int = 0
     size: int = 1
-    _last: Array = field(default_factory=lambda: np.zeros(0))
-    _sums: Array = field(default_factory=lambda: np.zeros(0))
+    _last: Array = field(init=False)
+    _sums: Array = field(init=False)
 
     def __post_init__(self) -> None:
         self._last = np.zeros(self.shape)
@@ -158,31 +156,23 @@ class MapBatches:
         """Depth of all samples, m."""
         return np.asarray(self._sums.sum(axis=0)) if self.cycles > STARTUP_CYCLES else self._last
 
-    @staticmethod
-    def stored(state: State) -> "MapBatches":
-        """Return the maps of a state."""
-        maps = MapBatches(state["last"].shape)
-        maps.restore(state)
-        return maps
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return copies of all arrays that change."""
-        return {
-            "filed": np.array([self.cycles, self.size]),
-            "last": self._last.copy(),
-            "sums": self._sums.copy(),
-        }
-
-    def restore(self, stored: State) -> None:
-        """Resume from a state of maps of the same shape."""
-        self.cycles, self.size = (int(number) for number in stored["filed"])
-        self._last[...] = stored["last"]
-        self._sums[...] = stored["sums"]
-
+    @property
     def batches(self) -> Array:
-        """Return the mean depth per cycle in each full batch, shape (n, joints, 2, bins), m."""
+        """Mean depth per cycle in each full batch, shape (n, joints, 2, bins), m."""
         count = max(self.cycles - STARTUP_CYCLES, 0) // self.size
         return np.asarray(self._sums[:count] / self.size)
+
+    def save(self) -> State:
+        """Return copies of the arrays that change."""
+        filed = np.array([self.cycles, self.size])
+        return {"filed": filed, "last": self._last.copy(), "sums": self._sums.copy()}
+
+    @staticmethod
+    def load(state: State) -> "MapBatches":
+        """Return the maps that ``save`` gave."""
+        maps = MapBatches(state["last"].shape, *(int(number) for number in state["filed"]))
+        maps._last[...], maps._sums[...] = state["last"], state["sums"]
+        return maps
 
 
 def mean_map(runs: Sequence[MapBatches]) -> Array:
@@ -193,9 +183,9 @@ def mean_map(runs: Sequence[MapBatches]) -> Array:
 
 def map_batches(runs: Sequence[MapBatches]) -> tuple[Array, Array]:
     """Return batches of all runs, shape (n, joints, 2, bins), m, and the cycles in each, (n,)."""
-    maps = np.concatenate([run.batches() for run in runs])
-    weights = np.concatenate([np.full(len(run.batches()), float(run.size)) for run in runs])
-    return maps, weights
+    batches = [run.batches for run in runs]
+    weights = np.repeat([float(run.size) for run in runs], list(map(len, batches)))
+    return np.concatenate(batches), weights
 
 
 def map_errors(maps: Array, weights: Array) -> Array:
@@ -254,27 +244,22 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
 
 
+def _widening(count: int) -> float:
+    """Return Student's quantile over the normal one, times the bias of a standard deviation."""
+    return quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
+
+
 def basic_interval(value: float, draws: Array, count: int) -> Estimate:
     """Return the interval of a statistic from its bootstrap samples, shape (RESAMPLES,).
 
     A statistic that is biased by noise, such as the deepest of many bins, is biased again by as
     much in the samples: the interval is reflected at the estimate ("basic" bootstrap, Davison and
     Hinkley, Bootstrap Methods and their Application, section 2.4), and widened as Student's is.
-
-    Parameters
-    ----------
-    count : int
-        Number of maps that the samples are from.
     """
     if count < MIN_SAMPLES:
         return Estimate(value, samples=count)
     ends = value - _widening(count) * (np.quantile(draws, _ENDS[::-1]) - value)
     return Estimate(value, float(ends[0]), float(ends[1]), count)
-
-
-def _widening(count: int) -> float:
-    """Return Student's quantile over the normal one, times the bias of a standard deviation."""
-    return quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
 
 
 def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Estimate:
@@ -293,15 +278,7 @@ def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int)
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
-    """Return the ends of the interval of each bin of a mean map; of one map the mean twice.
-
-    Parameters
-    ----------
-    mean : ndarray, shape (bins,)
-    draws : ndarray, shape (RESAMPLES, bins)
-    count : int
-        Number of maps that the samples are from.
-    """
+    """Return the ends of the interval of each bin of a mean map; of one map the mean twice."""
     if count < 2:
         return mean, mean
     low, high = mean + _widening(count) * (np.quantile(draws, _ENDS, axis=0) - mean)
@@ -319,11 +296,9 @@ def peak_of(
         Depth, m.
     draws : ndarray, shape (RESAMPLES, bins)
         Bootstrap samples of ``resampled``.
-    count : int
-        Number of maps that the samples are from.
     centre : ndarray, shape (bins,) or None
-        Mean of these maps, if it differs from the mean, m. The interval is then moved to the mean
-        and widened by the distance.
+        Mean of the maps behind them, if it differs from the mean, m. The interval is then moved
+        to the mean and widened by the distance.
     """
     place = int(mean.argmax())
     deepest = float((mean if centre is None else centre).max())
@@ -341,8 +316,6 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
 
     Parameters
     ----------
-    runs : sequence of ndarray, shape (cycles,)
-        Start-up included.
     alone : sequence of ndarray
         Runs that are single samples, such as those on surfaces of their own: their scatter, and the
         distance of their mean from that of the runs, give the interval.
@@ -373,11 +346,6 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     Student's of the logarithm of the variance by the jackknife over batches of neighbours (Miller,
     The jackknife - a review, Biometrika 61, 1, 1974), which holds for samples that are not normal,
     and correlated within a batch.
-
-    Parameters
-    ----------
-    runs : sequence of ndarray, shape (cycles,)
-        Start-up included.
     """
     samples = [after_startup(rows) for rows in runs]
     centred = [run - run.mean() for run in samples if run.size > 1]
@@ -392,13 +360,11 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
             # The remaining samples have another mean: the sum of all is zero.
             lost = float(part @ part) + float(part.sum()) ** 2 / (run.size - part.size)
             without.append((squares - lost) / max(free - part.size, 1))
-    left_out = np.array(without)
-    groups = left_out.size
+    left_out, groups = np.array(without), len(without)
     if groups < MIN_SAMPLES or not np.all(left_out > 0.0):
         return Estimate(value, samples=groups)
     pseudo = 2.0 * groups * math.log(value) - (groups - 1) * np.log(left_out)
-    centre, half = float(pseudo.mean()), half_width(pseudo)
-    assert half is not None
+    centre, half = float(pseudo.mean()), half_width(pseudo) or 0.0
     low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
     return Estimate(value, low, high, groups)
 
@@ -407,22 +373,13 @@ def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Estima
     """Return the mean range over successive cycles of a run, and their number.
 
     The range of a sample grows with its size: each run is cut into pieces of ``most`` cycles, or of
-    as many as the shortest run has.
-
-    Parameters
-    ----------
-    runs : sequence of ndarray, shape (cycles,)
-        Start-up included.
+    as many as the shortest run has.  Cycles that do not fill a piece are left out, at the start.
     """
     samples = [after_startup(rows) for rows in runs]
     count = min([most, *(run.size for run in samples)])
     if count < 2:
         return None, count
-    ranges = []
-    for run in samples:
-        pieces = run.size // count
-        # Cycles that do not fill a piece are left out, at the start.
-        ranges.append(np.ptp(run[run.size - pieces * count :].reshape(pieces, count), axis=1))
+    ranges = [np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples]
     everything = np.concatenate(ranges)
     mean, half = float(everything.mean()), half_width(_independent(ranges, differ(ranges)))
     if half is None:

@@ -18,7 +18,6 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine
 from presswear.linkage.linkage import Linkage
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.recording.observer import AdvanceObserver
 from presswear.tools.errors import InputError, RunFailed
 
 Array = NDArray[np.float64]
@@ -218,14 +217,14 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
     """
     started: float | None = None
 
-    def report(part: float) -> None:
+    def report(part: float, recorder: object) -> None:
         nonlocal started
         now = clock.process_time()
         started = now if started is None else started
         if now - started > patience:
             raise RunFailed(f"stopped after {patience:g} s of CPU time at {100.0 * part:.3g} %")
 
-    return Plan(duration, cycles, recorded_cycles=1, observers=(AdvanceObserver(report),))
+    return Plan(duration, cycles, recorded_cycles=1, report=report)
 
 
 def part_of(report: Progress, start: float, size: float, prefix: str = "") -> Progress:

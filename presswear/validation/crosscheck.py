@@ -10,7 +10,6 @@ beyond it.
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from typing import Any
 
 import matplotlib
@@ -21,7 +20,6 @@ from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.recording.observer import AdvanceObserver
 from presswear.recording.statistics import Estimate, estimate
 from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
@@ -126,7 +124,7 @@ class _Runner:
 
     def run(self, word: str, start: Start, engine: Engine, plan: Plan) -> Run:
         self.report(word, 0.0)
-        plan = replace(plan, observers=(AdvanceObserver(partial(self.report, word)),))
+        plan = replace(plan, report=lambda part, recorder: self.report(word, part))
         return finished(engine.simulate(self.linkage, start, plan))
 
     def trajectory(self, word: str, start: Start, engine: Engine, end: float) -> Trajectory:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.replicates import linkage_on, start_of
 from presswear.engines.base import Plan
+from presswear.recording.statistics import mean_map
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
@@ -103,7 +104,7 @@ def worn_surfaces(scene: Scene, cycles: int) -> Array:
     stage, ensemble = run_stage(replace(scene, cycles=cycles), 0)
     if stage.failed:
         raise RunFailed(stage.message)
-    return scene.cycles_per_update * ensemble.mean_added()
+    return scene.cycles_per_update * mean_map(ensemble.maps)
 
 
 def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list[FeatureCost]:

@@ -35,13 +35,11 @@ class FakeEngine:
         self.runs += 1
         recorder = recorder_of(linkage, start, plan)
         recorder.records.output["now"] = plan.cycle * plan.cycles
-        for observer in plan.observers:
-            observer.on_start(recorder)
         if plan.resume is not None:
-            recorder.restore(part(plan.resume, "recorder"))
+            recorder.load(part(plan.resume, "recorder"))
         is_enough = False
         for cycle in range(len(recorder.cycles), plan.cycles):
-            plan.advanced((cycle + 0.5) * plan.cycle)
+            plan.advanced((cycle + 0.5) * plan.cycle, recorder)
             if self.runs == self.stopped and cycle == 1:
                 raise KeyboardInterrupt
             recorder.records.cycle[:] = 100.0 * self.runs
@@ -49,7 +47,7 @@ class FakeEngine:
             added = recorder.end_cycle()
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
-            state = partial(named, "recorder", recorder.state())
+            state = partial(named, "recorder", recorder.save())
             is_enough = any(observer.on_cycle(recorder, state) for observer in plan.observers)
             if is_enough and cycle + 1 < plan.cycles:
                 break

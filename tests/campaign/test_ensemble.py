@@ -12,7 +12,7 @@ from presswear.campaign.replicates import SPREAD, start_of
 from presswear.campaign.stage_statistics import COLUMNS, deviation
 from presswear.physics.constraints import constraints_of
 from presswear.recording.observer import Observer, Progress
-from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES, map_batches
 from presswear.results.stage import SIDES, StageResult
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
@@ -78,7 +78,7 @@ def ends_early(replicates: int, tolerance: float) -> Ensemble:
 
 def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
     ensemble = ends_early(3, 0.12)
-    maps, weights = ensemble.batches()
+    maps, weights = map_batches(ensemble.maps)
     assert len(ensemble.runs) == 3
     assert ensemble.status == "enough"
     assert weights.sum() >= FEWEST

@@ -1,155 +1,271 @@
-"""Lives of made-up problems, whose law and noise are known."""
+"""Service lives of a problem whose wear law and noise are known, and the quantities of scenes."""
 
 import math
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pytest
-from made_up import MadeUp
+from numpy.typing import NDArray
 
 from presswear.campaign.service_life import (
+    ACCELERATED,
+    RUNNING_IN,
+    STEADY,
+    BlockPlan,
+    Blocks,
     LifeEstimate,
     LifeProblem,
+    LoadBlock,
     Refinement,
-    curve,
     estimate_life,
+    levels_of,
     next_refinement,
     run_refinements,
+    samples_of,
+    wear_phases,
 )
-from presswear.scene.options import Limit, Service
+from presswear.physics.ideal import bottom_of
+from presswear.physics.wear import map_shape
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.life import WORDS
+from presswear.scene.catalog import press_blanking
+from presswear.scene.options import FOLLOWED, Limit, Service
 from presswear.tools.errors import InputError
 
-DEPTH = Limit("depth", "A", 5e-5)
-DRIFT = Limit("bdc_drift", "", 2.5e-5)
+Array = NDArray[np.float64]
+
+CLEARANCE = 1e-3
+DEPTH, DRIFT = Limit("depth", "A", 5e-5), Limit("bdc_drift", "", 2.5e-5)
 
 
-def problem(
-    *limits: Limit,
-    services: tuple[Service, ...] = (),
-    at_most: float = 1e12,
-    tolerance: float = 0.1,
-    max_cycles: int = 10_000,
-) -> LifeProblem:
-    """A problem with limits."""
-    return LifeProblem(limits, services, at_most, tolerance, max_cycles)
+@dataclass
+class KnownWear:
+    """Histories that wear by dh/dN = rate (1 + fresh exp(-h/bedded)), with noise in every cycle.
+
+    Bottom dead centre drifts by half the depth and scatters from stroke to stroke.
+    """
+
+    seed: int
+    rate: float = 1e-11
+    fresh: float = 3.0
+    bedded: float = 1e-5
+    noise: float = 0.5
+    scatter: float = 5e-6
+    initial: float = 0.0
+    depth: Array = field(default_factory=lambda: np.zeros(8))
+
+    def life_until(self, depth: float) -> float:
+        """Return the strokes until a depth: the integral of dh/(dh/dN)."""
+        top = math.log((math.exp(depth / self.bedded) + self.fresh) / (1.0 + self.fresh))
+        return self.bedded * top / self.rate
+
+    def __call__(self, number: int, before: Blocks, plan: BlockPlan | Service) -> LoadBlock:
+        """Run a block, or replace the bushing."""
+        if isinstance(plan, Service):
+            self.depth = np.zeros(8)
+            levels, interval = {"A.depth": self.depth}, before[-1].interval + 1
+            return replace(before[-1], cycles=0, interval=interval, levels=levels, rate=0.0)
+        if not before:
+            self.depth = np.full(8, self.initial)
+        draw = np.random.default_rng([self.seed, number, len(before)])
+        start, bottoms = self.depth, []
+        for _ in range(plan.cycles):
+            law = self.rate * (1.0 + self.fresh * np.exp(-self.depth / self.bedded))
+            size = math.sqrt(math.log1p(self.noise**2))
+            factor = draw.lognormal(-0.5 * size**2, size, 8)
+            bottoms.append(0.5 * self.depth + draw.normal(0.0, self.scatter, 8))
+            self.depth = self.depth + plan.share * law * factor + float(np.mean(plan.extra))
+        strokes = (before[-1].strokes if before else 0.0) + plan.cycles * plan.share
+        rate = float((self.depth - start).mean()) / (plan.cycles * plan.share)
+        return LoadBlock(
+            strokes,
+            plan.cycles,
+            before[-1].interval if before else 0,
+            {"A.depth": self.depth},
+            {"bdc_drift": np.mean(bottoms, axis=0)},
+            rate / CLEARANCE,
+            np.full((1, 1, 1), rate),
+        )
 
 
-def known(asked: LifeProblem, chains: MadeUp) -> tuple[LifeEstimate, tuple[Refinement, ...]]:
-    """The life and the passes over it."""
-    passes = run_refinements(asked, chains)
-    return estimate_life(asked, passes), passes
+def problem(*limits: Limit, **settings: Any) -> LifeProblem:
+    common: dict[str, Any] = {
+        "services": (),
+        "at_most": 1e12,
+        "tolerance": 0.1,
+        "max_cycles": 10_000,
+    }
+    return LifeProblem(limits, **common | settings)
 
 
-def is_held(truth: float, found: LifeEstimate) -> bool:
-    """True where the interval of a life holds the truth."""
-    return abs(math.log(found.strokes / truth)) <= found.error
+def life_of(problem: LifeProblem, wear: KnownWear) -> tuple[LifeEstimate, tuple[Refinement, ...]]:
+    refinements = run_refinements(problem, wear)
+    return estimate_life(refinements, problem.limits), refinements
 
 
 @pytest.mark.parametrize(
     ("limit", "noise"), [(DEPTH, 0.5), (DEPTH, 1.5), (DRIFT, 0.5)], ids=["depth", "wild", "drift"]
 )
-def test_intervals_hold(limit: Limit, noise: float) -> None:
-    """Of 100 made-up problems at least 90 intervals hold the life."""
-    held, errors = 0, []
+def test_intervals_cover_the_life(limit: Limit, noise: float) -> None:
+    """At least 90 of 100 intervals hold the exact life."""
+    covered, errors = 0, []
     for seed in range(100):
         draw = np.random.default_rng(seed)
-        own = MadeUp(
-            seed,
-            rate=10.0 ** draw.uniform(-13, -9),
-            fresh=draw.uniform(0.0, 10.0),
-            bedded=10.0 ** draw.uniform(-5.5, -4.5),
-            noise=noise,
-        )
-        found, _ = known(problem(limit), own)
-        held += is_held(own.life_until(5e-5), found)
-        errors.append(found.error)
-    assert held >= 90
+        rate, fresh = 10.0 ** draw.uniform(-13, -9), draw.uniform(0.0, 10.0)
+        wear = KnownWear(seed, rate, fresh, 10.0 ** draw.uniform(-5.5, -4.5), noise)
+        life, _ = life_of(problem(limit), wear)
+        covered += abs(math.log(life.strokes / wear.life_until(5e-5))) <= life.error
+        errors.append(life.error)
+    assert covered >= 90
     assert np.median(errors) < 0.1
 
 
-def test_the_step_converges_and_is_told() -> None:
-    """Without noise the error is that of the step, and no less is told."""
-    own = MadeUp(1, noise=1e-9, fresh=30.0)
-    truth = own.life_until(DEPTH.value)
-    errors = []
+def test_step_error_converges_without_noise() -> None:
+    wear, errors = KnownWear(1, noise=1e-9, fresh=30.0), []
     for tolerance in (0.1, 0.003):
-        found, _ = known(problem(DEPTH, tolerance=tolerance), own)
-        off = abs(math.log(found.strokes / truth))
-        assert off <= found.error <= tolerance
-        errors.append(off)
+        life, _ = life_of(problem(DEPTH, tolerance=tolerance), wear)
+        errors.append(abs(math.log(life.strokes / wear.life_until(DEPTH.value))))
+        assert errors[-1] <= life.error <= tolerance
     assert errors[0] > 3.0 * errors[1] > 0.0
 
 
-def test_the_first_of_several_limits_counts() -> None:
-    later, sooner = Limit("depth", "A", 5e-5), Limit("bdc_drift", "", 1e-5)
-    own = MadeUp(2, noise=0.1, scatter=1e-7)
-    found, passes = known(problem(later, sooner), own)
-    truth = own.life_until(2e-5)
-    assert abs(math.log(found.strokes / truth)) <= found.error < 0.1
-    # The other is told as well, where the wear was followed so far.
-    each = [
-        estimate_life(problem(later, sooner), passes, [limit]).strokes for limit in (later, sooner)
-    ]
-    assert each == [math.inf, found.strokes]
+def test_first_of_several_limits_ends_the_life() -> None:
+    later, sooner = DEPTH, Limit("bdc_drift", "", 1e-5)
+    wear = KnownWear(2, noise=0.1, scatter=1e-7)
+    life, refinements = life_of(problem(later, sooner), wear)
+    assert abs(math.log(life.strokes / wear.life_until(2e-5))) <= life.error < 0.1
+    each = [estimate_life(refinements, [limit]).strokes for limit in (later, sooner)]
+    assert each == [math.inf, life.strokes]
 
 
-def test_steps_are_chosen_by_cycles_before() -> None:
-    """By its own wear a cycle that wears little would stand for more strokes: a biased mean."""
-    own = MadeUp(3, noise=2.0, fresh=0.0)
-    found, _ = known(problem(DEPTH, tolerance=0.05, max_cycles=200_000), own)
-    truth = own.life_until(DEPTH.value)
-    assert abs(math.log(found.strokes / truth)) <= found.error < 0.06
+def test_mean_is_not_biased_by_the_choice_of_steps() -> None:
+    """By its own wear a cycle that wears little would stand for more strokes."""
+    wear = KnownWear(3, noise=2.0, fresh=0.0)
+    life, _ = life_of(problem(DEPTH, tolerance=0.05, max_cycles=200_000), wear)
+    assert abs(math.log(life.strokes / wear.life_until(DEPTH.value))) <= life.error < 0.06
 
 
-def test_what_is_exceeded_when_new_is_refused() -> None:
-    limit = Limit("bdc_drift", "", 1e-5)
-    chains = MadeUp(4, scatter=1e-6)
+def test_limit_exceeded_when_new_is_refused() -> None:
     with pytest.raises(InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"):
-        run_refinements(problem(DEPTH), MadeUp(5, rate=1e-15, begun=6e-5))
-    # A drift is none when new, whatever scatters.
-    assert math.isfinite(known(problem(limit), chains)[0].strokes)
+        run_refinements(problem(DEPTH), KnownWear(5, rate=1e-15, initial=6e-5))
+    # A drift is zero when new, whatever scatters.
+    drift = Limit("bdc_drift", "", 1e-5)
+    assert math.isfinite(life_of(problem(drift), KnownWear(4, scatter=1e-6))[0].strokes)
 
 
-def test_what_is_never_reached_is_no_life() -> None:
-    own = MadeUp(6)
-    asked = problem(DEPTH, at_most=0.5 * own.life_until(DEPTH.value))
-    found, passes = known(asked, own)
-    assert math.isinf(found.strokes)
-    assert passes[-1].blocks[-1].strokes == pytest.approx(asked.at_most, rel=1e-12)
-    assert len(passes) == 2
-    reached = curve(passes[-1].blocks, "A.depth")[-1]
-    assert 0.3 * DEPTH.value < reached < DEPTH.value
+def test_life_is_infinite_if_no_limit_is_exceeded() -> None:
+    wear = KnownWear(6)
+    at_most = 0.5 * wear.life_until(DEPTH.value)
+    life, refinements = life_of(problem(DEPTH, at_most=at_most), wear)
+    assert math.isinf(life.strokes)
+    assert len(refinements) == 2
+    assert refinements[-1].strokes[-1] == pytest.approx(at_most, rel=1e-12)
+    assert 0.3 * DEPTH.value < refinements[-1].curve("A.depth")[-1] < DEPTH.value
 
 
-def test_a_bush_made_new_lives_longer() -> None:
-    """It is seen to after just so many strokes, and wears from new again."""
-    own = MadeUp(7, noise=0.1, fresh=0.0)
-    at = 0.6 * own.life_until(DEPTH.value)
-    service = Service("A", at, False)
-    found, passes = known(problem(DEPTH, services=(service,)), own)
-    assert found.strokes == pytest.approx(own.life_until(DEPTH.value) + at, rel=0.05)
-    ends = [block.strokes for block in passes[-1].blocks if block.interval == 0]
+def test_replaced_bushing_wears_from_new() -> None:
+    wear = KnownWear(7, noise=0.1, fresh=0.0)
+    at = 0.6 * wear.life_until(DEPTH.value)
+    life, refinements = life_of(problem(DEPTH, services=(Service("A", at, False),)), wear)
+    assert life.strokes == pytest.approx(wear.life_until(DEPTH.value) + at, rel=0.05)
+    ends = [block.strokes for block in refinements[-1].blocks if block.interval == 0]
     assert ends[-1] == pytest.approx(at, rel=1e-12)
 
 
-def test_no_pass_has_more_cycles_than_may_be() -> None:
-    own = MadeUp(8, noise=3.0)
-    asked = problem(DEPTH, tolerance=0.001, max_cycles=1000)
-    passes = run_refinements(asked, own)
-    run = [8 * sum(block.cycles for block in one.blocks) for one in passes]
-    assert max(run) <= 2 * asked.max_cycles
-    assert next_refinement(asked, passes) is None
-    assert estimate_life(asked, passes).error > asked.tolerance
+def test_cycles_are_limited() -> None:
+    limited = problem(DEPTH, tolerance=0.001, max_cycles=1000)
+    life, refinements = life_of(limited, KnownWear(8, noise=3.0))
+    assert max(each.cycles for each in refinements) <= 2 * limited.max_cycles
+    assert next_refinement(limited, refinements) is None
+    assert life.error > limited.tolerance
 
 
-def test_a_life_goes_on_from_any_block() -> None:
-    """What has run decides alone what comes next."""
-    asked = problem(DEPTH, tolerance=0.3)
-    kept: list[tuple[Refinement, ...]] = []
-    whole = run_refinements(asked, MadeUp(9), keep=kept.append)
-    for passes in kept[:: len(kept) // 4]:
-        chains = MadeUp(9)
-        blocks = passes[-1].blocks
-        chains.set(blocks[-1].levels["A.depth"])
-        assert [own.blocks[-1].strokes for own in run_refinements(asked, chains, passes)] == [
-            own.blocks[-1].strokes for own in whole
-        ]
+def test_life_resumes_after_any_block() -> None:
+    coarse, kept = problem(DEPTH, tolerance=0.3), list[tuple[Refinement, ...]]()
+    whole = run_refinements(coarse, KnownWear(9), keep=kept.append)
+    for refinements in kept[:: len(kept) // 4]:
+        wear = KnownWear(9, depth=refinements[-1].blocks[-1].levels["A.depth"])
+        resumed = run_refinements(coarse, wear, refinements)
+        assert [each.strokes[-1] for each in resumed] == [each.strokes[-1] for each in whole]
+
+
+def test_samples_keep_their_value_until_a_stroke_runs_after_maintenance() -> None:
+    levels, removed, bottom = {"A.depth": np.zeros(2)}, np.zeros((1, 2, 1)), np.array([1e-5, 3e-5])
+
+    def block(strokes: float, cycles: int, interval: int, bottom: Array) -> LoadBlock:
+        samples = {"bdc_error": bottom} if cycles else {}
+        return LoadBlock(strokes, cycles, interval, levels, samples, 0.0, removed)
+
+    blocks = (*(block(4.0 + 100.0 * k, 4, 0, bottom) for k in range(3)), block(204, 0, 1, bottom))
+    np.testing.assert_allclose(Refinement(blocks=blocks).curve("bdc_error"), np.full(4, 2e-5))
+    after = Refinement(blocks=(*blocks, block(208.0, 4, 1, 2.0 * bottom)))
+    np.testing.assert_allclose(after.curve("bdc_error"), [2e-5, 2e-5, 2e-5, 4e-5, 4e-5])
+
+
+def worn_at(rates: list[float], noise: float, seed: int = 1) -> Refinement:
+    """Blocks of a thousand strokes with wear rates, after a first one of four strokes."""
+    draw, blocks = np.random.default_rng(seed), []
+    volume, strokes = np.zeros(8), 0.0
+    for k, rate in enumerate([rates[0], *rates]):
+        more = 1e3 if k else 4.0
+        volume = volume + more * rate * (1.0 + noise * draw.standard_normal(8))
+        strokes += more
+        blocks.append(LoadBlock(strokes, 4, 0, {"A.wear_volume": volume}, {}, 0.0, np.zeros(0)))
+    return Refinement(blocks=tuple(blocks))
+
+
+@pytest.mark.parametrize(
+    ("rates", "names", "ends"),
+    [
+        ([1.0] * 12, [STEADY], [12e3]),
+        ([3.0] * 4 + [1.0] * 8, [RUNNING_IN, STEADY], [4e3, 12e3]),
+        ([1.0] * 8 + [2.0] * 4, [STEADY, ACCELERATED], [8e3, 12e3]),
+        ([3.0] * 4 + [1.0] * 8 + [2.0] * 4, [RUNNING_IN, STEADY, ACCELERATED], [4e3, 12e3, 16e3]),
+    ],
+)
+def test_wear_phases(rates: list[float], names: list[str], ends: list[float]) -> None:
+    phases = wear_phases(worn_at(rates, 0.1), "A")
+    assert [phase.name for phase in phases] == names
+    assert [phase.until for phase in phases] == pytest.approx([end + 4.0 for end in ends])
+    for phase in phases:
+        exact = rates[int((phase.since + phase.until) / 2e3)]
+        assert abs(phase.rate - exact) <= 2.0 * phase.half_width
+
+
+def test_noise_is_no_wear_phase() -> None:
+    phases = [wear_phases(worn_at([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
+    assert sum(len(each) > 1 for each in phases) <= 10
+
+
+def test_quantities_of_surfaces_and_strokes() -> None:
+    scene = press_blanking(conventions="refined", replicates=2)
+    joints = scene.linkage().clearances
+    worn = np.zeros((2, *map_shape(joints)))
+    worn[0, 0, 1, 7] = 3e-6  # the pin of A in one bin
+    worn[1, 1, 0, :] = 1e-6  # the bearing of C all around
+    levels = levels_of(scene, worn, tuple(FOLLOWED))
+    assert levels["A.depth"].tolist() == [3e-6, 0.0]
+    assert levels["C.depth"].tolist() == [0.0, 1e-6]
+    around = 2.0 * np.pi * joints[1].bearing_radius * joints[1].width * 1e-6
+    assert levels["C.wear_volume"][1] == pytest.approx(around, rel=1e-12, abs=0.0)
+    ideal = bottom_of(scene.ideal)
+    assert ideal is not None
+    rows = np.zeros((2, 4, len(CYCLE_FIXED) + 2 * len(CYCLE_JOINT)))
+    off = np.array([[1.0, 2.0, 3.0, 4.0], [5.0, 5.0, 5.0, 5.0]])
+    rows[:, :, CYCLE_FIXED.index("bottom_height")] = ideal.height + off
+    column = len(CYCLE_FIXED) + len(CYCLE_JOINT) + CYCLE_JOINT.index("force_max")
+    rows[0, :, column] = 10.0, 20.0, 30.0, 40.0
+    samples = samples_of(scene, rows)
+    assert samples["bdc_error"] == pytest.approx([2.5, 5.0])
+    assert samples["bdc_drift"] == pytest.approx([2.5, 5.0])
+    assert samples["repeatability"] == pytest.approx([5.0 / 3.0, 0.0])
+    assert samples["C.force_max"].tolist() == [25.0, 0.0]
+    assert samples["A.force_max"].tolist() == [0.0, 0.0]
+    keys = {
+        f"{joint}.{name}" if each.of_joint else name
+        for name, each in FOLLOWED.items()
+        for joint in "AC"
+    }
+    assert {*levels, *samples} == keys
+    assert set(WORDS) == set(FOLLOWED)

@@ -12,8 +12,7 @@ import pytest
 from endurance.sameness import folder_differences
 
 from presswear.campaign import ensemble
-from presswear.campaign.campaign import run, run_into, run_stage, workers_of
-from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.campaign import Checkpoint, run, run_into, run_stage, workers_of
 from presswear.campaign.ensemble import (
     FEWEST,
     Ensemble,
@@ -100,7 +99,7 @@ class Reversed(InProcess):
 
 
 def told(ran: Ensemble) -> list[bytes]:
-    return [array.tobytes() for own in ran.recorders for _, array in sorted(own.state().items())]
+    return [array.tobytes() for own in ran.recorders for _, array in sorted(own.save().items())]
 
 
 def test_no_number_depends_on_the_order() -> None:

@@ -11,7 +11,7 @@ from rich.progress import Progress as ProgressBar
 from presswear.cli import run
 from presswear.cli.run import RunObserver, step_text
 from presswear.cli.terminal import progress_bar
-from presswear.recording.observer import Progress
+from presswear.recording.observer import COMPILING, Progress
 from presswear.results.stage import StageResult, StageStatistics
 from presswear.scene.catalog import wear_times
 
@@ -97,14 +97,14 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
     observer = RunObserver(bar, SCENE)
     linkage = SCENE.linkage()
     for _ in range(3):
-        observer.on_compile()
+        observer.on_progress(Progress(0, 0.0, 0.0, COMPILING, linkage))
         clock.now += 8.0
         assert lines_of(bar, 80, clock)[0].startswith("compiling")
     observer.on_progress(Progress(0, 0.1, 0.1, "", linkage))
     assert lines_of(bar, 80, clock)[0].startswith("no wear")
     observer.on_stage(stage)
     assert "3.00 s per simulated second" in console.export_text()
-    observer.on_compile()
+    observer.on_progress(Progress(0, 0.0, 0.0, COMPILING, linkage))
     clock.now += 8.0
     observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps", linkage))
     observer.on_stage(stage)

@@ -18,7 +18,6 @@ from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.physics.packed import mass_of
-from presswear.recording.observer import AdvanceObserver
 from presswear.results.folder import read_document
 from presswear.results.result import load
 from presswear.scene.scene import Scene
@@ -231,7 +230,7 @@ def run_part(scene: Scene, part: float, look: Callable[[float], None]) -> Energy
         Told the part of it that is done, 0 .. 1, each time that the engine looks up.
     """
     period, linkage = scene.mechanism.period, scene.linkage()
-    plan = Plan(part * period, 1, 1, observers=(AdvanceObserver(look),))
+    plan = Plan(part * period, 1, 1, report=lambda part, recorder: look(part))
     run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
     if run.finding and run.finding.kind == "penetration":
         raise OutsideError(run.message)

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from listeners import Interrupts
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
@@ -29,7 +28,10 @@ def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine) -> No
 
 @pytest.mark.parametrize("engine", [*EXUDYN, NUMERICS.dae], ids=lambda engine: engine.word)
 def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
-    plan = Plan(0.05, 1, observers=(Interrupts(),))
+    def interrupt(part: float, recorder: object) -> None:
+        raise KeyboardInterrupt
+
+    plan = Plan(0.05, 1, report=interrupt)
     with pytest.raises(KeyboardInterrupt):
         engine.simulate(SCENE.linkage(), start_of(SCENE), plan)
 

@@ -59,7 +59,7 @@ def told(run: Run) -> dict[str, Any]:
         key: value for key, value in run.diagnostics.items() if not key.startswith("wall_")
     }
     arrays = {
-        **run.recorder.state(),
+        **run.recorder.save(),
         "end position": run.end.position,
         "end velocity": run.end.velocity,
     }

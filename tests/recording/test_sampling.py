@@ -154,7 +154,7 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
         return
     whole = len(samples) // found.size
     expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
-    assert np.allclose(found.batches(), expected)
+    assert np.allclose(found.batches, expected)
     assert whole <= MAX_BATCHES
     noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
     size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))

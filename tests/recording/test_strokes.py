@@ -121,6 +121,6 @@ def test_a_run_that_goes_on_keeps_the_stroke_that_it_was_in() -> None:
                     own.end_cycle()
         if number == 130:
             other = recorder_of(scene.linkage(), start_of(scene), plan)
-            other.restore(one.state())
+            other.load(one.save())
     assert other is not None
     assert np.array_equal(one.cycles, other.cycles)

@@ -15,8 +15,7 @@ import pytest
 from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
-from presswear.campaign.campaign import run_into
-from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.campaign import Checkpoint, run_into
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observer import Observer
 from presswear.results.folder import ResultFolder, read_document

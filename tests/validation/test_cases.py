@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
+from typing import Any, cast
 
 import pytest
 
@@ -99,8 +100,8 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
 def test_a_run_that_takes_too_long_is_stopped() -> None:
     plan = guarded(1.0, patience=-1.0)
     with pytest.raises(RunFailed, match=r"stopped after -1 s of CPU time at 20 %"):
-        plan.advanced(0.2)
-    guarded(1.0, patience=60.0).advanced(0.2)
+        plan.report(0.2, cast(Any, None))
+    guarded(1.0, patience=60.0).report(0.2, cast(Any, None))
 
 
 def test_the_order_is_the_slope() -> None:

@@ -145,7 +145,7 @@ def prepare(
         while status == RUNNING:
             status = march(end, _CHUNK)
             time = float(control["time"][0])
-            plan.advanced(time)
+            plan.advanced(time, recorder)
             lost, exchange = float(joints[:, CONTACT_LOSS].sum()), float(drives[1])
             made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
             if made:
