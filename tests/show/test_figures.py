@@ -7,48 +7,30 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import made_up_result as made
 import matplotlib
 import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
-from made_up_result import (
-    BINS,
-    BODY,
-    BOTH,
-    IDEAL,
-    LIFE,
-    ONE,
-    STROKES,
-    altered,
-    grown,
-    lived,
-    made_up,
-    not_passed,
-)
+from made_up_result import altered, grown, lived, made_up, not_passed
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
+import presswear as pw
 from presswear.campaign.campaign import run
-from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, Pin
-from presswear.linkage.loads import AnyLoad, Blanking, Force, Harmonics, Load, Moment, Spring
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.press_analysis import ideal_curves
-from presswear.results.result import Result
-from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
-from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.motion import central_range
 from presswear.show.figures.style import LINES
 from presswear.show.figures.wear import seam
-from presswear.tools.errors import InputError
 from presswear.tools.numbers import readable
 
 UNIT = re.compile(
@@ -61,7 +43,7 @@ MOTION = [
 ]
 
 
-def sheet_of(name: str, result: Result) -> Sheet:
+def sheet_of(name: str, result: pw.Result) -> Sheet:
     return next(drawings(result, [name])).sheet
 
 
@@ -72,14 +54,14 @@ def legend_of(sheet: Sheet) -> list[str]:
 @pytest.mark.parametrize(
     ("scene", "stages", "files"),
     [
-        (BOTH, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
-        (BODY, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
-        (ONE, 1, ["wear-depth.png", *MOTION]),
-        (IDEAL, 1, ["response.png"]),
+        (made.BOTH, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
+        (made.BODY, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
+        (made.ONE, 1, ["wear-depth.png", *MOTION]),
+        (made.IDEAL, 1, ["response.png"]),
     ],
 )
 def test_figures_with_content_are_drawn(
-    scene: Scene, stages: int, files: list[str], tmp_path: Path
+    scene: pw.Scene, stages: int, files: list[str], tmp_path: Path
 ) -> None:
     figures = list(drawings(made_up(scene, stages)))
     files = ["mechanism.png", "stroke.png", *files]
@@ -121,28 +103,28 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
     ],
 )
 def test_plot_refuses_in_a_line(names: list[str], stage: int | None, message: str) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        made_up(BOTH, 3).plot(*names, stage=stage)
+    with pytest.raises(pw.InputError, match=re.escape(message)):
+        made_up(made.BOTH, 3).plot(*names, stage=stage)
 
 
 def test_matplotlib_of_a_script_is_left_as_it_is() -> None:
     before = dict(matplotlib.rcParams)
-    made_up(IDEAL, 1).plot()
+    made_up(made.IDEAL, 1).plot()
     assert dict(matplotlib.rcParams) == before
     assert pyplot.get_fignums() == []
     pyplot.switch_backend("agg")
     with pyplot.ion():
-        axes = made_up(IDEAL, 1).plot("response")
+        axes = made_up(made.IDEAL, 1).plot("response")
     assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [axes[0].figure]
     pyplot.close("all")
 
 
 def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
-    *_, curve = sheet_of("stroke", made_up(IDEAL, 1)).axes[0].lines
+    *_, curve = sheet_of("stroke", made_up(made.IDEAL, 1)).axes[0].lines
     height = np.asarray(curve.get_ydata(), dtype=float)
     assert height.min() == pytest.approx(0.0, abs=1e-3)
-    assert height.max() == pytest.approx(1e3 * IDEAL.stroke, rel=1e-4)
-    axes = sheet_of("bottom", made_up(BOTH, 2)).axes
+    assert height.max() == pytest.approx(1e3 * made.IDEAL.stroke, rel=1e-4)
+    axes = sheet_of("bottom", made_up(made.BOTH, 2)).axes
     line = np.asarray(axes[1].get_lines()[0].get_xydata())
     assert line[:, 0].tolist() == [1.0, 2.0]
     # From the closed form of the press.
@@ -156,7 +138,7 @@ def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
 def test_peaks_come_from_the_cycles_not_from_the_thinned_series(
     figure: str, column: str, unit: str
 ) -> None:
-    result = made_up(IDEAL if figure == "response" else BOTH, 1)
+    result = made_up(made.IDEAL if figure == "response" else made.BOTH, 1)
     cycles = result.stages[0].arrays["cycles"]
     cycles[:, (*CYCLE_FIXED, *CYCLE_JOINT).index(column)] = 2000.0, 3000.0
     words = [text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts]
@@ -164,17 +146,17 @@ def test_peaks_come_from_the_cycles_not_from_the_thinned_series(
 
 
 def test_stages_without_motion_are_left_out_and_many_are_thinned() -> None:
-    failed = made_up(BOTH, 2, "failed")
+    failed = made_up(made.BOTH, 2, "failed")
     assert legend_of(sheet_of("response", failed)) == ["ideal", "no wear"]
     assert legend_of(sheet_of("wear", failed)) == ["first wear"]
-    many = made_up(BOTH, 9)
+    many = made_up(made.BOTH, 9)
     assert len(sheet_of("path", many).axes) == 2 * 5
     assert legend_of(sheet_of("response", many))[-1] == "eighth wear"
 
 
 def test_short_peaks_exceed_the_panels_of_the_drives() -> None:
     """A torque of a thousand times the ideal one in one of two thousand rows of a cycle."""
-    result = run(replace(ideal(), process=Blanking(), engine="dae", cycles=3))
+    result = run(replace(ideal(), process=pw.Blanking(), engine="dae", cycles=3))
     exact = ideal_curves(result.scene)["crank 2"].torque
     largest = float(np.abs(exact).max())
     torque = result.stages[0].arrays["drive_torque"].copy()
@@ -191,7 +173,7 @@ def test_short_peaks_exceed_the_panels_of_the_drives() -> None:
 
 
 def test_depth_is_the_cumulative_total_in_microns() -> None:
-    result = made_up(BOTH, 3)
+    result = made_up(made.BOTH, 3)
     sheet = sheet_of("wear", result)
     assert legend_of(sheet) == ["first wear", "second wear", "third wear, not run"]
     expected = 2e6 * result.stages[1].arrays["A_depth_bearing"]
@@ -205,16 +187,16 @@ def test_depth_is_the_cumulative_total_in_microns() -> None:
 
 def lobe(centre: float) -> Any:
     """Groove around an angle, degrees; its depth at the bin centres, m."""
-    away = np.angle(np.exp(1j * (bin_centres(BINS) - np.radians(centre))))
+    away = np.angle(np.exp(1j * (bin_centres(made.BINS) - np.radians(centre))))
     return 1e-6 * np.exp(-((away / np.radians(25.0)) ** 2))
 
 
 @pytest.mark.parametrize("centre", [0.0, 20.0, 200.0, 345.0])
 def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
-    angle = bin_centres(BINS)
+    angle = bin_centres(made.BINS)
     around = (centre - seam(angle, [lobe(centre), 3.0 * lobe(centre)])) % 360.0
     assert min(around, 360.0 - around) > 60.0
-    result = made_up(BOTH, 2)
+    result = made_up(made.BOTH, 2)
     worn = {**result.stages[1].arrays, "A_depth_pin": lobe(centre), "A_depth_bearing": lobe(centre)}
     axes = sheet_of("wear", altered(result, 1, arrays={**worn, "A_wear_pin": 0.0 * angle})).axes[0]
     low, high = axes.get_xlim()
@@ -225,12 +207,12 @@ def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
     np.testing.assert_allclose(y, np.interp(x, np.degrees(angle), depth, period=360.0), atol=1e-12)
     assert max(y[0], y[-1]) < 0.05 * depth.max()
     assert axes.xaxis.get_major_formatter()(540.0) == "180"
-    for depths in ([], [np.zeros(BINS)], [np.ones(BINS)], [lobe(180.0)]):
+    for depths in ([], [np.zeros(made.BINS)], [np.ones(made.BINS)], [lobe(180.0)]):
         assert seam(angle, depths) == 0.0
 
 
-@pytest.mark.parametrize("scene", [BOTH, BODY], ids=["fixed maps", "maps on bodies"])
-def test_profiles_are_drawn_to_the_stated_scale(scene: Scene) -> None:
+@pytest.mark.parametrize("scene", [made.BOTH, made.BODY], ids=["fixed maps", "maps on bodies"])
+def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene) -> None:
     sheet = sheet_of("surfaces", made_up(scene, 3))
     bearings = scene.bearings
     radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
@@ -254,7 +236,7 @@ def test_growth_runs_over_the_steps_after_a_stage() -> None:
 
 
 def test_a_life_shows_every_quantity_with_its_limits() -> None:
-    result = lived(made_up(BODY, 3))
+    result = lived(made_up(made.BODY, 3))
     sheet = sheet_of("life", result)
     panels: dict[str, Axes] = {
         axes.get_title(loc="left").replace("\n", " "): axes for axes in sheet.axes if axes.axison
@@ -271,20 +253,20 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
     axes = panels["depth of C: first"]
     curve, limit, life, service = axes.get_lines()
     np.testing.assert_allclose(
-        np.asarray(curve.get_xydata()), 10.0 * np.outer(STROKES, [1e-7, 1e-6])
+        np.asarray(curve.get_xydata()), 10.0 * np.outer(made.STROKES, [1e-7, 1e-6])
     )
     assert set(np.asarray(limit.get_ydata())) == {50.0}
-    assert set(np.asarray(life.get_xdata())) == {1e-6 * LIFE}
+    assert set(np.asarray(life.get_xdata())) == {1e-6 * made.LIFE}
     assert set(np.asarray(service.get_xdata())) == {2.0}
     colour = to_rgba(LINES[2][0])[:3]
     (span,) = [patch for patch in axes.patches if patch.get_facecolor()[:3] == colour]
     ends = span.get_extents().transformed(axes.transData.inverted())
-    expected = 1e-6 * LIFE * np.exp([-math.hypot(0.03, 0.04), math.hypot(0.03, 0.04)])
+    expected = 1e-6 * made.LIFE * np.exp([-math.hypot(0.03, 0.04), math.hypot(0.03, 0.04)])
     assert (ends.x0, ends.x1) == pytest.approx(tuple(expected))
     words = {title: [text.get_text() for text in axes.texts] for title, axes in panels.items()}
     assert words["worn volume of A"] == ["replaced", "running-in", "steady"]
     assert words["drift of bottom dead centre"] == ["limit 2 mm"]
-    (open_end,) = drawings(lived(made_up(BODY, 3), not_passed()), ["life"])
+    (open_end,) = drawings(lived(made_up(made.BODY, 3), not_passed()), ["life"])
     assert "life with its interval" not in legend_of(open_end.sheet)
     assert "No limit is exceeded within 5 million strokes." in open_end.caption
     assert legend_of(sheet_of("wear", result)) == [
@@ -293,7 +275,7 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
 
 
 def test_labels_of_a_mechanism_do_not_overlap() -> None:
-    for scene in (wear_times(), press_blanking(), slider_crank(), Scene(FOUR_BAR)):
+    for scene in (wear_times(), press_blanking(), slider_crank(), pw.Scene(FOUR_BAR)):
         (axes,) = (sheet := labelled(scene).sheet).axes
         canvas: Any = FigureCanvasAgg(sheet)
         canvas.draw()
@@ -317,14 +299,14 @@ def test_a_mechanism_is_labelled_at_its_position() -> None:
 
 
 def test_joints_at_one_place_share_a_label_and_springs_are_drawn() -> None:
-    spring = Spring("coil", "third.tail", (0.3, 0.2), 100.0, 0.1)
+    spring = pw.Spring("coil", "third.tail", (0.3, 0.2), 100.0, 0.1)
     linkage = FOUR_BAR.changed(
-        bodies=[*FOUR_BAR.bodies, Bar("third", 0.1, 0.2)],
-        joints=[*FOUR_BAR.joints, Pin("B2", "rocker.head", "third.head")],
-        drives=[*FOUR_BAR.drives, Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0)],
+        bodies=[*FOUR_BAR.bodies, pw.Bar("third", 0.1, 0.2)],
+        joints=[*FOUR_BAR.joints, pw.Pin("B2", "rocker.head", "third.head")],
+        drives=[*FOUR_BAR.drives, pw.Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0)],
         springs=[spring],
     )
-    (axes,) = labelled(Scene(linkage, bearings={"B": Bearing(clearance=1e-4)})).sheet.axes
+    (axes,) = labelled(pw.Scene(linkage, bearings={"B": pw.Bearing(clearance=1e-4)})).sheet.axes
     words = [text.get_text() for text in axes.texts]
     assert "B, B2\nc of B = 0.1 mm" in words
     assert "coil" in words
@@ -333,11 +315,11 @@ def test_joints_at_one_place_share_a_label_and_springs_are_drawn() -> None:
 
 
 def test_loads_are_drawn_at_their_points() -> None:
-    scene = Scene(mechanism=FOUR_BAR, joints="B")
-    loads: list[AnyLoad] = [
-        Force("rocker.head", 0.5, 3.0),
-        Moment("crank", Harmonics(1.0)),
-        Load("coupler", 2.0),
+    scene = pw.Scene(mechanism=FOUR_BAR, joints="B")
+    loads: list[Any] = [
+        pw.Force("rocker.head", 0.5, 3.0),
+        pw.Moment("crank", pw.Harmonics(1.0)),
+        pw.Load("coupler", 2.0),
     ]
     loaded = replace(scene, mechanism=FOUR_BAR.changed(loads=loads))
     (axes,) = labelled(loaded).sheet.axes

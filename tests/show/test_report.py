@@ -4,46 +4,31 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import made_up_result as made
 import numpy as np
 import pytest
-from made_up_result import (
-    BODY,
-    BOTH,
-    IDEAL,
-    LIFE,
-    ONE,
-    altered,
-    grown,
-    lived,
-    made_up,
-    made_up_life,
-    not_passed,
-)
+from made_up_result import altered, grown, lived, made_up, not_passed
 from test_page import Page
 
-from presswear.linkage.loads import Blanking
+import presswear as pw
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
-from presswear.results.result import Result
 from presswear.results.stage import StageStatistics, WearStep
-from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
-from presswear.scene.scene import Scene
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
 from presswear.show.report import render_report, write_report
 from presswear.show.report_tables import stage_tables
-from presswear.tools.errors import InputError
 
 
-def page_of(result: Result) -> Page:
+def page_of(result: pw.Result) -> Page:
     return Page(render_report(result))
 
 
 def test_one_file_without_references(tmp_path: Path) -> None:
-    result = replace(made_up(ONE, 2), path=tmp_path)
+    result = replace(made_up(made.ONE, 2), path=tmp_path)
     path = write_report(result)
     assert path == tmp_path / "report.html"
     text = path.read_text()
@@ -52,13 +37,13 @@ def test_one_file_without_references(tmp_path: Path) -> None:
     assert all(link.startswith("data:image/png;base64,") for link in page.links)
     text = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
     assert not re.search(r"http|url\(|@import|<script|<link", text)
-    with pytest.raises(InputError, match="ran in memory"):
+    with pytest.raises(pw.InputError, match="ran in memory"):
         write_report(replace(result, path=None))
 
 
 def test_stages_are_columns() -> None:
     step = WearStep(4e6, 2, 2e6, 0.1, {}, {}, 1.0)
-    result = made_up(ONE, 3)
+    result = made_up(made.ONE, 3)
     for index in (0, 1):
         result = altered(result, index, wear_steps=(step,))
     page = page_of(result)
@@ -76,7 +61,7 @@ def test_stages_are_columns() -> None:
     assert page.numbers("largest joint force (N)", 3) == ["100", "101", "102"]
     assert page.numbers("joint with the largest force", 3) == ["C"] * 3
     clearance = page.numbers("total clearance at the slider (µm)", 3)
-    scenes = [replace(ONE, surfaces=stage.surfaces) for stage in result.stages]
+    scenes = [replace(made.ONE, surfaces=stage.surfaces) for stage in result.stages]
     expected = [1e6 * total_clearance(scene.linkage()) for scene in scenes]
     assert [float(text.replace("\u202f", "")) for text in clearance] == pytest.approx(
         expected, rel=1e-3
@@ -85,7 +70,7 @@ def test_stages_are_columns() -> None:
 
 
 def test_key_numbers_and_means() -> None:
-    page = page_of(made_up(BOTH, 3))
+    page = page_of(made_up(made.BOTH, 3))
     assert page.row("highest displacement (mm)")[1:] == ["107.3"] * 3
     assert page.row("deepest wear at the start, bearing + pin (µm)")[1:] == ["0", "10.0", "20.0"]
     assert page.row("its angle, bearing + pin (degrees)")[1:] == ["–", "92.50", "92.50"]
@@ -101,47 +86,47 @@ def test_key_numbers_and_means() -> None:
     assert growth.row("cycles represented")[1:] == ["3.00·10⁶"] * 2
     assert growth.row("deepest wear of the bearing afterwards (µm)")[1:] == ["3.00", "6.00"]
     assert growth.row("largest normal force in its runs (N)")[1:] == ["9.00", "9.00"]
-    turning = page_of(made_up(BODY, 2))
+    turning = page_of(made_up(made.BODY, 2))
     assert "the “refined” set" in turning.text
     assert turning.row("deepest wear at the start, pin (µm)")[1:] == ["0", "5.00"]
 
 
 def test_failed_stages() -> None:
     message = "stage 1: Newton's method found no solution <at all>"
-    page = page_of(made_up(BOTH, 2, "failed", message))
+    page = page_of(made_up(made.BOTH, 2, "failed", message))
     assert f"Failed: {message}" in page.words
     assert page.row("first wear")[1] == f"failed: {message}"
     assert "The stage “first wear” failed and is not shown here." in page.text
     empty = page_of(
-        altered(made_up(BOTH, 2, "failed", "no step"), 1, statistics=StageStatistics(cycles=0))
+        altered(made_up(made.BOTH, 2, "failed", "no step"), 1, statistics=StageStatistics(cycles=0))
     )
     assert empty.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
     assert empty.row("largest normal force (N)")[1:] == ["100", "–"]
-    alone = page_of(made_up(BOTH, 1, "failed", "no step"))
+    alone = page_of(made_up(made.BOTH, 1, "failed", "no step"))
     assert "No stage ran far enough for a number." in alone.text
-    assert "Unfinished: 1 of 3 stages are stored." in page_of(made_up(BOTH, 1, "running")).text
+    assert "Unfinished: 1 of 3 stages are stored." in page_of(made_up(made.BOTH, 1, "running")).text
 
 
 @pytest.mark.parametrize("part", [0.25, 0.6])
 def test_the_largest_recorded_force_and_its_moment(part: float) -> None:
-    result = made_up(replace(ONE, wear_updates=0), 1)
+    result = made_up(replace(made.ONE, wear_updates=0), 1)
     (stage,) = result.stages
     # Two cycles ran, of which the second is settled; a larger force in the first does not count.
     row = int((1.0 + part) * (stage.time.size - 1) / 2.0)
     force = np.zeros_like(stage.arrays["C_force"])
     force[[50, row], 0] = 900.0, 321.0
     page = page_of(altered(result, 0, arrays={**stage.arrays, "C_force": force}))
-    angle = 360.0 * stage.time[row] / ONE.mechanism.period % 360.0
+    angle = 360.0 * stage.time[row] / made.ONE.mechanism.period % 360.0
     assert page.numbers("largest recorded force (N)", 1) == ["321"]
     assert float(page.numbers("crank angle of the recorded force (degrees)", 1)[0]) == (
         pytest.approx(angle, abs=0.06)
     )
-    speed = ONE.ideal_slider(stage.time[row : row + 1])[0, 1]
+    speed = made.ONE.ideal_slider(stage.time[row : row + 1])[0, 1]
     assert page.numbers("direction of motion then", 1) == ["up" if speed > 0.0 else "down"]
 
 
 def test_moments_of_the_strokes() -> None:
-    scene = replace(ONE, process=Blanking(), wear_updates=0)
+    scene = replace(made.ONE, process=pw.Blanking(), wear_updates=0)
     result = made_up(scene, 1)
     arrays = result.stages[0].arrays
     result = altered(
@@ -160,15 +145,17 @@ def test_moments_of_the_strokes() -> None:
 
 
 def test_sentences_follow_the_scene() -> None:
-    both, once, ideal = (page_of(made_up(*of)).text for of in ((BOTH, 2), (BOTH, 1), (IDEAL, 1)))
+    both, once, ideal = (
+        page_of(made_up(*of)).text for of in ((made.BOTH, 2), (made.BOTH, 1), (made.IDEAL, 1))
+    )
     assert "a peak is a random sample" in both
     assert "a peak is a random sample" not in ideal
     assert "chosen, not the paper's" in ideal
     assert "No joint has clearance" in ideal
     assert "Contact on worn surfaces is radial" in both
-    assert "Contact on worn surfaces is radial" not in once + page_of(made_up(BODY, 2)).text
+    assert "Contact on worn surfaces is radial" not in once + page_of(made_up(made.BODY, 2)).text
     assert "presses on work (blanking" in page_of(made_up(press_blanking(), 1)).text
-    four_bar = Scene(FOUR_BAR, bearings={"B": Bearing(clearance=0.3e-3)}, wear_updates=0)
+    four_bar = pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0)
     text = page_of(made_up(four_bar, 1)).text
     assert "The rocker moves between its lowest and highest position, 111 mm apart" in text
     assert "300 µm at B" in text
@@ -188,9 +175,9 @@ def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
 
 
 def test_settings_changes_and_provenance() -> None:
-    page = page_of(made_up(BOTH, 1))
+    page = page_of(made_up(made.BOTH, 1))
     listed = {(row[0], row[-1]) for row in page.rows if row}
-    assert {(setting.key, setting.meaning.text) for setting in settings_of(BOTH)} <= listed
+    assert {(setting.key, setting.meaning.text) for setting in settings_of(made.BOTH)} <= listed
     assert page.row("clearance")[1:4] == ["0.0008", "m", "paper, per study"]
     assert page.row("source revision")[1] == "0123456789ab"
     assert page.row("steps")[1:] == ["4\u202f000"]
@@ -205,7 +192,7 @@ def test_settings_changes_and_provenance() -> None:
 def test_figures_have_their_places() -> None:
     files = ("life.png", "mechanism.png", "stroke.png", "wear-depth.png")
     text = render_report(
-        lived(made_up(BODY, 3)), [Illustration(file, file, "", "") for file in files]
+        lived(made_up(made.BODY, 3)), [Illustration(file, file, "", "") for file in files]
     )
     places = [text.index(f"<h3>{file}</h3>") for file in files]
     assert places == sorted(places)
@@ -213,22 +200,22 @@ def test_figures_have_their_places() -> None:
     assert all(text.count(f"<h3>{file}</h3>") == 1 for file in files)
 
 
-LIVED = lived(made_up(BODY, 3))
+LIVED = lived(made_up(made.BODY, 3))
 
 
 def test_the_answer_on_a_life() -> None:
     # The hours are rounded to two digits, as the life is.
     rate = 60.0 / LIVED.scene.mechanism.period
-    hours = round(LIFE / rate / 60.0, -1)
+    hours = round(made.LIFE / rate / 60.0, -1)
     expected = (
         "The first limit, depth of C over 50 µm, is exceeded after 5 million strokes (4.8 to 5.3 "
         f"million), {hours:.0f} hours at {rate:.0f} strokes per minute. The wear coefficient "
         "scatters by 50.0 %: with this scatter the life is 3 to 8.3 million strokes."
     )
     assert expected in page_of(LIVED).text
-    finer = page_of(lived(made_up(BODY, 3), made_up_life(0.003, 0.004))).text
+    finer = page_of(lived(made_up(made.BODY, 3), made.made_up_life(0.003, 0.004))).text
     assert "5 million strokes (4.98 to 5.03 million)" in finer.replace("\u00a0", " ")
-    unknown = page_of(lived(made_up(BODY, 3), made_up_life(None, 0.1))).text
+    unknown = page_of(lived(made_up(made.BODY, 3), made.made_up_life(None, 0.1))).text
     assert "with an unknown error" in unknown
 
 
@@ -248,7 +235,7 @@ def test_tables_of_a_life() -> None:
     assert page.row("bottom dead centre")[2:] == [
         *("after 2.5 million strokes", "after 5 million strokes"),
     ]
-    assert "Service life" not in page_of(made_up(BODY, 3)).words
+    assert "Service life" not in page_of(made_up(made.BODY, 3)).words
 
 
 @pytest.mark.parametrize(
@@ -260,7 +247,7 @@ def test_tables_of_a_life() -> None:
     ],
 )
 def test_an_unknown_life_is_not_guessed(ended: Ended, message: str, line: str) -> None:
-    page = page_of(lived(made_up(BODY, 3), not_passed(ended, message)))
+    page = page_of(lived(made_up(made.BODY, 3), not_passed(ended, message)))
     assert "No limit is exceeded within 5 million strokes, " in page.text
     assert "depth of A 25.0 µm of 50 µm" in page.text
     assert line in page.text
@@ -268,9 +255,9 @@ def test_an_unknown_life_is_not_guessed(ended: Ended, message: str, line: str) -
 
 
 def test_a_limit_that_may_be_the_first_is_named() -> None:
-    life = made_up_life()
+    life = made.made_up_life()
     near = replace(life.limits[0], strokes=5.4e6, sampling=0.05, step=0.0)
     for limit, is_named in ((near, True), (replace(near, strokes=7e6), False)):
         rival = replace(life, limits=(limit, *life.limits[1:]))
-        text = page_of(lived(made_up(BODY, 3), rival)).text
+        text = page_of(lived(made_up(made.BODY, 3), rival)).text
         assert ("its interval overlaps that of the life: depth of A." in text) == is_named
