@@ -8,7 +8,6 @@ clearance (Flores), from memory and not checked against a page.
 
 import cmath
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -19,7 +18,7 @@ from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import named_set, one_of, quantity
-from presswear.tools.serialize import check_fields
+from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
 LITERATURE = "literature, from memory"
@@ -42,8 +41,7 @@ def _inertia(origin: str, default: float, text: str) -> Any:
     return quantity(default, "kg m^2", 1e-9, 1e4, origin, text)
 
 
-@dataclass(frozen=True)
-class Mechanism(ABC):
+class Mechanism(Checked):
     """Driven mechanism, a data class of its quantities: everything but its clearance joints.
 
     Attributes
@@ -54,40 +52,43 @@ class Mechanism(ABC):
         Names, one letter each, of the joints that may have clearance, in order.
     loose : tuple of str
         Joints that have clearance by default.
+    speed : float
+        Speed of the driven crank, rad/s.
     """
 
     kind: ClassVar[str]
     openable: ClassVar[tuple[str, ...]]
     loose: ClassVar[tuple[str, ...]]
-
-    def __post_init__(self) -> None:
-        check_fields(self)
+    speed: float
 
     @property
-    @abstractmethod
-    def speed(self) -> float:
-        """Speed of the driven crank, rad/s."""
-
-    @property
-    @abstractmethod
     def origin(self) -> str:
         """Origin of its values, in a sentence."""
+        raise NotImplementedError
 
     @property
     def period(self) -> float:
         """Time of one cycle, s."""
         return 2.0 * math.pi / self.speed
 
-    @abstractmethod
     def linkage(self) -> Linkage:
         """Return the ideal linkage, every joint closed."""
+        return _assembled(self)
+
+    def _assemble(self) -> Linkage:
+        raise NotImplementedError
+
+
+@lru_cache(maxsize=64)
+def _assembled(mechanism: Mechanism) -> Linkage:
+    return mechanism._assemble()  # once: a scene asks for it several times
 
 
 _side = partial(_length, "paper, reading chosen")
 
 
 @dataclass(frozen=True)
-class Geometry:
+class Geometry(Checked):
     """Frame joint O2, sides of the plate, and the branch in which the linkage is assembled.
 
     The paper prints none of these unambiguously. ``side_b`` is the side of the line from D to A on
@@ -106,7 +107,7 @@ class Geometry:
 
     def __post_init__(self) -> None:
         """Raise InputError where the plate is no triangle."""
-        check_fields(self)
+        super().__post_init__()
         for side in ("side_b", "side_c", "slider_side"):
             value = getattr(self, side)
             if value not in (-1.0, 1.0):
@@ -201,13 +202,40 @@ class Press(Mechanism):
         corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
         return {name: Attachment("plate 4", a - x, b - y) for name, (a, b) in corners.items()}
 
-    def linkage(self) -> Linkage:
-        """Return the ideal linkage, every joint closed.
-
-        Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14; the slider's
-        angle of 90 degrees there is the direction of its guide.
-        """
-        return _press_linkage(self)
+    def _assemble(self) -> Linkage:
+        # Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14; the slider's
+        # angle of 90 degrees there is the direction of its guide.
+        geometry, corner = self.geometry, self.plate_corners()
+        return assemble(
+            name=f"seven-bar press, {geometry.name} geometry",
+            bodies=(
+                Bar("crank 2", self.length_2, self.mass_2, self.inertia_2),
+                Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),
+                Body("plate 4", self.mass_4, self.inertia_4),
+                Bar("rod 5", self.length_5, self.mass_5, self.inertia_5),
+                # The slider does not turn: its inertia never enters.
+                Body("slider 6", self.mass_6, 1.0),
+                Bar("crank 7", self.length_7, self.mass_7, self.inertia_7),
+            ),
+            joints=(
+                Pin("O2", (geometry.hx, geometry.hy), "crank 2.head"),
+                Pin("O7", (0.0, 0.0), "crank 7.tail"),
+                Pin("A", "rod 3.head", "crank 2.tail"),
+                Pin("B", "rod 3.tail", corner["B"]),
+                Pin("C", "rod 5.head", corner["C"]),
+                Pin("D", "crank 7.head", corner["D"]),
+                Pin("E", "rod 5.tail", "slider 6"),
+                Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
+            ),
+            drives=(
+                Drive("crank 2", -self.speed, CRANK_2_START, torque_limit=self.torque_limit),
+                replace(self._drive_7, torque_limit=self.torque_limit),
+            ),
+            output=OutputPoint("slider 6", 0.5 * math.pi),
+            guess=self.guess,
+            gravity=self.gravity,
+            run_up=self.run_up,
+        )
 
     @property
     def _drive_7(self) -> Drive:
@@ -231,42 +259,6 @@ class Press(Mechanism):
             "plate 4": cmath.phase(b - d),
             "rod 5": cmath.phase(rod_5),
         }
-
-
-@lru_cache(maxsize=64)
-def _press_linkage(press: Press) -> Linkage:
-    """Return the linkage, assembled once: a scene asks for it several times."""
-    geometry, corner = press.geometry, press.plate_corners()
-    return assemble(
-        name=f"seven-bar press, {geometry.name} geometry",
-        bodies=(
-            Bar("crank 2", press.length_2, press.mass_2, press.inertia_2),
-            Bar("rod 3", press.length_3, press.mass_3, press.inertia_3),
-            Body("plate 4", press.mass_4, press.inertia_4),
-            Bar("rod 5", press.length_5, press.mass_5, press.inertia_5),
-            # The slider does not turn: its inertia never enters.
-            Body("slider 6", press.mass_6, 1.0),
-            Bar("crank 7", press.length_7, press.mass_7, press.inertia_7),
-        ),
-        joints=(
-            Pin("O2", (geometry.hx, geometry.hy), "crank 2.head"),
-            Pin("O7", (0.0, 0.0), "crank 7.tail"),
-            Pin("A", "rod 3.head", "crank 2.tail"),
-            Pin("B", "rod 3.tail", corner["B"]),
-            Pin("C", "rod 5.head", corner["C"]),
-            Pin("D", "crank 7.head", corner["D"]),
-            Pin("E", "rod 5.tail", "slider 6"),
-            Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
-        ),
-        drives=(
-            Drive("crank 2", -press.speed, CRANK_2_START, torque_limit=press.torque_limit),
-            replace(press._drive_7, torque_limit=press.torque_limit),
-        ),
-        output=OutputPoint("slider 6", 0.5 * math.pi),
-        guess=press.guess,
-        gravity=press.gravity,
-        run_up=press.run_up,
-    )
 
 
 def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) -> complex:
@@ -308,7 +300,7 @@ class SliderCrank(Mechanism):
 
     def __post_init__(self) -> None:
         """Raise InputError where the crank cannot turn all around."""
-        check_fields(self)
+        super().__post_init__()
         least = _MIN_ROD_RATIO * self.crank_length
         if not self.rod_length >= least:
             raise InputError(
@@ -326,36 +318,27 @@ class SliderCrank(Mechanism):
             "page."
         )
 
-    def linkage(self) -> Linkage:
-        """Return the ideal linkage, every joint closed.
-
-        The crank points from O to A, the rod from A to B: both are at angle 0 at the start.
-        """
-        return _slider_crank_linkage(self)
-
-
-@lru_cache(maxsize=64)
-def _slider_crank_linkage(crank: SliderCrank) -> Linkage:
-    """Return the linkage, assembled once: a scene asks for it several times."""
-    return assemble(
-        name="slider-crank",
-        bodies=(
-            Bar("crank", crank.crank_length, crank.crank_mass, crank.crank_inertia),
-            Bar("rod", crank.rod_length, crank.rod_mass, crank.rod_inertia),
-            # The slider does not turn: its inertia never enters.
-            Body("slider", crank.slider_mass, 1.0),
-        ),
-        joints=(
-            Pin("O", (0.0, 0.0), "crank.tail"),
-            Pin("A", "rod.tail", "crank.head"),
-            Pin("B", "rod.head", "slider"),
-            Guide("guide", "slider"),
-        ),
-        drives=(Drive("crank", crank.speed, torque_limit=crank.torque_limit),),
-        guess={"rod": 0.0},
-        gravity=crank.gravity,
-        run_up=crank.run_up,
-    )
+    def _assemble(self) -> Linkage:
+        # The crank points from O to A, the rod from A to B: both are at angle 0 at the start.
+        return assemble(
+            name="slider-crank",
+            bodies=(
+                Bar("crank", self.crank_length, self.crank_mass, self.crank_inertia),
+                Bar("rod", self.rod_length, self.rod_mass, self.rod_inertia),
+                # The slider does not turn: its inertia never enters.
+                Body("slider", self.slider_mass, 1.0),
+            ),
+            joints=(
+                Pin("O", (0.0, 0.0), "crank.tail"),
+                Pin("A", "rod.tail", "crank.head"),
+                Pin("B", "rod.head", "slider"),
+                Guide("guide", "slider"),
+            ),
+            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
+            guess={"rod": 0.0},
+            gravity=self.gravity,
+            run_up=self.run_up,
+        )
 
 
 FOUR_BAR = assemble(

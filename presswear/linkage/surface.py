@@ -96,9 +96,3 @@ class Surface:
         return np.asarray(
             self.depth[k] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)))
         )
-
-    def worn_by(self, added: Array) -> "Surface":
-        """Return the surface after a further loss of depth, m, shape (m,)."""
-        if self.depth.size and self.depth.shape != added.shape:
-            raise ValueError(f"wear on {added.shape} bins cannot be added to {self.depth.shape}")
-        return Surface(self.depth + added if self.depth.size else added)

@@ -176,14 +176,9 @@ class Bearing:
             )
 
     def check_contact(self, where: str, contact: SurfaceContact, is_worn: bool) -> None:
-        """Raise InputError where worn surfaces cannot meet in this way.
+        """Raise InputError where surfaces that are or become worn cannot meet in this way.
 
-        Parameters
-        ----------
-        where : str
-            Prefix of keys in messages.
-        is_worn : bool
-            True where surfaces are not round, or do not stay so.
+        Messages begin with ``where``.
         """
         if contact != "foundation":
             return
@@ -242,21 +237,18 @@ class Bearing:
 
         normal, friction = self.normal(reading), self.rubbing
         if normal.user_law is not None:
-            law = {"stiffness": normal.stiffness, "exponent": normal.exponent}
-            rest = {"damping": normal.damping, "clearance": self.clearance}
-            check_normal(f"{joint}.normal_law", normal.user_law, law | rest)
-            check_compiles(normal.user_law, f"{joint}.normal_law", NORMAL_PARAMETERS)
+            key, law = f"{joint}.normal_law", normal.user_law
+            state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
+            check_normal(key, law, {**state, "clearance": self.clearance})
+            check_compiles(law, key, NORMAL_PARAMETERS)
         if friction.user_law is not None:
+            key, law = f"{joint}.friction_law", friction.user_law
             ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
-            values = {"coefficient": friction.coefficient, **ramp}
-            check_friction(f"{joint}.friction_law", friction.user_law, values)
-            check_compiles(friction.user_law, f"{joint}.friction_law", FRICTION_PARAMETERS)
+            check_friction(key, law, {"coefficient": friction.coefficient, **ramp})
+            check_compiles(law, key, FRICTION_PARAMETERS)
 
     def joint(
-        self,
-        revolute: Revolute,
-        conventions: Conventions,
-        worn: tuple[Surface, Surface],
+        self, revolute: Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
     ) -> ClearanceJoint:
         """Return a revolute joint opened: bearing on its first end, pin on its second."""
         law = WearLaw(
@@ -301,11 +293,6 @@ def initial_surfaces(
         Joints with clearance.
     bearing : callable
         Returns the bearing of a joint.
-
-    Raises
-    ------
-    InputError
-        With joint, side and angle of what does not fit.
     """
     if not isinstance(surfaces, Mapping):
         raise InputError(f"surfaces = {surfaces!r}: bearing and pin by joint are expected")
@@ -315,13 +302,11 @@ def initial_surfaces(
             raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
         if name not in joints:
             raise unknown("joint in surfaces", name, joints)
-        sides = tuple(pair) if isinstance(pair, tuple | list) else ()
-        if len(sides) != len(SIDES):
+        if not isinstance(pair, tuple | list) or len(pair) != len(SIDES):
             raise InputError(f"surfaces of {name}: a pair, bearing and pin, is expected")
-        joint = bearing(name)
         first, second = (
-            _surface(f"{side} at {name}", value, joint)
-            for side, value in zip(SIDES, sides, strict=True)
+            _surface(f"{side} at {name}", value, bearing(name))
+            for side, value in zip(SIDES, pair, strict=True)
         )
         if first.is_worn or second.is_worn:
             result[name] = first, second
@@ -349,7 +334,11 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
     if not depth.any():
         return Surface()
     angle = angle % _TURN
-    _check_depths(where, angle, depth, bearing.clearance)
+    for k in np.flatnonzero((depth < 0.0) | (depth > bearing.clearance))[:1]:
+        raise InputError(
+            f"{where}: depth {depth[k]:g} m at {math.degrees(angle[k]):g} deg: allowed is 0 to "
+            f"{bearing.clearance:g} m, the clearance"
+        )
     _check_angles(where, angle)
     bins = bin_centres(bearing.angles)
     if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
@@ -357,28 +346,15 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
     return Surface(_rebinned(angle, depth, bins.size))
 
 
-def _check_depths(where: str, angle: Array, depth: Array, clearance: float) -> None:
-    wrong = np.flatnonzero((depth < 0.0) | (depth > clearance))
-    if wrong.size:
-        k = wrong[0]
-        raise InputError(
-            f"{where}: depth {depth[k]:g} m at {math.degrees(angle[k]):g} deg: allowed is 0 to "
-            f"{clearance:g} m, the clearance"
-        )
-
-
 def _check_angles(where: str, angle: Array) -> None:
     """Raise InputError unless angles in [0, 2 pi), in order, differ and leave no gap."""
     widest = _TURN / MIN_ANGLES
     gaps = np.diff(angle, append=angle[0] + _TURN)
-    k = int(gaps.argmin())
-    if gaps[k] < 1e-9:
+    for k in np.flatnonzero(gaps < 1e-9)[:1]:
         twice = math.degrees(angle[k])
         raise InputError(f"{where}: the angle {twice:g} deg is there twice; a turn has it once")
-    wide = np.flatnonzero(gaps > widest * (1.0 + 1e-6))
-    if wide.size:
-        k = int(wide[0])
-        low, high = (math.degrees(one) for one in (angle[k], angle[k] + gaps[k]))
+    for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
+        low, high = np.degrees([angle[k], angle[k] + gaps[k]])
         raise InputError(
             f"{where}: {angle.size} angles, none between {low:g} and {high:g} deg; a whole turn "
             f"in steps of at most {math.degrees(widest):g} deg is expected"
@@ -389,12 +365,7 @@ def _rebinned(angle: Array, depth: Array, bins: int) -> Array:
     """Return the mean depth, m, of equal bins of a turn, by the monotone cubic through points.
 
     It is the curve of ``Surface``, and its integral, the worn volume, is conserved; of equally
-    spaced points that is their sum.
-
-    Parameters
-    ----------
-    angle : ndarray, shape (n,)
-        In [0, 2 pi), in order, rad.
+    spaced points that is their sum. Angles are in [0, 2 pi), in order.
     """
     from scipy.interpolate import PchipInterpolator  # slow to import
 

@@ -76,13 +76,7 @@ def read_toml(file: Path) -> dict[str, Any]:
 
 
 def scene_from(file: Path) -> Scene:
-    """Return the scene that a file describes, checked.
-
-    Raises
-    ------
-    InputError
-        With the file, the key and the value that does not fit.
-    """
+    """Return the scene that a file describes, checked; errors name the file, the key, the value."""
     try:
         data = read_toml(file)
         for key in data:
@@ -112,7 +106,6 @@ def scene_from(file: Path) -> Scene:
 
 
 def _mechanism(data: Any, folder: Path) -> OneMechanism:
-    """Return a linkage from its table, or a mechanism by its kind."""
     if isinstance(data, str):
         if data not in MECHANISMS:
             raise unknown("mechanism", data, (*MECHANISMS, "a table [mechanism]"))
@@ -175,12 +168,7 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
 
     The table is text with commas: a header such as ``joint,side,angle (deg),depth (um)``, the
     columns in any order, then a row for each place; lines that begin with ``#`` are comments. A
-    side without a row is round.
-
-    Raises
-    ------
-    InputError
-        With the file and the line of what cannot be read.
+    side without a row is round. Errors name the file and the line.
     """
     check_file(file)
     try:
@@ -195,6 +183,8 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     if len(table) < 2:
         raise InputError(f"{file}: it has no rows; a header such as {_HEADER} is expected")
     (_, header), *rows = table
+    points: dict[str, tuple[list[Any], list[Any]]] = {}
+    line = ""
     try:
         sizes = dict(map(_column, header))
         if len(sizes) < len(header):
@@ -202,20 +192,17 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
         for name in _COLUMNS:
             if name not in sizes:
                 raise InputError(f"it has no column {name}; a header such as {_HEADER} is expected")
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
-    points: dict[str, tuple[list[Any], list[Any]]] = {}
-    for number, words in rows:
-        try:
+        for number, words in rows:
+            line = f", line {number}"
             if len(words) != len(header):
                 raise InputError(f"{len(words)} values for {len(header)} columns")
             row = dict(zip(sizes, words, strict=True))
             if row["side"] not in SIDES:
                 raise unknown("side", row["side"], SIDES)
             place = [_number(name, row[name]) * sizes[name] for name in ("angle", "depth")]
-        except InputError as error:
-            raise InputError(f"{file}, line {number}: {error}") from None
-        points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(place)
+            points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(place)
+    except InputError as error:
+        raise InputError(f"{file}{line}: {error}") from None
     return {name: (np.array(first), np.array(second)) for name, (first, second) in points.items()}
 
 

@@ -109,20 +109,6 @@ def row_of(key: str, row: Any, **more: Any) -> dict[str, Any]:
     return {**table_of(FOUR_BAR), key: [row], **more}
 
 
-ROWS = [["0 mm", "0 N"], ["3 mm", "0.5 kN"], ["4 mm", "0 N"]]
-
-
-def test_a_load_is_read_with_its_units() -> None:
-    law = {"kind": "over-position", "table": ROWS}
-    data = row_of("loads", {"point": "rocker.head", "law": law, "direction": "90 deg"})
-    (load,) = linkage_from(data, "here").live_loads
-    assert load == Force(
-        Attachment("rocker", 0.06, 0.0),
-        0.5 * math.pi,
-        OverPosition([(0.0, 0.0), (0.003, 500.0), (0.004, 0.0)]),
-    )
-
-
 def test_the_output_point_moves_along_its_guide() -> None:
     whole = Press().linkage().changed(output="slider 6.centre")
     assert whole.output == Press().linkage().output
@@ -135,20 +121,6 @@ def test_a_bar_is_a_thin_rod_with_its_ends() -> None:
     assert bar == Body("b", 0.3, 0.3 * 0.2**2 / 12.0, {"tail": (-0.1, 0.0), "head": (0.1, 0.0)})
     with pytest.raises(InputError, match=r"length of b = -1 m: allowed is 1e-06 to"):
         Bar("b", length=-1, mass=0.3)
-
-
-def test_a_body_without_a_point_stands_for_its_mass_centre() -> None:
-    whole = FOUR_BAR.changed(output="rocker.centre", loads=[Force("rocker.centre", 0.0, 1.0)])
-    assert FOUR_BAR.changed(output="rocker", loads=[Force("rocker", 0.0, 1.0)]) == whole
-
-
-def test_points_of_loads_are_found_and_constant_loads_separated() -> None:
-    constant, force = Load("crank", y=1.0), Force("rocker.head", 0.0, 1.0)
-    linkage = FOUR_BAR.changed(loads=[constant, force, Force("rocker", 0.0, 2.0)])
-    assert linkage.dead_loads == (constant,)
-    assert [load.law for load in linkage.live_loads] == [1.0, 2.0]
-    ends = [load.point for load in linkage.live_loads if isinstance(load, Force)]
-    assert ends == [Attachment("rocker", 0.06, 0.0), Attachment("rocker", 0.0, 0.0)]
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,6 @@ CRANK = SliderCrank()
 ROD, SLIDER = 3, 6
 """Where the x of these bodies of the slider-crank is."""
 PRESSES = [Press(geometry=geometry) for geometry in GEOMETRIES.values()]
-EVERY = pytest.mark.parametrize("mechanism", [*PRESSES, CRANK], ids=[*GEOMETRIES, "slider-crank"])
 each_press = pytest.mark.parametrize("press", PRESSES, ids=list(GEOMETRIES))
 mechanisms: st.SearchStrategy[Mechanism] = st.one_of(
     st.builds(
@@ -98,21 +97,6 @@ def test_velocity_and_acceleration_are_derivatives(mechanism: Mechanism, part: f
     ):
         atol = bound * mechanism.speed**level
         np.testing.assert_allclose(rate[2], stencil @ value, atol=atol)
-
-
-@EVERY
-def test_motion_scales_with_speed_and_repeats(mechanism: Any) -> None:
-    fast = replace(mechanism, speed=4.0 * mechanism.speed)
-    one, other = _cycle(mechanism, 37), _cycle(fast, 37)
-    np.testing.assert_allclose(one.position, other.position, atol=1e-13)
-    np.testing.assert_allclose(
-        one.acceleration / mechanism.speed**2, other.acceleration / fast.speed**2, atol=1e-11
-    )
-    linkage = mechanism.linkage()
-    turns = np.zeros(one.position.shape[1])
-    for drive in linkage.drives:
-        turns[3 * linkage.index(drive.body) + 2] = math.copysign(2.0 * math.pi, drive.speed)
-    np.testing.assert_allclose(one.position[-1] - one.position[0], turns, atol=1e-13)
 
 
 @pytest.mark.parametrize("mechanism", [Press(), CRANK], ids=["press", "slider-crank"])

@@ -62,14 +62,6 @@ def test_work_is_the_integral_of_a_continuous_force(process: Blanking | Drawing)
     assert max(place for place, _ in law.table) == 0.03
 
 
-@given(blanks)
-def test_a_sheet_breaks_where_its_plateau_ends(sheet: Blanking) -> None:
-    places, forces = np.array(sheet.curve).T
-    assert np.interp(sheet.fracture, places, forces) == sheet.force
-    assert sheet.fracture - places[1] == pytest.approx(sheet.plateau * sheet.thickness)
-    assert places[-1] - sheet.fracture == pytest.approx(sheet.snap)
-
-
 @given(cups)
 def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
     peak = cup.peak * cup.depth

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from closed_form import press_motion
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.drives import Servo
 from presswear.physics.ideal import motion_of
 from presswear.scene.files import scene_from
 from presswear.scene.settings import changed, settings_of
@@ -20,46 +18,6 @@ from presswear.tools.errors import InputError
 
 IDEAL = pw.scenes.ideal()
 W = pw.Press().speed
-TURN = 2.0 * math.pi
-
-
-def heights() -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Slider over all angles of both cranks, crank 2 in rows, in closed form, m."""
-    turns = np.linspace(0.0, TURN, 180, endpoint=False)
-    rows = []
-    for turn in turns:
-        time = np.full(turns.size, turn / W)
-        motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
-        rows.append(motion.output(pw.Press().linkage())[:, 0])
-    return np.array(rows)
-
-
-def test_any_two_crank_angles_close_and_heights_lie_between_dead_points() -> None:
-    """The numbers of docs/how-to/servo.md: lowest and highest dead points of crank 7."""
-    found = heights()
-    assert np.isfinite(found).all()
-    low, high = found.min(axis=1), found.max(axis=1)
-    assert (low.min(), high.max()) == pytest.approx((-0.6502, -0.4800), abs=1e-4)
-    assert (low.max(), high.min()) == pytest.approx((-0.5859, -0.5093), abs=1e-4)
-    rises = np.diff(found, axis=1, append=found[:, :1]) > 0.0
-    dead = np.count_nonzero(rises != np.roll(rises, 1, axis=1), axis=1)
-    assert set(dead) == {2, 4}
-    # In degrees that crank 2 has turned.
-    four = 2.0 * np.flatnonzero(dead == 4)
-    assert (four.min(), four.max()) == pytest.approx((218.0, 299.0), abs=2.0)
-    assert len(four) == pytest.approx(82 / 2, abs=2)
-
-
-@pytest.mark.parametrize(
-    ("begin", "end", "last"), [(0.0, 360.0, 15.0), (0.0, 217.0, 112.0), (300.0, 360.0, 109.0)]
-)
-def test_a_swing_without_a_dead_point(begin: float, end: float, last: float) -> None:
-    """From -77 deg to 15 deg wherever crank 2 is, and farther up where there are two of them."""
-    turns = np.radians(np.arange(-77.0, last, 1.0))
-    for turn in np.radians(np.linspace(begin, end, 30)):
-        time = np.full(turns.size, turn / W)
-        motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
-        assert (np.diff(motion.output(pw.Press().linkage())[:, 0]) > 0.0).all()
 
 
 SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
@@ -182,6 +140,3 @@ def test_the_torque_of_a_servo_is_limited_as_well() -> None:
         InputError, match=r"torque_limit of crank \d = 5 N m: the ideal motion needs"
     ):
         pw.Scene(pw.Press(servo=pw.Dwell(), torque_limit=5.0), process=pw.Blanking()).check()
-
-
-SERVOS: list[Servo] = [pw.Dwell(), pw.Forming(), pw.Pendulum()]

@@ -14,7 +14,7 @@ from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import SCENES, scene_named, wear_times
 from presswear.scene.options import Numerics
-from presswear.scene.scene import Scene, stage_name
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
@@ -237,12 +237,3 @@ def test_ideal_slider_is_the_closed_form() -> None:
     assert slider[:, 0].max() == pytest.approx(0.1061, abs=1e-4)
     assert slider[:, 1].min() == pytest.approx(-0.889, abs=1e-3)
     assert slider[:, 2].min() == pytest.approx(-20.0, abs=0.1)
-
-
-def test_stage_names() -> None:
-    assert [stage_name(k) for k in (0, 1, 8, 11)] == [
-        "no wear",
-        "first wear",
-        "eighth wear",
-        "wear 11",
-    ]

@@ -46,14 +46,6 @@ def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> N
         assert array.tobytes() == runs[1][name].tobytes(), name
 
 
-def test_a_mechanism_may_be_named(tmp_path: Path) -> None:
-    file = tmp_path / "fast.toml"
-    file.write_text('mechanism = "press"\n[settings]\nspeed = "6pi rad/s"\njoints = "C"\n')
-    scene = scene_from(file)
-    assert scene.mechanism == wear_times(speed="6pi rad/s").mechanism
-    assert scene.clearance_joints == ("C",)
-
-
 @pytest.mark.parametrize(
     ("text", "says"),
     [

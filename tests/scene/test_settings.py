@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import presswear as pw
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Conventions
-from presswear.scene.catalog import scene_named, slider_crank, wear_times
+from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import AssemblyError, InputError
@@ -117,11 +117,6 @@ def test_what_names_nothing_or_does_not_fit_together_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=f"^{says}"):
         changed(scene, settings).check()
-
-
-def test_an_unknown_scene_is_refused_with_those_known() -> None:
-    with pytest.raises(InputError, match="unknown scene 'nothing'; known are ideal"):
-        scene_named("nothing")
 
 
 FACTORS = ["", "mm", "m", "pi rad/s", "GPa", "/Pa", "kg", "m/s", "m/s^2", "kg m^2"]

@@ -97,15 +97,6 @@ def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, says: s
     assert "\n" not in str(refused.value)
 
 
-def test_a_law_of_ones_own_does_not_meet_given_surfaces_on_a_foundation() -> None:
-    def soft(penetration: float) -> float:
-        return 1e9 * penetration
-
-    own = {"normal_law": soft, "contact": "foundation", "wear_updates": 0}
-    with pytest.raises(InputError, match="have an elastic force already"):
-        on(np.full(360, 1e-6), **own)
-
-
 def table(header: str, rows: Any) -> str:
     return "\n".join([header, *(",".join(map(str, row)) for row in rows)])
 

@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import pytest
 from hypothesis import example, given
@@ -10,14 +10,9 @@ from hypothesis import strategies as st
 
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import (
-    Choice,
     Quantity,
-    choice,
-    meaning_of,
     parse_quantity,
-    quantity,
 )
-from presswear.tools.serialize import check_fields
 
 UNITS = ["m", "rad/s", "rad", "kg", "kg m^2", "Pa", "1/Pa", "m/s", "m/s^2", "s"]
 
@@ -34,58 +29,33 @@ def _read(text: str, unit: str, *, whole: bool = False) -> float:
     ("text", "unit", "value"),
     [
         ("0.8mm", "m", 0.8e-3),
-        ("0.8 mm", "m", 0.8e-3),
         ("  .8mm ", "m", 0.8e-3),
-        ("+8.e-4 m", "m", 8e-4),
         ("800um", "m", 8e-4),
         ("800 µm", "m", 8e-4),
-        ("2cm", "m", 0.02),
-        ("-3m", "m", -3.0),
         ("1E3 m", "m", 1e3),
-        ("11 rad/s", "rad/s", 11.0),
         ("3.5pi rad/s", "rad/s", 3.5 * math.pi),
-        ("3.5 pi rad/s", "rad/s", 3.5 * math.pi),
         ("3.5*pi rad/s", "rad/s", 3.5 * math.pi),
         ("60rpm", "rad/s", 2.0 * math.pi),
         ("180deg/s", "rad/s", math.pi),
         ("30deg", "rad", math.pi / 6.0),
-        ("0.5pi rad", "rad", 0.5 * math.pi),
         ("200GPa", "Pa", 200e9),
-        ("5 MPa", "Pa", 5e6),
-        ("7Pa", "Pa", 7.0),
         ("1.2e-15/Pa", "1/Pa", 1.2e-15),
-        ("1.2e-15 1/Pa", "1/Pa", 1.2e-15),
         ("24.3g", "kg", 0.0243),
-        ("0.1 kg", "kg", 0.1),
-        ("1e-3kg m^2", "kg m^2", 1e-3),
         ("1e-3 kg*m^2", "kg m^2", 1e-3),
         ("1e-3 kgm2", "kg m^2", 1e-3),
-        ("1mm/s", "m/s", 1e-3),
-        ("9.81 m/s^2", "m/s^2", 9.81),
         ("9.81m/s2", "m/s^2", 9.81),
-        ("3ms", "s", 3e-3),
         ("3 us", "s", 3e-6),
-        ("2 in", "m", 0.0508),
         ("800 μm", "m", 8e-4),  # a Greek letter
         ("210 1/min", "rad/s", 7.0 * math.pi),
-        ("210/min", "rad/s", 7.0 * math.pi),
         ("2Hz", "rad/s", 4.0 * math.pi),
-        ("210 N/mm^2", "Pa", 210e6),
         ("210 N/mm²", "Pa", 210e6),
-        ("3 bar", "Pa", 3e5),
         # Per pressure, m^2/N: what a pin loses in volume for each force and way.
         ("1.2e-9 mm^2/N", "1/Pa", 1.2e-15),
-        ("1.2e-9 mm2/N", "1/Pa", 1.2e-15),
-        ("1.2e-9/MPa", "1/Pa", 1.2e-15),
         ("1.2e-6 mm^3/(N m)", "1/Pa", 1.2e-15),
         ("1.2e-6 mm³/N·m", "1/Pa", 1.2e-15),
-        ("2kNm", "N m", 2e3),
         ("3 N mm", "N m", 3e-3),
-        ("6 m/min", "m/s", 0.1),
         ("300 spm", "rad/s", 10.0 * math.pi),
-        ("2.5 t", "kg", 2500.0),
         ("5 %", "", 0.05),
-        ("0.3", "", 0.3),
         ("-1e-3", "", -1e-3),
     ],
 )
@@ -128,11 +98,6 @@ def test_refuses(text: str, unit: str) -> None:
     with pytest.raises(InputError, match=r"^key = ") as refusal:
         _read(text, unit)
     assert "\n" not in str(refusal.value)
-
-
-def test_a_comma_is_answered_with_the_decimal_point() -> None:
-    with pytest.raises(InputError, match=r"key = '1,5mm': use a decimal point, '1\.5mm'"):
-        _read("1,5mm", "m")
 
 
 def test_whole_numbers() -> None:
@@ -214,32 +179,6 @@ def test_any_text_is_read_or_refused_in_one_line(text: str, unit: str, whole: bo
 def test_a_number_as_python_prints_it_is_read_exactly(value: float, unit: str) -> None:
     plain = "/Pa" if unit == "1/Pa" else unit
     assert _read(f"{value!r} {plain}", unit) == value
-
-
-@dataclass(frozen=True)
-class _Owner:
-    plain: int = 1
-    length: float = quantity(0.5, "m", 0.0, 1.0, "assumed", "a length")
-    count: int | None = quantity(None, "", 1, 5, "chosen", "a count")
-    word: str = choice("one", ("one", "two"), "a word")
-
-
-def test_fields_carry_their_meaning() -> None:
-    plain, length, count, word = (meaning_of(item) for item in fields(_Owner))
-    assert plain is None
-    assert length == Quantity("m", 0.0, 1.0, "assumed", "a length")
-    assert count == Quantity("", 1, 5, "chosen", "a count")
-    assert word == Choice(("one", "two"), "a word")
-
-
-def test_check_fields_names_the_field() -> None:
-    check_fields(_Owner(count=5))
-    with pytest.raises(InputError, match=r"length = 2 m: allowed is 0 to 1 m"):
-        check_fields(_Owner(length=2.0))
-    with pytest.raises(InputError, match="count = 6"):
-        check_fields(_Owner(count=6))
-    with pytest.raises(InputError, match="word = 'three': allowed is one of one, two"):
-        check_fields(_Owner(word="three"))
 
 
 def test_a_unit_that_nothing_else_has_is_known_by_itself() -> None:

@@ -2,7 +2,6 @@
 
 import math
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,7 +16,7 @@ import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.processes import InProcess, Job, Pool, Report, Stopped, outcomes, workers_for
+from presswear.tools.processes import InProcess, Job, Pool, Report, Stopped, outcomes
 
 PATIENCE = 60.0  # s, for a busy machine
 
@@ -68,11 +67,6 @@ def test_results_are_equal_in_workers_and_in_this_process(pool: Pool) -> None:
         totals = {key: outcome.total for key, outcome in collects.results.items()}
         assert totals == {k: sum(range(25 + k)) for k in range(5)}
     assert all(0 <= key < 5 and 0 < done <= 29 for key, done in reported)
-
-
-def test_one_core_takes_no_process() -> None:
-    assert isinstance(workers_for(1), InProcess)
-    assert isinstance(workers_for(2), Pool)
 
 
 @dataclass(frozen=True)
@@ -290,35 +284,6 @@ def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
     errors = process.communicate(timeout=PATIENCE)[1]
     assert errors.count("Traceback") == 1
     assert errors.strip().endswith("KeyboardInterrupt")
-
-
-def test_workers_import_the_version_of_the_parent(tmp_path: Path) -> None:
-    """Not that of the working directory."""
-    script, here = tmp_path / "scripts" / "script.py", tmp_path / "here"
-    root = Path(__file__).parents[2]
-    shutil.copytree(root / "presswear", here / "presswear")
-    script.parent.mkdir()
-    (script.parent / "jobs.py").write_text(
-        "from presswear.tools import processes\ndef where(report): return processes.__file__\n"
-    )
-    script.write_text(
-        "import jobs\n"
-        "from presswear.tools import processes\n"
-        "def ended(key, path):\n"
-        "    print(path == processes.__file__)\n"
-        "    return {}\n"
-        "with processes.Pool(2, ('presswear.tools.processes',)) as pool:\n"
-        "    pool.run({0: jobs.where}, ended, print)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, script],
-        cwd=here,
-        env={**os.environ, "PYTHONPATH": str(root)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.stdout == "True\n", done.stderr
 
 
 _SPAWNED = """
