@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import GROUND, Guide, Revolute
 from presswear.linkage.linkage import Linkage
 from presswear.physics.drive_motion import drive_motion, motions_of
 from presswear.tools.compile import Records, compiled, copy_to, inlined
@@ -41,29 +42,18 @@ CONSTRAINT = np.dtype(
 
 
 class Held(NamedTuple):
-    """Constraints that hold a linkage, with the working space to solve for their multipliers.
-
-    Attributes
-    ----------
-    constraints, motions : records of CONSTRAINT and MOTION
-    inverse_mass : ndarray, shape (3 bodies,)
-    phi, phi_t, gamma, right, multipliers : ndarray, shape (rows,)
-        ``right`` is the right-hand side, which the solution overwrites.
-    jacobian : ndarray, shape (rows, 3 bodies)
-    matrix : ndarray, shape (rows, rows)
-        S, then its factors.
-    """
+    """Constraints that hold a linkage, with the working space to solve for their multipliers."""
 
     constraints: Records
     motions: Records
-    inverse_mass: Array
-    phi: Array
+    inverse_mass: Array  # (3 bodies,)
+    phi: Array  # (rows,), as its derivative and gamma of equation 16
     phi_t: Array
     gamma: Array
-    right: Array
+    right: Array  # right-hand side, which the solution overwrites
     multipliers: Array
-    jacobian: Array
-    matrix: Array
+    jacobian: Array  # (rows, 3 bodies)
+    matrix: Array  # S, then its factors, (rows, rows)
 
 
 @inlined
@@ -86,8 +76,20 @@ def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
         if c.kind == REVOLUTE:
             phi[row] = phi[row + 1] = phi_t[row] = phi_t[row + 1] = 0.0
             gamma[row] = gamma[row + 1] = 0.0
-            _add_end(held, row, first, c.x1, c.y1, 1.0, q, v)
-            _add_end(held, row, c.second, c.x2, c.y2, -1.0, q, v)
+            for b, x, y, sign in ((first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
+                px, py = lever(b, x, y, q)
+                if b >= 0:
+                    spin = v[b + 2]
+                    phi_t[row] += sign * (v[b] - spin * py)
+                    phi_t[row + 1] += sign * (v[b + 1] + spin * px)
+                    gamma[row] += sign * (spin * spin * px)
+                    gamma[row + 1] += sign * (spin * spin * py)
+                    jacobian[row, b], jacobian[row, b + 2] = sign, -sign * py
+                    jacobian[row + 1, b + 1], jacobian[row + 1, b + 2] = sign, sign * px
+                    px += q[b]
+                    py += q[b + 1]
+                phi[row] += sign * px
+                phi[row + 1] += sign * py
         elif c.kind == GUIDE:
             phi[row] = (q[first] - c.x1) * c.normal_x + (q[first + 1] - c.y1) * c.normal_y
             phi_t[row] = v[first] * c.normal_x + v[first + 1] * c.normal_y
@@ -102,26 +104,6 @@ def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
             phi_t[row] = v[first + 2] - speed
             gamma[row] = faster
             jacobian[row, first + 2] = 1.0
-
-
-@compiled
-def _add_end(
-    held: Held, row: int, body: int, x: float, y: float, sign: float, q: Array, v: Array
-) -> None:
-    """Add one end of a revolute joint to its two rows."""
-    px, py = lever(body, x, y, q)
-    if body >= 0:
-        spin = v[body + 2]
-        held.phi_t[row] += sign * (v[body] - spin * py)
-        held.phi_t[row + 1] += sign * (v[body + 1] + spin * px)
-        held.gamma[row] += sign * (spin * spin * px)
-        held.gamma[row + 1] += sign * (spin * spin * py)
-        held.jacobian[row, body], held.jacobian[row, body + 2] = sign, -sign * py
-        held.jacobian[row + 1, body + 1], held.jacobian[row + 1, body + 2] = sign, sign * px
-        px += q[body]
-        py += q[body + 1]
-    held.phi[row] += sign * px
-    held.phi[row + 1] += sign * py
 
 
 @compiled
@@ -183,14 +165,9 @@ def project_acceleration(held: Held, t: float, q: Array, v: Array, a: Array) -> 
 
 @dataclass(frozen=True)
 class Constraints:
-    """Constraints of a linkage.
+    """Constraints of a linkage as records of CONSTRAINT and MOTION.
 
-    Attributes
-    ----------
-    records : records of CONSTRAINT
-    motions : records of MOTION
-    names : tuple of str
-        Name of the joint, guide or drive of each row.
+    ``names`` holds the joint, guide or drive of each row.
     """
 
     records: Records
@@ -204,19 +181,10 @@ class Constraints:
 
     def held(self, mass: Array) -> Held:
         """Return the constraints for the kernels; ``mass`` is the diagonal, shape (3 bodies,)."""
-        phi, phi_t, gamma, right, multipliers = np.zeros((5, self.rows))
-        return Held(
-            self.records,
-            self.motions,
-            1.0 / mass,
-            phi,
-            phi_t,
-            gamma,
-            right,
-            multipliers,
-            np.zeros((self.rows, mass.size)),
-            np.zeros((self.rows, self.rows)),
-        )
+        rows, bodies = self.rows, mass.size
+        vectors = tuple(np.zeros((5, rows)))
+        working = *vectors, np.zeros((rows, bodies)), np.zeros((rows, rows))
+        return Held(self.records, self.motions, 1.0 / mass, *working)
 
     def evaluate(self, t: float, q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
         """Return Phi, dPhi/dt and gamma, each (rows,), and the Jacobian (rows, 3 bodies)."""
@@ -227,33 +195,30 @@ class Constraints:
 
 def constraints_of(linkage: Linkage) -> Constraints:
     """Pack the ideal joints, guides and drives of a linkage."""
-    count = len(linkage.revolutes) + len(linkage.guides) + len(linkage.drives)
-    records = np.zeros(count, CONSTRAINT)
+    items: list[Revolute | Guide | Drive] = [*linkage.revolutes, *linkage.guides]
+    items += linkage.drives
+    records = np.zeros(len(items), CONSTRAINT)
     names: list[str] = []
-    place = iter(records)
 
-    def offset(point: Attachment) -> int:
-        return -1 if point.body == GROUND else 3 * linkage.index(point.body)
+    def offset(body: str) -> int:
+        return -1 if body == GROUND else 3 * linkage.index(body)
 
-    for joint in linkage.revolutes:
-        record = next(place)
-        record["kind"], record["row"] = REVOLUTE, len(names)
-        record["first"], record["second"] = offset(joint.first), offset(joint.second)
-        record["x1"], record["y1"] = joint.first.x, joint.first.y
-        record["x2"], record["y2"] = joint.second.x, joint.second.y
-        names += [joint.name, joint.name]
-    for guide in linkage.guides:
-        record = next(place)
-        record["kind"], record["row"] = GUIDE, len(names)
-        record["first"] = 3 * linkage.index(guide.body)
-        record["x1"], record["y1"], record["angle"] = guide.x, guide.y, guide.angle
-        record["normal_x"] = -math.sin(guide.direction)
-        record["normal_y"] = math.cos(guide.direction)
-        names += [guide.name, guide.name]
-    for index, drive in enumerate(linkage.drives):
-        record = next(place)
-        record["kind"], record["row"] = DRIVE, len(names)
-        record["first"] = 3 * linkage.index(drive.body)
-        record["drive"] = index
-        names.append(drive.name)
+    for record, item in zip(records, items, strict=True):
+        record["row"] = len(names)
+        if isinstance(item, Drive):
+            record["kind"], record["first"] = DRIVE, offset(item.body)
+            record["drive"] = linkage.drives.index(item)
+            names.append(item.name)
+            continue
+        names += [item.name, item.name]
+        if isinstance(item, Guide):
+            record["kind"], record["first"] = GUIDE, offset(item.body)
+            record["x1"], record["y1"], record["angle"] = item.x, item.y, item.angle
+            record["normal_x"] = -math.sin(item.direction)
+            record["normal_y"] = math.cos(item.direction)
+        else:
+            record["kind"] = REVOLUTE
+            record["first"], record["second"] = offset(item.first.body), offset(item.second.body)
+            record["x1"], record["y1"] = item.first.x, item.first.y
+            record["x2"], record["y2"] = item.second.x, item.second.y
     return Constraints(records, motions_of(linkage), tuple(names))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.foundation import BEARING, PIN, SURFACES, curvature, press, profile, turned
+from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile, turned
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
@@ -74,12 +74,10 @@ class Pose(NamedTuple):
 def joint_end(
     body: int, local_x: float, local_y: float, q: Array, v: Array, axes: Array | None = None
 ) -> Pose:
-    """Place and motion of a point of a body; a body of -1 is the frame.
+    """Return place and motion of a point of a body; a body of -1 is the frame.
 
-    Parameters
-    ----------
-    axes : ndarray, shape (3 bodies,), or None
-        Cosine and sine of each body's angle, see ``place_links``, where they are known.
+    ``axes`` holds cosine and sine of each body's angle where they are computed; see
+    ``place_links``.
     """
     if body < 0:
         return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -113,15 +111,7 @@ def direction_of(contact: Records) -> float:
 def note_contacts(
     packed: Packed, contacts: Records, q: Array, v: Array, axes: Array | None = None
 ) -> None:
-    """Fill the contacts of all joints in a state but for their forces.
-
-    Parameters
-    ----------
-    contacts : records of CONTACT, shape (joints,)
-    q, v : ndarray, shape (3 bodies,)
-    axes : ndarray or None
-        See ``joint_end``.
-    """
+    """Fill the contacts of all joints in a state but for their forces; axes see ``joint_end``."""
     for k in range(contacts.shape[0]):
         note_contact(packed, k, q, v, contacts[k], axes)
 
@@ -134,26 +124,17 @@ def note_contact(
     joint = packed.joints[k]
     bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v, axes)
     pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v, axes)
-    ex = pin.x - bearing.x
-    ey = pin.y - bearing.y
-    vx = pin.vx - bearing.vx
-    vy = pin.vy - bearing.vy
+    ex, ey = pin.x - bearing.x, pin.y - bearing.y
+    vx, vy = pin.vx - bearing.vx, pin.vy - bearing.vy
     eccentricity = math.sqrt(ex * ex + ey * ey)
     turning = (ex * vy - ey * vx) / (eccentricity * eccentricity) if eccentricity > 0.0 else 0.0
-    contact.eccentricity = eccentricity
-    contact.eccentricity_x = ex
-    contact.eccentricity_y = ey
-    contact.velocity_x = vx
-    contact.velocity_y = vy
-    contact.turning = turning
-    contact.bearing_angle = bearing.angle
-    contact.bearing_spin = bearing.spin
-    contact.bearing_lever_x = bearing.lever_x
-    contact.bearing_lever_y = bearing.lever_y
-    contact.pin_angle = pin.angle
-    contact.pin_spin = pin.spin
-    contact.pin_lever_x = pin.lever_x
-    contact.pin_lever_y = pin.lever_y
+    contact.eccentricity, contact.turning = eccentricity, turning
+    contact.eccentricity_x, contact.eccentricity_y = ex, ey
+    contact.velocity_x, contact.velocity_y = vx, vy
+    contact.bearing_angle, contact.bearing_spin = bearing.angle, bearing.spin
+    contact.bearing_lever_x, contact.bearing_lever_y = bearing.lever_x, bearing.lever_y
+    contact.pin_angle, contact.pin_spin = pin.angle, pin.spin
+    contact.pin_lever_x, contact.pin_lever_y = pin.lever_x, pin.lever_y
     if joint.foundation > 0.0 and joint.surface_bins > 0:
         note_foundation(joint, packed.surfaces[k], contact)
     else:
@@ -188,29 +169,24 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
         turning = contact.turning
         direction = math.atan2(ny, nx)
         place = direction - turns * contact.bearing_angle
-        depth, slope = profile(surfaces, BEARING, count, place)
+        depth, slope, _ = profile(surfaces, BEARING, count, place)
         penetration -= depth
         bearing_radius += depth
         rate -= slope * (turning - turns * contact.bearing_spin)
-        depth, slope = profile(surfaces, PIN, count, direction - turns * contact.pin_angle)
+        depth, slope, _ = profile(surfaces, PIN, count, direction - turns * contact.pin_angle)
         penetration -= depth
         pin_radius -= depth
         rate -= slope * (turning - turns * contact.pin_spin)
     # Half the penetration on either side, so that both arms end at one point.
     indentation = 0.5 * max(penetration, 0.0)
-    elastic, energy = elastic_of(joint.normal, penetration)
     contact.penetration = penetration
-    contact.rate = rate
-    contact.normal_x = nx
-    contact.normal_y = ny
+    contact.rate = contact.closing = rate
+    contact.normal_x, contact.normal_y = nx, ny
     contact.pin_arm = pin_radius - indentation
     contact.bearing_arm = bearing_radius + indentation
     contact.approach = approach
-    contact.closing = rate
-    contact.elastic = elastic
-    contact.energy = energy
-    contact.place = 0.0
-    contact.couple = 0.0
+    contact.elastic, contact.energy = elastic_of(joint.normal, penetration)
+    contact.place = contact.couple = 0.0
 
 
 @lazily_compiled(None, JOINT, SURFACES, CONTACT)
@@ -223,12 +199,9 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     against.
     """
     eccentricity = contact.eccentricity
-    ex = contact.eccentricity_x
-    ey = contact.eccentricity_y
-    vx = contact.velocity_x
-    vy = contact.velocity_y
-    bearing_spin = contact.bearing_spin
-    pin_spin = contact.pin_spin
+    ex, ey = contact.eccentricity_x, contact.eccentricity_y
+    vx, vy = contact.velocity_x, contact.velocity_y
+    bearing_spin, pin_spin = contact.bearing_spin, contact.pin_spin
     turns = joint.map_turns
     count = joint.surface_bins
     direction = direction_of(contact)
@@ -248,39 +221,31 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     along, across = turned(bed.place)
     nx = cosine * along - sine * across
     ny = sine * along + cosine * across
-    _, bearing_slope = profile(surfaces, BEARING, count, place - turns * contact.bearing_angle)
-    pin_depth, pin_slope = profile(surfaces, PIN, count, place - turns * contact.pin_angle)
+    _, bearing_slope, _ = profile(surfaces, BEARING, count, place - turns * contact.bearing_angle)
+    pin_depth, pin_slope, _ = profile(surfaces, PIN, count, place - turns * contact.pin_angle)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
-    elastic = 0.0
+    elastic = couple = 0.0
     closing = approach = rate
-    couple = 0.0
-    if bed.overlap > 0.0:
-        size = math.sqrt(bed.along * bed.along + bed.across * bed.across)
-        if size > 0.0:
-            k = joint.foundation
-            elastic = k * size
-            nx = (cosine * bed.along - sine * bed.across) / size
-            ny = (sine * bed.along + cosine * bed.across) / size
-            on_bearing = -k * turns * bed.slope
-            couple = elastic * (ex * ny - ey * nx) - on_bearing
-            by_turning = (couple * pin_spin + on_bearing * bearing_spin) / elastic
-            approach = vx * nx + vy * ny - by_turning
-            # Maps fixed in direction store no energy when the bodies turn.
-            closing = approach if turns > 0.0 else approach + by_turning
+    size = math.sqrt(bed.along * bed.along + bed.across * bed.across)
+    if bed.overlap > 0.0 and size > 0.0:
+        k = joint.foundation
+        elastic = k * size
+        nx = (cosine * bed.along - sine * bed.across) / size
+        ny = (sine * bed.along + cosine * bed.across) / size
+        on_bearing = -k * turns * bed.slope
+        couple = elastic * (ex * ny - ey * nx) - on_bearing
+        by_turning = (couple * pin_spin + on_bearing * bearing_spin) / elastic
+        approach = vx * nx + vy * ny - by_turning
+        # Maps fixed in direction store no energy when the bodies turn.
+        closing = approach if turns > 0.0 else approach + by_turning
     pin_arm = joint.pin_radius - pin_depth - 0.5 * max(bed.overlap, 0.0)
-    contact.penetration = bed.overlap
-    contact.rate = rate
-    contact.normal_x = nx
-    contact.normal_y = ny
-    contact.pin_arm = pin_arm
-    contact.bearing_arm = pin_arm + ex * nx + ey * ny
-    contact.approach = approach
-    contact.closing = closing
-    contact.elastic = elastic
-    contact.energy = 0.5 * joint.foundation * bed.square
-    contact.place = place
-    contact.couple = couple
+    contact.penetration, contact.rate = bed.overlap, rate
+    contact.normal_x, contact.normal_y = nx, ny
+    contact.pin_arm, contact.bearing_arm = pin_arm, pin_arm + ex * nx + ey * ny
+    contact.approach, contact.closing = approach, closing
+    contact.elastic, contact.energy = elastic, 0.5 * joint.foundation * bed.square
+    contact.place, contact.couple = place, couple
 
 
 @compiled
@@ -301,37 +266,24 @@ def end_acceleration(
 
 @compiled
 def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, a: Array) -> float:
-    """Return the second time derivative of the penetration, m/s^2.
+    """Return the second time derivative of the penetration, m/s^2, at accelerations of all bodies.
 
     Follows the worn profile: a pin that runs over a bump is thrown off by the
     profile's curvature times the square of the turning.
-
-    Parameters
-    ----------
-    surfaces : ndarray, shape (ROWS, m)
-    contact : record of CONTACT
-        In the state whose accelerations are given.
-    a : ndarray, shape (3 bodies,)
     """
-    eccentricity = contact.eccentricity
+    c = contact
+    eccentricity = c.eccentricity
     if eccentricity == 0.0:
         return 0.0
     pin_x, pin_y, pin_spin_t = end_acceleration(
-        joint.pin_body, contact.pin_lever_x, contact.pin_lever_y, contact.pin_spin, a
+        joint.pin_body, c.pin_lever_x, c.pin_lever_y, c.pin_spin, a
     )
     bearing_x, bearing_y, bearing_spin_t = end_acceleration(
-        joint.bearing_body,
-        contact.bearing_lever_x,
-        contact.bearing_lever_y,
-        contact.bearing_spin,
-        a,
+        joint.bearing_body, c.bearing_lever_x, c.bearing_lever_y, c.bearing_spin, a
     )
-    ex = contact.eccentricity_x
-    ey = contact.eccentricity_y
-    vx = contact.velocity_x
-    vy = contact.velocity_y
-    ax = pin_x - bearing_x
-    ay = pin_y - bearing_y
+    ex, ey = c.eccentricity_x, c.eccentricity_y
+    vx, vy = c.velocity_x, c.velocity_y
+    ax, ay = pin_x - bearing_x, pin_y - bearing_y
     ends = (
         (BEARING, contact.bearing_angle, contact.bearing_spin, bearing_spin_t),
         (PIN, contact.pin_angle, contact.pin_spin, pin_spin_t),
@@ -346,9 +298,7 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         mixed = vy * nx - vx * ny
         across = -(ex * nx + ey * ny)
         for row, angle, spin, spin_t in ends:
-            where = contact.place - turns * angle
-            bend = curvature(surfaces, row, count, where)
-            slope = profile(surfaces, row, count, where)[1]
+            _, slope, bend = profile(surfaces, row, count, contact.place - turns * angle)
             second += turns * (slope * spin_t - bend * spin * spin)
             mixed += turns * bend * spin
             across -= bend
@@ -362,9 +312,8 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
         direction = math.atan2(ny, nx)
         for row, angle, spin, spin_t in ends:
-            where = direction - turns * angle
+            _, slope, bend = profile(surfaces, row, count, direction - turns * angle)
             sweep = turning - turns * spin
-            result -= curvature(surfaces, row, count, where) * sweep * sweep
-            slope = profile(surfaces, row, count, where)[1]
+            result -= bend * sweep * sweep
             result -= slope * (turning_t - turns * spin_t)
     return result

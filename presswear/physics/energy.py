@@ -8,7 +8,7 @@ elastic law is the contact loss: the damping, less what the law makes of nothing
 force is not the gradient of an energy, as that of radial contact on a sloping profile.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,20 +47,13 @@ def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[flo
     made = normal * (contact.closing - contact.approach)
     damped = normal * contact.closing - stored
     if damped < 0.0:
-        # A law of one's own that pushes harder where it opens.
+        # A user law that pushes harder where it opens.
         made -= damped
     return lost, -tangential * contact.sliding, made
 
 
 def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
-    """Return the kinetic, potential and elastic energy of a state, J.
-
-    Parameters
-    ----------
-    elastic : ndarray, shape (joints,)
-        Elastic energies of the contacts, J.
-    q, v : ndarray, shape (3 bodies,)
-    """
+    """Return the kinetic, potential and elastic energy of a state, J; the last of each contact."""
     with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
         kinetic = 0.5 * float(np.sum(packed.mass * v**2))
     potential = -float(packed.weight @ q)
@@ -79,19 +72,12 @@ def has_worn_radial_contact(packed: Packed) -> bool:
 
 
 def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
-    """Say what is wrong where contacts gave back more than they took; else nothing.
+    """Return what is wrong where contacts gave back more than they took; else nothing.
 
-    A radial force over a steep worn profile is not the gradient of an energy: pin and
-    wall can drive each other, ever faster.
-
-    Parameters
-    ----------
-    packed : Packed
-        The linkage with its present surfaces.
-    contact_loss, exchange : float
-        So far, J; see ``Ledger``.
+    A radial force over a steep worn profile is not the gradient of an energy: pin and wall can
+    drive each other, ever faster. Losses and exchange are those so far, J; see ``Ledger``.
     """
-    # Energies that are no numbers come from a broken state, which is told elsewhere.
+    # Energies that are no numbers come from a broken state, which is reported elsewhere.
     if not (exchange > 0.0 and contact_loss < -MAX_MADE * exchange):
         return ""
     cause = "the steps are too coarse"
@@ -112,42 +98,21 @@ def made_remedy(packed: Packed, finer: str) -> str:
 
 @dataclass(frozen=True)
 class Ledger:
-    """Balance of the energy of a run, J.
-
-    Attributes
-    ----------
-    drive_work, drive_exchange : float
-        Work of the drives, and the integral of their power's absolute value.
-    stored : float
-        Change of kinetic, potential and elastic energy.
-    contact_loss, friction_loss : float
-        Energy that contacts and their friction took, net of what they made.
-    made : float
-        Energy that the normal law made, positive or negative.
-    load_work : float
-        Work of loads with a law, less what dampers of springs took.
-    """
+    """Balance of the energy of a run, J."""
 
     drive_work: float
-    drive_exchange: float
-    stored: float
-    contact_loss: float
+    drive_exchange: float  # integral of the absolute power of the drives
+    stored: float  # change of kinetic, potential and elastic energy
+    contact_loss: float  # what contacts took, net of what they made
     friction_loss: float
-    made: float = 0.0
-    load_work: float = 0.0
+    made: float = 0.0  # by the normal law, positive or negative
+    load_work: float = 0.0  # of loads with a law, less what dampers of springs took
 
     @staticmethod
     def of(sums: Records, stored: float) -> "Ledger":
         """Return the ledger from one record of LEDGER and the change of stored energy, J."""
-        return Ledger(
-            drive_work=float(sums["drive_work"]),
-            drive_exchange=float(sums["drive_exchange"]),
-            stored=stored,
-            contact_loss=float(sums["contact_loss"]),
-            friction_loss=float(sums["friction_loss"]),
-            made=float(sums["made"]),
-            load_work=float(sums["load_work"]),
-        )
+        names = (field.name for field in fields(Ledger) if field.name != "stored")
+        return Ledger(stored=stored, **{name: float(sums[name]) for name in names})
 
     @property
     def dissipated(self) -> float:

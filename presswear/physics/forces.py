@@ -29,9 +29,9 @@ JOINT_RATES = 6  # their number
 
 
 class JointLoad(NamedTuple):
-    """Forces of a joint: magnitudes normal and tangential, force on the pin, moments.
+    """Magnitudes, N, force on the pin, N, opposite to that on the bearing, and moments, N m.
 
-    The bearing gets the opposite force; both moments are about the mass centres.
+    The moments are about the mass centres.
     """
 
     normal: float
@@ -46,10 +46,9 @@ class JointLoad(NamedTuple):
 def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tuple[float, float]:
     """Return the normal and tangential force of the contact, N; zero when open.
 
-    ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint
-    counts as open: a state that penetrates within its first step closes at its
-    present rate. Below 0 it is held open, whatever a trial state penetrates. Fills in the rate of
-    the bristles, whose deflection the contact holds.
+    ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint counts as
+    open: a state that penetrates within its first step closes at its present rate. Below 0 it is
+    held open. Fills in the rate of the bristles, whose deflection the contact holds.
     """
     is_closed = contact.penetration > 0.0
     has_bristles = joint.friction.bristle_stiffness > 0.0
@@ -111,12 +110,7 @@ def add_contacts(
 ) -> None:
     """Add the contact forces to the generalized forces, and fill the rates of all joints.
 
-    Parameters
-    ----------
-    onset : ndarray, shape (joints,)
-        As in ``contact_forces``.
-    force : ndarray, shape (3 bodies,)
-    rates : ndarray, shape (JOINT_RATES joints,)
+    ``onset`` is as in ``contact_forces``; ``rates`` has the shape (JOINT_RATES joints,).
     """
     for k in range(joints.shape[0]):
         joint = joints[k]

@@ -99,49 +99,28 @@ def depth_at(surfaces: Array, row: int, k: int, x: float) -> tuple[float, float]
 
 
 @fused_inlined
-def profile(surfaces: Array, row: int, count: int, angle: float) -> tuple[float, float]:
-    """Return depth, m, and slope, m/rad, of a map of ``count`` bins at an angle, rad."""
-    if count == 0:
-        return 0.0, 0.0
-    k, x = cell_of(angle, count, 0.5)
-    return depth_at(surfaces, row, k, x)
+def profile(surfaces: Array, row: int, count: int, angle: float) -> tuple[float, float, float]:
+    """Return depth, m, slope, m/rad, and second derivative of a map of ``count`` bins at an angle.
 
-
-@compiled
-def curvature(surfaces: Array, row: int, count: int, angle: float) -> float:
-    """Return the second derivative of the depth, m/rad^2; it jumps at the bin centres."""
+    The second derivative, m/rad^2, jumps at the bin centres.
+    """
     if count == 0:
-        return 0.0
+        return 0.0, 0.0, 0.0
     k, x = cell_of(angle, count, 0.5)
-    return 2.0 * surfaces[row + SQUARE, k] + 6.0 * x * surfaces[row + CUBE, k]
+    depth, slope = depth_at(surfaces, row, k, x)
+    return depth, slope, 2.0 * surfaces[row + SQUARE, k] + 6.0 * x * surfaces[row + CUBE, k]
 
 
 class ArcIntegrals(NamedTuple):
-    """Sums over a foundation of unit stiffness.
+    """Sums over a foundation of unit stiffness."""
 
-    Attributes
-    ----------
-    overlap : float
-        Greatest overlap, m; below zero while open.
-    place : float
-        Its direction, rad from that of the eccentricity.
-    along, across : float
-        Integrals of p cos(s) and p sin(s), m rad.
-    slope : float
-        Integral of p times the slope of the bearing's map, m^2.
-    square : float
-        Integral of p^2, m^2 rad.
-    area : float
-        Integral of p, m rad.
-    """
-
-    overlap: float
-    place: float
-    along: float
-    across: float
-    slope: float
-    square: float
-    area: float
+    overlap: float  # greatest, m; below zero while open
+    place: float  # its direction, rad from that of the eccentricity
+    along: float  # integral of p cos(s), m rad
+    across: float  # of p sin(s), m rad
+    slope: float  # of p times the slope of the bearing's map, m^2
+    square: float  # of p^2, m^2 rad
+    area: float  # of p, m rad
 
 
 NOTHING = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -177,40 +156,6 @@ class Place(NamedTuple):
     sine: float
 
 
-class Arc(NamedTuple):
-    """Cells between nodes of the bearing in which the surfaces may meet.
-
-    Attributes
-    ----------
-    start : float
-        Angle at which the first cell begins, from the direction of the eccentricity, rad.
-    bearing, pin : int
-        First cell, and the cell of the pin in which it begins.
-    cells : int
-        Number of cells.
-    width, node : float
-        Length of a cell; way from its beginning to the node of the pin in it, rad.
-    before, behind : int
-        Segments before that node and after it.
-    half_before, half_behind : float
-        Half the length of each of these, rad.
-    overlap : float
-        In the direction of the eccentricity, m.
-    """
-
-    start: float
-    bearing: int
-    pin: int
-    cells: int
-    width: float
-    node: float
-    before: int
-    behind: int
-    half_before: float
-    half_behind: float
-    overlap: float
-
-
 @fused_inlined
 def series(x: float) -> tuple[float, float]:
     """Return cosine and sine of at most half a radian, to round-off."""
@@ -225,60 +170,6 @@ def turned(x: float) -> tuple[float, float]:
     if abs(x) > 0.5:
         return math.cos(x), math.sin(x)
     return series(x)
-
-
-@fused_inlined
-def arc_between(
-    surfaces: Array,
-    count: int,
-    eccentricity: float,
-    clearance: float,
-    least_depth: float,
-    bearing_place: float,
-    pin_place: float,
-) -> Arc:
-    """Return where two surfaces may meet; parameters are those of ``press``."""
-    width = 2.0 * math.pi / count
-    b, into = cell_of(bearing_place, count, 0.5)
-    p, p_x = cell_of(pin_place, count, 0.5)
-    here = depth_at(surfaces, BEARING, b, into)[0] + depth_at(surfaces, PIN, p, p_x)[0]
-    # Beyond ``end`` the overlap is negative and less than here: 1 - cos(s) = rise / e.
-    rise = max(here, eccentricity - clearance) - least_depth
-    part = min(max(0.5 * rise / eccentricity, 0.0), 1.0) if eccentricity > 0.0 else 1.0
-    sine = math.sqrt(part)
-    end = 2.0 * sine * (1.0 + (0.5 * math.pi - 1.0) * sine * sine) + 1e-9  # above 2 asin(sine)
-    ahead = max(math.ceil((end - into) / width), 0)
-    cells = min(ahead + math.ceil((end + into) / width), count)
-    # Every cell of the bearing holds a node of the pin at the same place.
-    node = width - p_x + into
-    if node > width:
-        node -= width
-        p -= 1
-    before = behind = 1
-    if width > MAX_SEGMENT:
-        before = max(math.ceil(node / MAX_SEGMENT), 1)
-        behind = max(math.ceil((width - node) / MAX_SEGMENT), 1)
-    return Arc(
-        -ahead * width - into,
-        (b - ahead + 2 * count) % count,
-        (p - ahead + 2 * count) % count,
-        cells,
-        width,
-        node,
-        before,
-        behind,
-        0.5 * node / before,
-        0.5 * (width - node) / behind,
-        eccentricity - clearance - here,
-    )
-
-
-@fused_inlined
-def segment_of(arc: Arc, j: int) -> tuple[float, float]:
-    """Return where segment ``j`` of a cell begins, and half its length, rad."""
-    if j < arc.before:
-        return 2.0 * j * arc.half_before, arc.half_before
-    return arc.node + 2.0 * (j - arc.before) * arc.half_behind, arc.half_behind
 
 
 @fused_inlined
@@ -445,18 +336,14 @@ def part_of(g: Segment, low: float, high: float) -> Segment:
     )
 
 
-@fused_inlined
-def is_monotone(g: Segment) -> bool:
-    """Return whether the coefficients show that the overlap rises, or falls, over a segment."""
-    return abs(g.a1) > 2.0 * abs(g.a2) + 3.0 * abs(g.a3) + 4.0 * abs(g.a4)
-
-
 @fused
 def turning_points(g: Segment) -> tuple[float, float, float]:
     """Return the places between which, and the ends, the overlap of a segment is monotone.
 
     The inflection in the middle and an extremum to each side of it; 1 where there is none.
     """
+    if abs(g.a1) > 2.0 * abs(g.a2) + 3.0 * abs(g.a3) + 4.0 * abs(g.a4):
+        return 1.0, 1.0, 1.0
     low, high = bend_at(g, -1.0), bend_at(g, 1.0)
     middle = 1.0
     if (low > 0.0) != (high > 0.0):
@@ -491,21 +378,19 @@ def add_monotone(g: Segment, low: float, high: float, sums: ArcIntegrals) -> Arc
 @fused
 def add_pressed(g: Segment, sums: ArcIntegrals) -> ArcIntegrals:
     """Return the sums with the pressed parts of a segment."""
-    if is_monotone(g):
-        return add_monotone(g, -1.0, 1.0, sums)
     first, middle, second = turning_points(g)
     sums = add_monotone(g, -1.0, first, sums)
-    sums = add_monotone(g, first, middle, sums)
-    sums = add_monotone(g, middle, second, sums)
-    return add_monotone(g, second, 1.0, sums)
+    if first < 1.0:
+        sums = add_monotone(g, first, middle, sums)
+        sums = add_monotone(g, middle, second, sums)
+        sums = add_monotone(g, second, 1.0, sums)
+    return sums
 
 
 @fused
 def with_peak(g: Segment, middle: float, sums: ArcIntegrals) -> ArcIntegrals:
     """Return the sums with the greatest overlap of a segment, where it is the greatest so far."""
-    first, second = -1.0, 1.0
-    if not is_monotone(g):
-        first, _, second = turning_points(g)
+    first, _, second = turning_points(g)
     overlap, place = sums.overlap, sums.place
     for x in (-1.0, first, second, 1.0):
         value = value_at(g, x)
@@ -532,20 +417,12 @@ def onward(cell: int, x: float, length: float, width: float, count: int) -> tupl
 
 @fused
 def _share_segment(
-    g: Segment,
-    is_whole: bool,
-    bearing_place: float,
-    pin_place: float,
-    shares: Array,
+    g: Segment, is_whole: bool, bearing_place: float, pin_place: float, shares: Array
 ) -> None:
     """Add the integrals of the overlap of a segment over bins.
 
-    Parameters
-    ----------
-    is_whole : bool
-        Whether it is pressed all over.
-    bearing_place, pin_place : float
-        Where the segment begins in both maps, rad.
+    ``is_whole`` says that it is pressed all over. It begins at ``bearing_place`` and ``pin_place``
+    in the two maps, rad.
     """
     bins = shares.shape[1]
     bin_width = 2.0 * math.pi / bins
@@ -597,23 +474,42 @@ def press(
     shares : ndarray, shape (2, n)
         The integrals of the overlap over n bins of bearing and pin, m rad, are added; n may be 0.
     """
-    arc = arc_between(
-        surfaces, count, eccentricity, clearance, least_depth, bearing_place, pin_place
-    )
-    sums = ArcIntegrals(arc.overlap, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    b, p = arc.bearing, arc.pin
-    x = arc.width - arc.node
-    left = place_at(surfaces, eccentricity, clearance, b, p, 0.0, x, arc.start)
-    for i in range(arc.cells):
-        cell = arc.start + i * arc.width
+    width = 2.0 * math.pi / count
+    b, into = cell_of(bearing_place, count, 0.5)
+    p, p_x = cell_of(pin_place, count, 0.5)
+    here = depth_at(surfaces, BEARING, b, into)[0] + depth_at(surfaces, PIN, p, p_x)[0]
+    # Beyond ``end`` the overlap is negative and less than here: 1 - cos(s) = rise / e.
+    rise = max(here, eccentricity - clearance) - least_depth
+    part = min(max(0.5 * rise / eccentricity, 0.0), 1.0) if eccentricity > 0.0 else 1.0
+    sine = math.sqrt(part)
+    end = 2.0 * sine * (1.0 + (0.5 * math.pi - 1.0) * sine * sine) + 1e-9  # above 2 asin(sine)
+    ahead = max(math.ceil((end - into) / width), 0)
+    cells = min(ahead + math.ceil((end + into) / width), count)
+    # Every cell of the bearing holds a node of the pin at the same place.
+    node = width - p_x + into
+    if node > width:
+        node -= width
+        p -= 1
+    before = max(math.ceil(node / MAX_SEGMENT), 1) if width > MAX_SEGMENT else 1
+    behind = max(math.ceil((width - node) / MAX_SEGMENT), 1) if width > MAX_SEGMENT else 1
+    half_before, half_behind = 0.5 * node / before, 0.5 * (width - node) / behind
+    b = (b - ahead + 2 * count) % count
+    p = (p - ahead + 2 * count) % count
+    sums = ArcIntegrals(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    start = -ahead * width - into
+    left = place_at(surfaces, eccentricity, clearance, b, p, 0.0, width - node, start)
+    for i in range(cells):
+        cell = start + i * width
         cube = surfaces[BEARING + CUBE, b]
-        for j in range(arc.before + arc.behind):
-            offset, half = segment_of(arc, j)
-            if j == arc.before:
+        for j in range(before + behind):
+            if j == before:
                 p = p + 1 if p + 1 < count else 0
+            offset, half, pin_x = 2.0 * j * half_before, half_before, width - node
+            if j >= before:
+                offset, half = node + 2.0 * (j - before) * half_behind, half_behind
+                pin_x = -node
             end = offset + 2.0 * half
-            pin_x = end - arc.node if j >= arc.before else end + x
-            right = place_at(surfaces, eccentricity, clearance, b, p, end, pin_x, cell + end)
+            right = place_at(surfaces, eccentricity, clearance, b, p, end, end + pin_x, cell + end)
             quartic = C4 * eccentricity * half * half * half * half
             low, high = bounds_between(left, right, half, quartic)
             if high > 0.0 or high > sums.overlap:

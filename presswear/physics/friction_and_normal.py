@@ -5,7 +5,6 @@ machine code, so that no kernel is compiled again for them.
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -17,9 +16,9 @@ from presswear.linkage.laws import (
     NormalLaw,
 )
 from presswear.tools.compile import Records, address_of, call, compile_function, compiled, inlined
-from presswear.tools.user_function import UserFunction
 
 INLINE = 0  # address of a law that stands in the kernels
+FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, beside it, user law
 
 # A normal law as the kernels see it
 NORMAL = np.dtype(
@@ -28,8 +27,8 @@ NORMAL = np.dtype(
         ("exponent", np.float64),
         ("damping", np.float64),
         ("clearance", np.float64),
-        ("elastic", np.int64),  # address of the elastic force
-        ("damped", np.int64),  # and of the force with its damping
+        ("address", np.int64),  # of a force of NORMAL_PARAMETERS, elastic at rest
+        ("kind", np.int64),  # of damping
         # The power law with which the time of a contact is estimated.
         ("estimated_stiffness", np.float64),
         ("estimated_exponent", np.float64),
@@ -73,16 +72,15 @@ def elastic_force(penetration: float, stiffness: float, exponent: float) -> floa
     return stiffness * penetration**exponent
 
 
-@inlined
-def damped_force(elastic: float, rate: float, onset_speed: float, damping: float) -> float:
-    """Return the elastic force with its damping, N (equation 8); never adhesive."""
-    force = elastic * (1.0 + damping * rate / onset_speed)
-    return force if force > 0.0 else 0.0
-
-
 @compiled
 def liu_force(
-    penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
+    penetration: float,
+    rate: float,
+    onset_speed: float,
+    stiffness: float,
+    exponent: float,
+    damping: float,
+    clearance: float,
 ) -> float:
     """Return the elastic force of a conforming pin, N: K delta^1.5 / sqrt(1 + delta / c).
 
@@ -93,7 +91,13 @@ def liu_force(
 
 @compiled
 def foundation_force(
-    penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
+    penetration: float,
+    rate: float,
+    onset_speed: float,
+    stiffness: float,
+    exponent: float,
+    damping: float,
+    clearance: float,
 ) -> float:
     """Return the force of a round pin on a foundation, N: k_w b R (e s - c sin s), cos s = c / e.
 
@@ -111,46 +115,34 @@ def foundation_force(
     return bed * (penetration * half + clearance * bracket)
 
 
-@compiled
-def kelvin_voigt_force(
-    elastic: float,
-    penetration: float,
-    rate: float,
-    onset_speed: float,
-    stiffness: float,
-    exponent: float,
-    damping: float,
-    clearance: float,
-) -> float:
-    """Return elastic and viscous force, N; ``damping`` is D, N s/m; never adhesive."""
-    return max(elastic + damping * rate, 0.0)
+# Elastic forces of NORMAL_PARAMETERS by name; None stands in the kernels
+ELASTICITIES = {"power": None, "liu": liu_force, "foundation": foundation_force}
 
 
 @inlined
 def elastic_at(law: Records, penetration: float) -> float:
     """Return the elastic force, N, at a penetration, m, by a record of NORMAL."""
-    if law.elastic == INLINE:
+    if law.address == INLINE:
         return elastic_force(penetration, law.stiffness, law.exponent)
     if penetration <= 0.0:
         return 0.0
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
-    return call(law.elastic, (penetration, *rest))
+    return call(law.address, (penetration, 0.0, 1.0, *rest))
 
 
 @inlined
 def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     """Return the elastic force, N, and its energy, J, at a penetration, m."""
     elastic = elastic_at(law, penetration)
-    if law.elastic == INLINE:
+    if law.address == INLINE:
         return elastic, elastic * penetration / (law.exponent + 1.0)
     if penetration <= 0.0:
         return 0.0, 0.0
-    rest = (law.stiffness, law.exponent, law.damping, law.clearance)
     energy = 0.0
     for i in range(len(ABSCISSAE)):
         # In the root of the penetration, which nearly all laws are smooth in.
         x = 0.5 * (1.0 + ABSCISSAE[i])
-        energy += WEIGHTS[i] * x * call(law.elastic, (penetration * x * x, *rest))
+        energy += WEIGHTS[i] * x * elastic_at(law, penetration * x * x)
     return elastic, energy * penetration
 
 
@@ -170,10 +162,15 @@ def normal_force(
     onset_speed : float
         Closing speed at touchdown delta_dot_0, m/s, above zero.
     """
-    if law.damped == INLINE:
-        return damped_force(elastic, rate, onset_speed, law.damping)
+    if law.kind == FACTOR:  # equation 8
+        force = elastic * (1.0 + law.damping * rate / onset_speed)
+        return force if force > 0.0 else 0.0
+    if law.kind == VISCOUS:  # Kelvin and Voigt; ``damping`` is D, N s/m
+        return max(elastic + law.damping * rate, 0.0)
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
-    return call(law.damped, (elastic, penetration, rate, onset_speed, *rest))
+    force = call(law.address, (penetration, rate, onset_speed, *rest))
+    # What is no number stays none, and ends the run.
+    return 0.0 if force < 0.0 else force
 
 
 @inlined
@@ -189,15 +186,7 @@ def friction_ramp(speed: float, lower: float, upper: float) -> float:
 
 @compiled
 def corner_ahead(sliding: float, sense: float, law: Records) -> float:
-    """Return the speed of the next corner of the friction ramp, m/s; infinite without one.
-
-    Parameters
-    ----------
-    sliding : float
-        Where it is looked for from, m/s.
-    sense : float
-        1: upwards, -1: downwards.
-    """
+    """Return the next corner of the friction ramp, m/s, upwards or, by a sense of -1, downwards."""
     nearest = math.inf
     if law.force == INLINE and law.coefficient > 0.0:
         for corner in (-law.upper, -law.lower, law.lower, law.upper):
@@ -223,6 +212,10 @@ def threlfall_friction(
     """Return the friction, N: -c_f F_n (1 - exp(-3 v / v_1)), v up to v_1 (Threlfall 1978)."""
     part = -math.expm1(-3.0 * min(abs(sliding) / upper, 1.0))
     return -math.copysign(coefficient * part * normal, sliding)
+
+
+# Friction forces of FRICTION_PARAMETERS by name, but for the one with bristles
+FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfall_friction}
 
 
 @inlined
@@ -274,20 +267,11 @@ def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) 
 def bristle_in_contact(
     bristle: float, started: float, sliding: float, h: float, law: Records
 ) -> float:
-    """Return the deflection of the bristles after a step in contact, m.
+    """Return the deflection of the bristles, m, after a step h, s, in contact.
 
-    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends. The
-    rule is of second order, exact at constant speed, and does not oscillate where b h is large.
-
-    Parameters
-    ----------
-    bristle : float
-        z at the start of the step, m.
-    started, sliding : float
-        v at the start and at the end of the step, m/s.
-    h : float
-        Step, s.
-    law : record of FRICTION
+    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends,
+    ``started`` and ``sliding``, m/s. The rule is of second order, exact at constant speed, and
+    does not oscillate where b h is large.
     """
     b = abs(started) / stribeck_coefficient(started, law)
     b += abs(sliding) / stribeck_coefficient(sliding, law)
@@ -315,43 +299,8 @@ def bristle_force(
     return -normal * (law.bristle_stiffness * bristle + damping * rate)
 
 
-# Elastic forces by name, of penetration, K, n, damping and c; None stands in the kernels
-ELASTICITIES = {"power": None, "liu": liu_force, "foundation": foundation_force}
-# Friction forces by name, but for the one with bristles
-FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfall_friction}
-
-# Parts of the clearance between which a user law is taken for a power law
-ESTIMATED_AT = (1e-4, 1e-2)
-
-
-# Damped force over the elastic one at the touch from which on a law begins with a jump
-ABRUPT = 1e3
-
-
-def _user_forces(function: UserFunction) -> tuple[Callable[..., float], Callable[..., float]]:
-    """Return the elastic force and damped force of a user law."""
-    force = compile_function(function, NORMAL_PARAMETERS)
-
-    def elastic(
-        penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
-    ) -> float:
-        return force(penetration, 0.0, 1.0, stiffness, exponent, damping, clearance)
-
-    def damped(
-        elastic: float,
-        penetration: float,
-        rate: float,
-        onset_speed: float,
-        stiffness: float,
-        exponent: float,
-        damping: float,
-        clearance: float,
-    ) -> float:
-        total = force(penetration, rate, onset_speed, stiffness, exponent, damping, clearance)
-        # What is no number stays none, and ends the run.
-        return 0.0 if total < 0.0 else total
-
-    return elastic, damped
+ESTIMATED_AT = (1e-4, 1e-2)  # parts of the clearance between which a user law is a power law
+ABRUPT = 1e3  # damped force over the elastic one at the touch from which a law begins with a jump
 
 
 def normal_record(law: NormalLaw, clearance: float) -> Records:
@@ -360,20 +309,19 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     record["stiffness"] = record["estimated_stiffness"] = law.stiffness
     record["exponent"] = record["estimated_exponent"] = law.exponent
     record["damping"], record["clearance"] = law.damping, clearance
-    elastic, damped = ELASTICITIES[law.elasticity], None
+    force = ELASTICITIES[law.elasticity]
     if law.viscosity > 0.0:
-        record["damping"], damped = law.viscosity, kelvin_voigt_force
+        record["damping"], record["kind"] = law.viscosity, VISCOUS
     if law.user_law is not None:
-        elastic, damped = _user_forces(law.user_law)
-    record["elastic"] = INLINE if elastic is None else address_of(elastic, 5)
-    record["damped"] = INLINE if damped is None else address_of(damped, 8)
+        force, record["kind"] = compile_function(law.user_law, NORMAL_PARAMETERS), USER
+    record["address"] = INLINE if force is None else address_of(force, len(NORMAL_PARAMETERS))
     if law.user_law is not None:
         first, last = (part * clearance for part in ESTIMATED_AT)
         low, high = (elastic_of(record, depth)[0] for depth in (first, last))
         exponent = math.log(high / low) / math.log(last / first)
         record["estimated_exponent"] = exponent
         record["estimated_stiffness"] = high / last**exponent
-    if damped is not None:
+    if record["kind"] != FACTOR:
         touched = 1e-9 * clearance
         rest, _ = elastic_of(record, touched)
         record["abrupt"] = normal_force(record, rest, touched, 1.0, 1.0) > ABRUPT * rest
@@ -391,5 +339,5 @@ def friction_record(law: FrictionLaw) -> Records:
         record["bristle_stiffness"] = law.bristle_stiffness
     if law.user_law is not None:
         force = compile_function(law.user_law, FRICTION_PARAMETERS)
-    record["force"] = INLINE if force is None else address_of(force, 5)
+    record["force"] = INLINE if force is None else address_of(force, len(FRICTION_PARAMETERS))
     return record

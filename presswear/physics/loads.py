@@ -21,7 +21,6 @@ from presswear.linkage.loads import (
     Moment,
     OverPosition,
     OverTime,
-    Table,
 )
 from presswear.physics.constraints import lever
 from presswear.tools.compile import (
@@ -41,6 +40,7 @@ SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
 # Branches of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
 # line back from the deepest place. Where a load unloads, OFF follows at the end of that line.
 OFF, RISING, WHOLE, ELASTIC = range(4)
+RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
 # A load as the kernels see it
 LOAD = np.dtype(
@@ -73,6 +73,10 @@ MODE = np.dtype(
         ("turn", np.int64),  # periods that have passed
         ("branch", np.int64),
         ("released", np.bool_),
+        ("low", np.float64),  # positions, m or rad, between which the mode holds, or times, s
+        ("high", np.float64),
+        ("slow", np.float64),  # speeds in the sense of the load between which it does
+        ("fast", np.float64),
         ("deepest", np.float64),  # where the motion turned back last, m or rad
         ("borne", np.float64),  # size there, N or N m
         ("place", np.float64),  # in the last accepted state, m or rad
@@ -87,9 +91,7 @@ MODE = np.dtype(
 
 
 class Loads(NamedTuple):
-    """Loads with a law as the kernels see them.
-
-    Where a linkage has none there is None instead, and no kernel holds any code for them.
+    """Loads with a law as the kernels see them; None where a linkage has none.
 
     Attributes
     ----------
@@ -141,7 +143,7 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
 
 @compiled
 def arm(load: Records, q: Array) -> tuple[float, float]:
-    """Return the from the mass centre to the point at which a load acts, m."""
+    """Return the vector from the mass centre to the point at which a load acts, m."""
     if load.x == 0.0 and load.y == 0.0:
         return 0.0, 0.0
     return lever(load.body, load.x, load.y, q)
@@ -194,12 +196,7 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
     """Return the work of tables over position in a step, J, less that by the trapezoidal rule.
 
     Within a piece a load is linear over the position. Its work follows from both ends, however few
-    steps an elastic load gets.
-
-    Parameters
-    ----------
-    t, q, v : float, ndarray
-        The state at the end of the step, before the modes are brought up to it.
+    steps an elastic load gets. The state is that at the end of the step, before ``settle_loads``.
     """
     if loads is None:
         return 0.0
@@ -218,24 +215,15 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
     return total
 
 
-# Transitions from a mode: to the next or last piece over position, to the next branch and back.
-# A load that unloads leaves its branch WHOLE where the motion turns back, and the elastic line at
-# its ends.
+# Transitions from a mode: past its high and low position, and past its high and low speed
 TRANSITIONS = 4
 MAX_TRANSITIONS = 8  # taken one by one after a step
 TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, s
 
 
-@compiled
+@inlined
 def switching(
-    load: Records,
-    nodes: Array,
-    mode: Records,
-    transition: int,
-    s: float,
-    v: float,
-    a: float,
-    j: float,
+    load: Records, mode: Records, transition: int, s: float, v: float, a: float, j: float
 ) -> tuple[float, float, float, float]:
     """Return the switching function of a transition, and three time derivatives.
 
@@ -246,43 +234,50 @@ def switching(
     s, v, a, j : float
         Position and three derivatives; see ``load_motion``.
     """
-    none = (-math.inf, 0.0, 0.0, 0.0)
     if load.kind != POSITION:
-        return none
-    if transition < 2:
-        sign = 1.0 if transition == 0 else -1.0
-        inwards = sign * load.sense > 0.0
-        unloads = load.unloading > 0.0
-        if mode.released or (unloads and mode.branch == OFF and not inwards):
-            # Back where the table begins.
-            row = 0 if load.sense > 0.0 else load.count - 1
-            if inwards:
-                return none
-        elif unloads and mode.branch != WHOLE:
-            # The deepest place, or where the elastic line comes to zero.
-            end = mode.deepest
-            if inwards == (mode.branch == OFF):
-                end += mode.borne / load.unloading
-            return sign * (s - end), sign * v, sign * a, sign * j
-        else:
-            row = mode.piece if transition == 0 else mode.piece - 1
-            is_shut = mode.branch == OFF or (unloads and not inwards)
-            if is_shut or row < 0 or row == load.count:
-                return none
-        end = nodes[load.first + row, 0]
-        return sign * (s - end), sign * v, sign * a, sign * j
-    if mode.released or load.sense == 0.0:
-        return none
-    sign = load.sense
-    if load.unloading > 0.0:
-        if transition == 2 or mode.branch != WHOLE or mode.piece == beginning(load):
-            return none
-        return -sign * v, -sign * a, -sign * j, 0.0
-    if transition == 2 and mode.branch != WHOLE:
-        return sign * v - (RAMP_SPEED if mode.branch == RISING else 0.0), sign * a, sign * j, 0.0
-    if transition == 3 and mode.branch != OFF:
-        return (RAMP_SPEED if mode.branch == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
-    return none
+        return -math.inf, 0.0, 0.0, 0.0
+    if transition == 0:
+        return s - mode.high, v, a, j
+    if transition == 1:
+        return mode.low - s, -v, -a, -j
+    sense = load.sense
+    if transition == 2:
+        return sense * v - mode.fast, sense * a, sense * j, 0.0
+    return mode.slow - sense * v, -sense * a, -sense * j, 0.0
+
+
+@compiled
+def set_limits(load: Records, nodes: Array, mode: Records) -> None:
+    """Set the positions and speeds between which a mode holds."""
+    mode.low = mode.slow = -math.inf
+    mode.high = mode.fast = math.inf
+    if load.kind == SERIES or load.kind == USER:
+        return
+    first, piece, branch = load.first, mode.piece, mode.branch
+    unloads = load.unloading > 0.0
+    # The next nodes, and of a load in one sense: the one inwards, and where the table begins
+    low = mode.turn * load.period + nodes[first + piece - 1, 0] if piece > 0 else -math.inf
+    high = mode.turn * load.period + nodes[first + piece, 0] if piece < load.count else math.inf
+    inwards, outwards = math.inf * load.sense, -math.inf * load.sense
+    begin = nodes[first if load.sense > 0.0 else first + load.count - 1, 0]
+    if mode.released:
+        outwards = begin
+    elif unloads and branch == OFF:
+        inwards, outwards = mode.deepest + mode.borne / load.unloading, begin
+    elif unloads and branch == ELASTIC:
+        inwards, outwards = mode.deepest, mode.deepest + mode.borne / load.unloading
+    elif unloads:
+        inwards = high if load.sense > 0.0 else low
+        if piece != beginning(load):
+            mode.slow = 0.0
+    else:
+        if branch != OFF:
+            mode.low, mode.high = low, high
+        if load.sense != 0.0:
+            mode.fast = (0.0, RAMP_SPEED, math.inf)[branch]
+            mode.slow = (-math.inf, 0.0, RAMP_SPEED)[branch]
+        return
+    mode.low, mode.high = (outwards, inwards) if load.sense > 0.0 else (inwards, outwards)
 
 
 @inlined
@@ -319,41 +314,37 @@ def take_transition(
     load: Records, nodes: Array, mode: Records, transition: int, s: float, v: float
 ) -> None:
     """Change the mode by a transition."""
-    if load.unloading > 0.0 and not mode.released:
-        inwards = (load.sense > 0.0) == (transition == 0)
-        if transition > 1:
-            # A step may have gone back over a node since it turned.
-            place_mode(load, nodes, mode, s)
-            mode.borne = load_size(load, nodes, mode, 0.0, s, v)
-            mode.deepest = s
-            mode.branch = ELASTIC
-            return
-        if mode.branch == ELASTIC:
-            mode.branch = WHOLE if inwards else OFF
-            return
-        if mode.branch == OFF:
-            mode.branch = ELASTIC if inwards else WHOLE
-            if not inwards:
-                mode.piece = beginning(load)
-            return
-    if transition > 1:
-        mode.branch += 1 if transition == 2 else -1
-        if transition == 2 and mode.branch == RISING:
-            place_mode(load, nodes, mode, s)  # it was not followed while the branch was shut
-        return
-    if mode.released:
+    inwards = (load.sense > 0.0) == (transition == 0)
+    unloads = load.unloading > 0.0
+    if mode.released:  # back where the table begins
         mode.released = False
         mode.piece = beginning(load)
         set_branch(load, mode, v)
-        return
-    mode.piece += 1 if transition == 0 else -1
-    last = load.count if transition == 0 else 0
-    if mode.piece == last:
-        if load.period > 0.0:
-            mode.turn += 1
-            mode.piece = 1
-        elif load.release and (load.sense > 0.0) == (transition == 0):
-            mode.released = True
+    elif unloads and transition > 1:  # turned back
+        # A step may have gone back over a node since it turned.
+        place_mode(load, nodes, mode, s)
+        mode.borne = load_size(load, nodes, mode, 0.0, s, v)
+        mode.deepest = s
+        mode.branch = ELASTIC
+    elif unloads and mode.branch == ELASTIC:
+        mode.branch = WHOLE if inwards else OFF
+    elif unloads and mode.branch == OFF:
+        mode.branch = ELASTIC if inwards else WHOLE
+        if not inwards:
+            mode.piece = beginning(load)
+    elif transition > 1:
+        mode.branch += 1 if transition == 2 else -1
+        if transition == 2 and mode.branch == RISING:
+            place_mode(load, nodes, mode, s)  # it was not followed while the branch was shut
+    else:
+        mode.piece += 1 if transition == 0 else -1
+        if mode.piece == (load.count if transition == 0 else 0):
+            if load.period > 0.0:
+                mode.turn += 1
+                mode.piece = 1
+            elif load.release and inwards:
+                mode.released = True
+    set_limits(load, nodes, mode)
 
 
 @compiled
@@ -370,7 +361,7 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
         s, speed, faster = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
         if load.kind == TIME:
-            while break_of(load, nodes, mode) <= t + TIME_NOISE:
+            while mode.high <= t + TIME_NOISE:
                 take_transition(load, nodes, mode, 0, t, 0.0)
                 changes += 1
         mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
@@ -381,16 +372,17 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
         for _ in range(MAX_TRANSITIONS):
             chosen = -1
             for transition in range(TRANSITIONS):
-                value, rate, _, _ = switching(load, nodes, mode, transition, s, speed, faster, 0.0)
+                value, rate, _, _ = switching(load, mode, transition, s, speed, faster, 0.0)
                 if value > 0.0 or (value == 0.0 and rate > 0.0):
                     chosen = transition
             if chosen < 0:
                 break
             take_transition(load, nodes, mode, chosen, s, speed)
             changes += 1
-        else:
-            place_mode(load, nodes, mode, s)  # a step went over many pieces
+        else:  # a step went over many pieces
+            place_mode(load, nodes, mode, s)
             set_branch(load, mode, speed)
+            set_limits(load, nodes, mode)
         after = load_size(load, nodes, mode, t, s, speed)
         if changes > changes_before:
             mode.changed = t
@@ -400,30 +392,20 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
 
 
 @compiled
-def break_of(load: Records, nodes: Array, mode: Records) -> float:
-    """Return the time at which a table over time bends next, s."""
-    if load.kind != TIME or mode.piece == load.count:
-        return math.inf
-    return mode.turn * load.period + nodes[load.first + mode.piece, 0]
-
-
-@compiled
 def next_break(loads: Loads | None) -> float:
     """Return the time of the next bend or jump over time of any load, s."""
-    if loads is None:
-        return math.inf
     earliest = math.inf
-    for k in range(loads.records.shape[0]):
-        earliest = min(earliest, break_of(loads.records[k], loads.nodes, loads.modes[k]))
+    if loads is not None:
+        for k in range(loads.records.shape[0]):
+            if loads.records[k].kind == TIME:
+                earliest = min(earliest, loads.modes[k].high)
     return earliest
 
 
 @compiled
 def count_transitions(loads: Loads | None) -> int:
     """Return the number of possible transitions of all loads."""
-    if loads is None:
-        return 0
-    return TRANSITIONS * loads.records.shape[0]
+    return 0 if loads is None else TRANSITIONS * loads.records.shape[0]
 
 
 @compiled
@@ -436,7 +418,7 @@ def transition_value(
     load = loads.records[k // TRANSITIONS]
     s, speed, faster = load_motion(load, q, v, a)
     mode = loads.modes[k // TRANSITIONS]
-    value, rate, _, _ = switching(load, loads.nodes, mode, k % TRANSITIONS, s, speed, faster, 0.0)
+    value, rate, _, _ = switching(load, mode, k % TRANSITIONS, s, speed, faster, 0.0)
     return value, rate
 
 
@@ -446,24 +428,13 @@ def transition_at_start(
 ) -> tuple[float, float, float, float]:
     """Return a switching function in the last accepted state, and its derivatives.
 
-    Parameters
-    ----------
-    change : float
-        Part of the change of the acceleration that is counted on.
+    ``change`` is the part of the change of the acceleration that is counted on.
     """
     if loads is None:
         return -math.inf, 0.0, 0.0, 0.0
-    mode = loads.modes[k // TRANSITIONS]
-    return switching(
-        loads.records[k // TRANSITIONS],
-        loads.nodes,
-        mode,
-        k % TRANSITIONS,
-        mode.place,
-        mode.speed,
-        mode.faster,
-        change * mode.change,
-    )
+    load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
+    jerk = change * mode.change
+    return switching(load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.faster, jerk)
 
 
 @compiled
@@ -486,29 +457,28 @@ def greatest_jump(loads: Loads | None) -> float:
     return jump
 
 
+@compiled
 def place_loads(loads: Loads, q: Array, v: Array) -> None:
     """Set all modes in an initial state, at t = 0."""
-    for load, mode in zip(loads.records, loads.modes, strict=True):
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
+        mode = loads.modes[k]
         s, speed, _ = load_motion(load, q, v, v)
-        mode["place"], mode["speed"] = s, speed
-        place_mode(load, loads.nodes, mode, 0.0 if load["kind"] == TIME else s)
+        mode.place, mode.speed = s, speed
+        place_mode(load, loads.nodes, mode, 0.0 if load.kind == TIME else s)
         set_branch(load, mode, speed)
-        turned = load["unloading"] > 0.0 and load["sense"] * speed < 0.0
-        if turned and not mode["released"] and mode["piece"] != beginning(load):
+        set_limits(load, loads.nodes, mode)
+        # A motion out of the table begins at its deepest place.
+        if load.unloading > 0.0 and load.sense * speed < mode.slow:
             take_transition(load, loads.nodes, mode, TRANSITIONS - 1, s, speed)
 
 
 @compiled
-def _follow_sizes(loads: Loads, motion: Array, sizes: Array, work: Array) -> None:
-    """Fill sizes, shape (n, loads), of loads over a coordinate; see ``sizes_over``.
-
-    Parameters
-    ----------
-    motion : ndarray, shape (n, 4)
-    work : ndarray, shape (3, 3)
-        Room for coordinates, rates and accelerations of one body.
-    """
-    q, v, a = work
+def _follow_sizes(loads: Loads, motion: Array, sizes: Array, levels: Array) -> None:
+    """Fill the sizes of ``sizes_over``; ``levels`` is room for the motion of one body."""
+    q, v, a = levels
+    q[0], v[0] = motion[0, 1], motion[0, 2]
+    place_loads(loads, q, v)
     for i in range(motion.shape[0]):
         t = motion[i, 0]
         q[0], v[0], a[0] = motion[i, 1], motion[i, 2], motion[i, 3]
@@ -534,16 +504,10 @@ def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) ->
     chosen = tuple(laws)
     records = np.zeros(len(chosen), LOAD)
     records["cosine"] = 1.0
-    loads = pack_laws(records, chosen, linkage)
-    sizes, work = np.zeros((len(motion), len(chosen))), np.zeros((3, 3))
+    loads, sizes = _pack_laws(records, chosen, linkage), np.zeros((len(motion), len(chosen)))
     if sizes.size:
-        work[:, 0] = motion[0, 1:]
-        place_loads(loads, work[0], work[1])
-        _follow_sizes(loads, np.ascontiguousarray(motion), sizes, work)
+        _follow_sizes(loads, np.ascontiguousarray(motion), sizes, np.zeros((3, 3)))
     return sizes
-
-
-RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
 
 def pack_loads(linkage: Linkage) -> Loads | None:
@@ -558,48 +522,40 @@ def pack_loads(linkage: Linkage) -> Loads | None:
             point = load.attachment
             record["x"], record["y"] = point.x, point.y
             record["cosine"], record["sine"] = math.cos(load.direction), math.sin(load.direction)
-    return pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
+    return _pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
 
 
-def pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Loads:
+def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Loads:
     """Return loads from their laws and from records of where they act, which are filled."""
     nodes: list[tuple[float, float]] = []
     for record, law in zip(records, laws, strict=True):
-        law_nodes = _pack_law(record, law, linkage)
-        record["first"], record["count"] = len(nodes), len(law_nodes)
-        nodes += law_nodes
-    table = np.array(nodes, dtype=np.float64).reshape(-1, 2)
-    return Loads(records, table, np.zeros(len(records), MODE))
+        table: Sequence[tuple[float, float]] = ()
+        if isinstance(law, OverTime):
+            period = linkage.period if law.period is None else law.period
+            record["kind"], record["held"], record["period"] = TIME, True, period
+            table = _whole_period(law, period)
+        elif isinstance(law, OverPosition):
+            record["kind"], record["held"] = POSITION, law.outside == "hold"
+            record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
+            record["zero"], record["release"] = law.zero, law.release
+            record["unloading"], table = law.unloading, law.table
+        elif isinstance(law, UserFunction):
+            kernel = compile_function(law, LOAD_PARAMETERS)
+            record["kind"], record["address"] = USER, address_of(kernel, len(LOAD_PARAMETERS))
+        elif isinstance(law, Harmonics):
+            record["kind"], table = SERIES, law.harmonics
+            record["mean"], record["frequency"] = law.mean, law.frequency
+        else:
+            record["kind"], record["mean"] = SERIES, law
+        record["first"], record["count"] = len(nodes), len(table)
+        nodes += table
+    points = np.array(nodes, dtype=np.float64).reshape(-1, 2)
+    return Loads(records, points, np.zeros(len(records), MODE))
 
 
-def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[float, float]]:
-    """Fill the law of a record; returns its nodes."""
-    if isinstance(law, OverTime):
-        period = linkage.period if law.period is None else law.period
-        record["kind"], record["held"], record["period"] = TIME, True, period
-        return _whole_period(law.table, period)
-    if isinstance(law, OverPosition):
-        record["kind"], record["held"] = POSITION, law.outside == "hold"
-        record["zero"] = law.zero
-        record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
-        record["release"] = law.release
-        record["unloading"] = law.unloading
-        return list(law.table)
-    if isinstance(law, UserFunction):
-        record["kind"] = USER
-        record["address"] = address_of(compile_function(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))
-        return []
-    record["kind"] = SERIES
-    if isinstance(law, Harmonics):
-        record["mean"], record["frequency"] = law.mean, law.frequency
-        return list(law.harmonics)
-    record["mean"] = law
-    return []
-
-
-def _whole_period(table: Table, period: float) -> list[tuple[float, float]]:
+def _whole_period(law: OverTime, period: float) -> list[tuple[float, float]]:
     """Return a table from 0 to its period, with what lies between its last node and its first."""
-    nodes = list(table)
+    nodes = list(law.table)
     if period == 0.0:
         return nodes
     (x0, y0), (x1, y1) = nodes[0], nodes[-1]
@@ -615,9 +571,9 @@ def _whole_period(table: Table, period: float) -> list[tuple[float, float]]:
 # A spring as the kernels see it
 SPRING = np.dtype(
     [
-        ("first", np.int64),
+        ("first", np.int64),  # index of a body's x in q; -1 for the frame
         ("second", np.int64),
-        ("x1", np.float64),
+        ("x1", np.float64),  # points in their bodies' frames, m
         ("y1", np.float64),
         ("x2", np.float64),
         ("y2", np.float64),
@@ -629,10 +585,10 @@ SPRING = np.dtype(
 
 
 @compiled
-def reach(
-    spring: Records, x1: float, y1: float, x2: float, y2: float, q: Array
-) -> tuple[float, float]:
-    """Return the vector between both ends, m, from their places relative to their bodies."""
+def spring_vectors(spring: Records, q: Array) -> tuple[float, float, float, float, float, float]:
+    """Return both ends from their mass centres, and the second end from the first, m."""
+    x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
+    x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
     dx, dy = x2 - x1, y2 - y1
     if spring.first >= 0:
         dx -= q[spring.first]
@@ -640,7 +596,7 @@ def reach(
     if spring.second >= 0:
         dx += q[spring.second]
         dy += q[spring.second + 1]
-    return dx, dy
+    return x1, y1, x2, y2, dx, dy
 
 
 @compiled
@@ -648,12 +604,9 @@ def spring_energy(springs: Records, q: Array) -> float:
     """Return the energy of all springs, J."""
     energy = 0.0
     for i in range(springs.shape[0]):
-        spring = springs[i]
-        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
-        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
-        dx, dy = reach(spring, x1, y1, x2, y2, q)
-        stretch = math.sqrt(dx * dx + dy * dy) - spring.length
-        energy += 0.5 * spring.stiffness * stretch * stretch
+        _, _, _, _, dx, dy = spring_vectors(springs[i], q)
+        stretch = math.sqrt(dx * dx + dy * dy) - springs[i].length
+        energy += 0.5 * springs[i].stiffness * stretch * stretch
     return energy
 
 
@@ -663,30 +616,24 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
     power = 0.0
     for i in range(springs.shape[0]):
         spring = springs[i]
-        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
-        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
-        dx, dy = reach(spring, x1, y1, x2, y2, q)
+        x1, y1, x2, y2, dx, dy = spring_vectors(spring, q)
+        ends = ((spring.first, x1, y1, -1.0), (spring.second, x2, y2, 1.0))
         dvx = dvy = 0.0
-        if spring.first >= 0:
-            dvx -= v[spring.first] - v[spring.first + 2] * y1
-            dvy -= v[spring.first + 1] + v[spring.first + 2] * x1
-        if spring.second >= 0:
-            dvx += v[spring.second] - v[spring.second + 2] * y2
-            dvy += v[spring.second + 1] + v[spring.second + 2] * x2
+        for b, x, y, sign in ends:
+            if b >= 0:
+                dvx += sign * (v[b] - v[b + 2] * y)
+                dvy += sign * (v[b + 1] + v[b + 2] * x)
         length = math.sqrt(dx * dx + dy * dy)
         rate = (dx * dvx + dy * dvy) / length
         pull = spring.stiffness * (length - spring.length) + spring.damping * rate
         power -= spring.damping * rate * rate
-        fx = pull * dx / length
-        fy = pull * dy / length
-        if spring.first >= 0:
-            force[spring.first] += fx
-            force[spring.first + 1] += fy
-            force[spring.first + 2] += x1 * fy - y1 * fx
-        if spring.second >= 0:
-            force[spring.second] -= fx
-            force[spring.second + 1] -= fy
-            force[spring.second + 2] -= x2 * fy - y2 * fx
+        for b, x, y, sign in ends:
+            if b >= 0:
+                fx = -sign * pull * dx / length
+                fy = -sign * pull * dy / length
+                force[b] += fx
+                force[b + 1] += fy
+                force[b + 2] += x * fy - y * fx
     return power
 
 
@@ -694,10 +641,8 @@ def pack_springs(linkage: Linkage) -> Records:
     """Return the springs of a linkage as records of SPRING."""
     springs = np.zeros(len(linkage.springs), SPRING)
     for record, spring in zip(springs, linkage.springs, strict=True):
-        for end, point in zip("12", spring.ends, strict=True):
-            record["first" if end == "1" else "second"] = (
-                -1 if point.body == GROUND else 3 * linkage.index(point.body)
-            )
+        for end, body, point in zip("12", ("first", "second"), spring.ends, strict=True):
+            record[body] = -1 if point.body == GROUND else 3 * linkage.index(point.body)
             record["x" + end], record["y" + end] = point.x, point.y
         record["stiffness"], record["damping"] = spring.stiffness, spring.damping
         record["length"] = spring.length

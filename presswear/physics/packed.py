@@ -16,10 +16,9 @@ from presswear.physics.loads import (
     load_forces,
     pack_loads,
     pack_springs,
-    settle_loads,
     spring_forces,
 )
-from presswear.tools.compile import Records, compiled, copy_to, inlined
+from presswear.tools.compile import Records, copy_to, inlined
 
 Array = NDArray[np.float64]
 
@@ -54,39 +53,19 @@ JOINT = np.dtype(
 
 
 class Packed(NamedTuple):
-    """A linkage as the kernels see it.
-
-    Attributes
-    ----------
-    joints : records of JOINT
-    surfaces : ndarray, shape (joints, ROWS, m)
-        The worn surfaces, see ``packed_rows``, each joint's in the first of the m columns; m = 0
-        where none is worn.
-    springs : records of SPRING
-    loads : Loads or None
-    mass, weight : ndarray, shape (3 bodies,)
-        Diagonal of the mass matrix; constant generalized forces.
-    driven : ndarray of int, shape (drives,)
-        Indices of the angles of the driven bodies in q.
-    """
+    """A linkage as the kernels see it."""
 
     joints: Records
-    surfaces: Array
+    surfaces: Array  # (joints, ROWS, m); each in the first of the m columns, see ``packed_rows``
     springs: Records
     loads: Loads | None
-    mass: Array
-    weight: Array
-    driven: NDArray[np.int64]
+    mass: Array  # diagonal of the mass matrix, (3 bodies,)
+    weight: Array  # constant generalized forces, (3 bodies,)
+    driven: NDArray[np.int64]  # indices of the angles of the driven bodies in q
 
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
-    """Pack a linkage for the kernels.
-
-    Parameters
-    ----------
-    wearing : bool
-        Whether surfaces that are round now wear while they run.
-    """
+    """Pack a linkage for the kernels; ``wearing``: surfaces that are round now wear in a run."""
     joints = pack_joints(linkage)
     pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
     for record, joint, pair in zip(joints, linkage.clearances, pairs, strict=True):
@@ -110,9 +89,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
 
 def mass_of(linkage: Linkage) -> Array:
     """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
-    return np.array(
-        [x for body in linkage.bodies for x in (body.mass, body.mass, body.effective_inertia)]
-    )
+    return np.ravel([(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies])
 
 
 def weight_of(linkage: Linkage) -> Array:
@@ -190,22 +167,13 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
 def applied_forces(packed: Packed, t: float, q: Array, v: Array, force: Array) -> float:
     """Fill the generalized forces, shape (3 bodies,), before those of contacts.
 
-    Returns
-    -------
-    float
-        Power that no stored energy stands for, of loads with a law and of dampers, W.
+    Returns the power that no stored energy stands for, of loads with a law and of dampers, W.
     """
     copy_to(force, packed.weight)
     power = 0.0
     if packed.springs.shape[0] > 0:
         power = spring_forces(packed.springs, q, v, force)
     return power + load_forces(packed.loads, t, q, v, force)
-
-
-@compiled
-def settle_modes(packed: Packed, t: float, q: Array, v: Array, a: Array) -> int:
-    """Bring the modes of the loads up to an accepted state; returns how many have changed."""
-    return settle_loads(packed.loads, t, q, v, a)
 
 
 def has_work(packed: Packed) -> bool:

@@ -67,18 +67,12 @@ CLOSED = 1e-12  # newton step behind which the rows are those of the place found
 
 
 class Prescribed(NamedTuple):
-    """Prescribed bodies, parents before children.
-
-    Attributes
-    ----------
-    parts : records of PART
-    closings : records of CLOSING
-    work : ndarray, shape (HEAD + 4 closings, parts or 2)
-        Their last motion, from which the next is found, and working space.
-    """
+    """Prescribed bodies, parents before children."""
 
     parts: Records
     closings: Records
+    # Their last motion, from which the next is found, and working space, see PLACE and what
+    # follows: (HEAD + 4 closings, parts or 2)
     work: Array
 
 
@@ -109,11 +103,7 @@ def place_prescribed(
     """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
 
     Not finite where their loops do not close near where they are expected, on the same side.
-
-    Parameters
-    ----------
-    axes : ndarray, shape (3 bodies,)
-        Cosine and sine of each body's angle, in the places of its x and y.
+    ``axes`` are those of ``place_links``.
     """
     parts, closings, work = prescribed
     ahead = t - work[LAST, TIME]
@@ -152,15 +142,14 @@ def _end(
 ) -> None:
     """Add one end of a closing pin to its two rows, and its place to what they are short of."""
     parts, _, work = prescribed
-    right = work[RIGHT]
     px, py = x, y
     if i >= 0:
         b = parts[i].body
         px, py = arm(x, y, axes, b)
         px += q[b]
         py += q[b + 1]
-    right[row] += sign * px
-    right[row + 1] += sign * py
+    work[RIGHT, row] += sign * px
+    work[RIGHT, row + 1] += sign * py
     across, up = work[HEAD + row], work[HEAD + row + 1]
     while i >= 0:
         part = parts[i]
@@ -177,7 +166,7 @@ def _end(
         i = part.below
 
 
-@compiled
+@lazily_compiled(0, SOME, np.int64(0))
 def _solve(prescribed: Prescribed, row: int) -> float:
     """Solve for the right-hand side by Gauss elimination, and subtract it from a row of ``work``.
 
@@ -261,38 +250,18 @@ def _follow(prescribed: Prescribed) -> None:
         _solve(prescribed, level)
 
 
-@lazily_compiled(0, SOME, np.int64(0), 0)
-def _with_turned(prescribed: Prescribed, i: int, needed: float) -> float:
-    """Return a torque, N m, with the share of the parts without a drive that part ``i`` turns."""
-    parts, closings, work = prescribed
-    borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
-    for r in range(2 * closings.shape[0]):
-        right[r] = work[HEAD + r, i]
-    turns[:] = 0.0
-    _solve(prescribed, TURNS)
-    for k in range(parts.shape[0]):
-        needed += borne[k] * turns[k]
-    return needed
-
-
 @inlined
 def drive_torques(
     prescribed: Prescribed, q: Array, axes: Array, force: Array, torque: Array
 ) -> None:
     """Fill the torques, N m, that drives must give against the generalized forces on all parts.
 
-    Those of inertia are among the forces. By virtual work: what a part bears about its hinge,
-    times its turn with the drive.
-
-    Parameters
-    ----------
-    force : ndarray, shape (3 bodies,)
-        Passed down to what the parts hang from.
-    torque : ndarray, shape (drives,)
-        Those of drives of other bodies stay.
+    Those of inertia are among the forces, which are passed down to what the parts hang from. By
+    virtual work: what a part bears about its hinge, times its turn with the drive. Torques of
+    drives of other bodies stay.
     """
     parts, closings, work = prescribed
-    borne = work[BORNE]
+    borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
     for i in range(parts.shape[0] - 1, -1, -1):
         part = parts[i]
         b = part.body
@@ -313,7 +282,13 @@ def drive_torques(
             continue
         needed = borne[i]
         if closings.shape[0] > 0:
-            needed = _with_turned(prescribed, i, needed)
+            # With the share of the parts without a drive that it turns.
+            for r in range(2 * closings.shape[0]):
+                right[r] = work[HEAD + r, i]
+            turns[:] = 0.0
+            _solve(prescribed, TURNS)
+            for k in range(parts.shape[0]):
+                needed += borne[k] * turns[k]
         torque[parts[i].drive] = -needed
 
 
@@ -373,19 +348,10 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
 
 @dataclass(frozen=True)
 class Tree:
-    """A linkage as an open tree.
-
-    Attributes
-    ----------
-    links : records of LINK
-    names : tuple of str
-        Body of each link.
-    prescribed : Prescribed
-        Bodies from which it hangs.
-    """
+    """A linkage as an open tree that hangs from prescribed bodies and the frame."""
 
     links: Records
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # body of each link
     prescribed: Prescribed
 
     @property

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Guide
 from presswear.linkage.linkage import Branch, Linkage
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,6 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Ar
     x, u : ndarray, shape (coordinates,)
         Angles relative to the parent, or ways along guides, rad or m, and rates; of a loose
         body x, y and angle.
-    q, v : ndarray, shape (3 bodies,)
     axes : ndarray, shape (3 bodies,)
         Cosine and sine of each body's angle, in the places of its x and y. Those of the
         prescribed bodies must be there already, like their coordinates and rates.
@@ -168,12 +167,8 @@ def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Arr
 def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Array) -> None:
     """Turn forces on the bodies into forces on the coordinates of the tree, J^T f.
 
-    Parameters
-    ----------
-    force : ndarray, shape (3 bodies,)
-        On the mass centres. Passed down the branches: at the end each body holds what
-        it and all that hangs from it bear, prescribed bodies included.
-    out : ndarray, shape (coordinates,)
+    Forces on the mass centres are passed down the branches: at the end each body holds what it and
+    all that hangs from it bear, prescribed bodies included.
     """
     for i in range(links.shape[0] - 1, -1, -1):
         link = links[i]
@@ -243,16 +238,7 @@ ARTICULATED = np.dtype(
 def articulate(
     links: Records, v: Array, axes: Array, carried: Array, force: Array, bodies: Records
 ) -> None:
-    """Fill the articulated bodies of a tree, from the leaves inwards.
-
-    Parameters
-    ----------
-    carried : ndarray, shape (links, CARRIED)
-        See ``carry_branches``.
-    force : ndarray, shape (3 bodies,)
-        On the mass centres.
-    bodies : records of ARTICULATED, shape (links,)
-    """
+    """Fill the articulated bodies of a tree under forces, N and N m, from the leaves inwards."""
     for i in range(links.shape[0]):
         link, child = links[i], bodies[i]
         b = link.body
@@ -285,52 +271,49 @@ def articulate(
         before = v[p + 2] * v[p + 2]
         child.cx, child.cy = square * rx - before * px, square * ry - before * py
         child.dx, child.dy = px - rx, py - ry
-        _add_to_parent(child, bodies[link.parent])
-
-
-@inlined
-def _add_to_parent(child: Records, parent: Records) -> None:
-    """Add to a link what it feels of one that hangs from it."""
-    # Along its coordinate it gives way.
-    part = child.mobility
-    xx = child.xx - part * child.ux * child.ux
-    xy = child.xy - part * child.ux * child.uy
-    yy = child.yy - part * child.uy * child.uy
-    xt = child.xt - part * child.ux * child.ut
-    yt = child.yt - part * child.uy * child.ut
-    tt = child.tt - part * child.ut * child.ut
-    part *= child.force
-    fx = child.fx - part * child.ux - xx * child.cx - xy * child.cy
-    fy = child.fy - part * child.uy - xy * child.cx - yy * child.cy
-    ft = child.ft - part * child.ut - xt * child.cx - yt * child.cy
-    turned_x = child.dx * xy - child.dy * xx
-    turned_y = child.dx * yy - child.dy * xy
-    parent.xx += xx
-    parent.xy += xy
-    parent.yy += yy
-    parent.xt += turned_x + xt
-    parent.yt += turned_y + yt
-    parent.tt += child.dx * (turned_y + 2.0 * yt) - child.dy * (turned_x + 2.0 * xt) + tt
-    parent.fx += fx
-    parent.fy += fy
-    parent.ft += child.dx * fy - child.dy * fx + ft
+        parent = bodies[link.parent]
+        # Along its coordinate it gives way.
+        part = child.mobility
+        xx = child.xx - part * child.ux * child.ux
+        xy = child.xy - part * child.ux * child.uy
+        yy = child.yy - part * child.uy * child.uy
+        xt = child.xt - part * child.ux * child.ut
+        yt = child.yt - part * child.uy * child.ut
+        tt = child.tt - part * child.ut * child.ut
+        part *= child.force
+        fx = child.fx - part * child.ux - xx * child.cx - xy * child.cy
+        fy = child.fy - part * child.uy - xy * child.cx - yy * child.cy
+        ft = child.ft - part * child.ut - xt * child.cx - yt * child.cy
+        turned_x = child.dx * xy - child.dy * xx
+        turned_y = child.dx * yy - child.dy * xy
+        parent.xx += xx
+        parent.xy += xy
+        parent.yy += yy
+        parent.xt += turned_x + xt
+        parent.yt += turned_y + yt
+        parent.tt += child.dx * (turned_y + 2.0 * yt) - child.dy * (turned_x + 2.0 * xt) + tt
+        parent.fx += fx
+        parent.fy += fy
+        parent.ft += child.dx * fy - child.dy * fx + ft
 
 
 @inlined
 def release(links: Records, bodies: Records, u_t: Array, a: Array) -> None:
-    """Fill the accelerations of a tree whose articulated bodies are known, outwards.
-
-    Parameters
-    ----------
-    u_t : ndarray, shape (coordinates,)
-    a : ndarray, shape (3 bodies,)
-        Those of the bodies of the tree.
-    """
+    """Fill the accelerations of a tree and its bodies from ``articulate``, outwards."""
     for i in range(links.shape[0]):
         link, child = links[i], bodies[i]
         b, c = link.body, link.place
         if link.kind == LOOSE:
-            _let_go(child, a[b : b + 3])
+            # The three equations of its inertia, without its turn first: what hangs from it never
+            # makes the two for its translation singular.
+            xx, xy, yy, xt, yt = child.xx, child.xy, child.yy, child.xt, child.yt
+            part = 1.0 / (xx * yy - xy * xy)
+            free_x = part * (yy * child.fx - xy * child.fy)
+            free_y = part * (xx * child.fy - xy * child.fx)
+            turn_x, turn_y = part * (yy * xt - xy * yt), part * (xx * yt - xy * xt)
+            turn = child.ft - xt * free_x - yt * free_y
+            turn /= child.tt - xt * turn_x - yt * turn_y
+            a[b], a[b + 1], a[b + 2] = free_x - turn * turn_x, free_y - turn * turn_y, turn
             u_t[c], u_t[c + 1], u_t[c + 2] = a[b], a[b + 1], a[b + 2]
             continue
         ax, ay, at = child.cx, child.cy, 0.0
@@ -344,16 +327,3 @@ def release(links: Records, bodies: Records, u_t: Array, a: Array) -> None:
         a[b] = ax + child.sx * own_t
         a[b + 1] = ay + child.sy * own_t
         a[b + 2] = at + child.st * own_t
-
-
-@compiled
-def _let_go(child: Records, a: Array) -> None:
-    """Fill the acceleration of a body that nothing holds: its inertia's three equations."""
-    xx, xy, yy, xt, yt, tt = child.xx, child.xy, child.yy, child.xt, child.yt, child.tt
-    fx, fy, ft = child.fx, child.fy, child.ft
-    # Without its turn first: what hangs from it never makes these two equations singular.
-    part = 1.0 / (xx * yy - xy * xy)
-    free_x, free_y = part * (yy * fx - xy * fy), part * (xx * fy - xy * fx)
-    turn_x, turn_y = part * (yy * xt - xy * yt), part * (xx * yt - xy * xt)
-    turn = (ft - xt * free_x - yt * free_y) / (tt - xt * turn_x - yt * turn_y)
-    a[0], a[1], a[2] = free_x - turn * turn_x, free_y - turn * turn_y, turn

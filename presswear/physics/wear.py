@@ -32,22 +32,15 @@ def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
 
 @inlined
 def contact_area(
-    penetration: float,
-    eccentricity: float,
-    bearing_radius: float,
-    pin_radius: float,
-    width: float,
+    penetration: float, eccentricity: float, bearing_radius: float, pin_radius: float, width: float
 ) -> float:
     """Return the contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27).
 
     cos beta + 1 is formed from the penetration itself; equation 25 as printed loses
     ten digits to cancellation.
     """
-    above = (
-        penetration
-        * (eccentricity + pin_radius + bearing_radius)
-        / (2.0 * eccentricity * pin_radius)
-    )
+    reach = eccentricity + pin_radius + bearing_radius
+    above = penetration * reach / (2.0 * eccentricity * pin_radius)
     # A pin worn to less than half the bearing would meet it over more than a half turn.
     sine: float = 1.0 if above >= 1.0 else math.sqrt(above * (2.0 - above))
     return 2.0 * width * bearing_radius * sine
@@ -74,19 +67,8 @@ def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, 
 
 
 @compiled
-def deposit_in_bin(
-    depth: Array,
-    joint: Records,
-    contact: Records,
-    pressure_dose: float,
-) -> None:
-    """Add the wear of a dose p ds, N/m, to the bins of the contact.
-
-    Parameters
-    ----------
-    depth : ndarray, shape (2, m)
-        Depth of bearing and pin, m.
-    """
+def deposit_in_bin(depth: Array, joint: Records, contact: Records, pressure_dose: float) -> None:
+    """Add the wear of a dose p ds, N/m, to the bins of the contact in the depths, shape (2, m)."""
     added = joint.wear_coefficient * pressure_dose
     count = depth.shape[1]
     turns = joint.map_turns
@@ -107,14 +89,7 @@ def deposit_over_arc(
 ) -> None:
     """Add the wear of a dose F_n ds, N m, wherever the surfaces overlap.
 
-    Parameters
-    ----------
-    depth : ndarray, shape (2, n)
-        Depth of bearing and pin, m.
-    surfaces : ndarray, shape (ROWS, m)
-        Not looked at while they are round.
-    shares : ndarray, shape (2, n)
-        Working space; zero, and left so.
+    ``depth`` and ``shares``, a working space that is zero and left so, have the shape (2, n).
     """
     count = depth.shape[1]
     bearing_zero = joint.map_turns * contact.bearing_angle

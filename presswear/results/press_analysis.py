@@ -778,9 +778,9 @@ class Conformity:
     @property
     def forces(self) -> tuple[float, float]:
         """Forces of K delta^1.5 and of Liu's law over that of the foundation."""
-        item = (max(self.part, 0.0), 1.0, 1.5)
-        whole = foundation_force(*item, 0.0, 1.0)
-        return elastic_force(*item) / whole, liu_force(*item, 0.0, 1.0) / whole
+        depth, law = max(self.part, 0.0), (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
+        whole = foundation_force(depth, *law)
+        return elastic_force(depth, 1.0, 1.5) / whole, liu_force(depth, *law) / whole
 
     @property
     def words(self) -> str:

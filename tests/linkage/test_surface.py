@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
 from presswear.physics.foundation import BEARING, bin_of, packed_rows
-from presswear.physics.foundation import curvature as packed_curvature
 from presswear.physics.foundation import profile as packed_profile
 
 Array = NDArray[np.float64]
@@ -25,16 +24,10 @@ depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=dep
 angles = st.floats(-50.0, 50.0)
 
 
-def profile(surface: Surface, angle: float) -> tuple[float, float]:
-    """Depth and slope as the kernels have them."""
+def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
+    """Depth, slope and second derivative as the kernels have them."""
     count = surface.depth.size
     return packed_profile(packed_rows(surface, count), BEARING, count, angle)
-
-
-def curvature(surface: Surface, angle: float) -> float:
-    """Second derivative as the kernels have it."""
-    count = surface.depth.size
-    return packed_curvature(packed_rows(surface, count), BEARING, count, angle)
 
 
 def _scale(surface: Surface) -> float:
@@ -57,7 +50,7 @@ def test_passes_through_the_bin_centres(depth: Array) -> None:
 @given(depths, angles)
 def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
     surface = Surface(depth)
-    value, _ = profile(surface, angle)
+    value = profile(surface, angle)[0]
     left = math.floor(angle * depth.size / TURN - 0.5)
     # On a knot, rounding may place the angle in either interval.
     near = [depth[(left + k) % depth.size] for k in (-1, 0, 1, 2)]
@@ -80,9 +73,9 @@ def test_slope_and_curvature_are_derivatives_inside_an_interval() -> None:
         slope = profile(surface, angle)[1]
         assert slope == pytest.approx(quotient(0, 1e-4), abs=1e-12)
         # The slope is a parabola there: a central difference has no truncation error.
-        curved = curvature(surface, angle)
+        curved = profile(surface, angle)[2]
         assert curved == pytest.approx(quotient(1, 1e-3), abs=1e-14)
-    assert curvature(Surface(), 1.0) == 0.0
+    assert profile(Surface(), 1.0) == (0.0, 0.0, 0.0)
 
 
 def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
@@ -96,7 +89,7 @@ def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
 def test_halfway_up_a_step_by_hand() -> None:
     # Halfway up a symmetric step between flats: half the height, slope 3/2 per bin.
     surface = Surface(np.array([0.0, 0.0, 2.0, 2.0]))
-    value, slope = profile(surface, math.pi)
+    value, slope, _ = profile(surface, math.pi)
     assert value == pytest.approx(1.0, rel=1e-14)
     assert slope == pytest.approx(1.5 * 2.0 / (0.5 * math.pi), rel=1e-14)
 

@@ -34,8 +34,12 @@ from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK, note_forces
 from presswear.physics.friction_and_normal import corner_ahead
-from presswear.physics.loads import count_transitions, next_break, transition_value
-from presswear.physics.packed import settle_modes
+from presswear.physics.loads import (
+    count_transitions,
+    next_break,
+    settle_loads,
+    transition_value,
+)
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     contact_step,
@@ -380,7 +384,7 @@ def march_controlled(address: PackedArguments, end: float) -> int:
         t = end if last_step else t + h
         copy_to(motion.y, motion.trial)
         q, v, a, _, _ = system.state
-        changed = settle_modes(system.packed, t, q, v, a)
+        changed = settle_loads(system.packed.loads, t, q, v, a)
         if 0 <= k < joints:
             rate = switch(address, k, t)
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
@@ -445,7 +449,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         place(system.tree, system.state, t, motion.y)
         accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
         q, v, a, _, _ = system.state
-        settle_modes(system.packed, t, q, v, a)
+        settle_loads(system.packed.loads, t, q, v, a)
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN

@@ -17,11 +17,12 @@ from presswear.physics.loads import (
     greatest_jump,
     load_forces,
     next_break,
+    settle_loads,
     transition_at_start,
     transition_value,
     work_beyond_trapezoid,
 )
-from presswear.physics.packed import applied_forces, settle_modes
+from presswear.physics.packed import applied_forces
 from presswear.physics.prescribed import (
     Prescribed,
     drive_torques,
@@ -281,7 +282,7 @@ def accept_joint_step(run: PackedArguments, t: float) -> float:
     sum_drives(records, h, frame.v)
     packed = records.packed
     records.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
-    changes = settle_modes(packed, t, frame.q, frame.v, frame.a)
+    changes = settle_loads(packed.loads, t, frame.q, frame.v, frame.a)
     observe(records, t, h, frame.q, frame.v, frame.a)
     following = next_step(packed, records.onset, records.memory, steps, records.contacts, frame.a)
     if changes > 0:

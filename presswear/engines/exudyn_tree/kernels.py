@@ -28,8 +28,13 @@ from presswear.physics.forces import (
     add_contacts,
 )
 from presswear.physics.friction_and_normal import bristle_rate
-from presswear.physics.loads import count_transitions, next_break, transition_at_start
-from presswear.physics.packed import applied_forces, settle_modes
+from presswear.physics.loads import (
+    count_transitions,
+    next_break,
+    settle_loads,
+    transition_at_start,
+)
+from presswear.physics.packed import applied_forces
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
@@ -494,6 +499,6 @@ def accept_tree_step(run: PackedArguments, t: float) -> float:
     ledger.drive_power = power
     q, v, a, _, _ = system.state
     events = settle_state(records, t, LEAST_STEPS)
-    events += settle_modes(records.packed, t, q, v, a)
+    events += settle_loads(records.packed.loads, t, q, v, a)
     observe(records, t, h, q, v, a)
     return next_tree_step(records, system, t, h, events)
