@@ -101,7 +101,7 @@ class Pieces(NamedTuple):
     wave : ndarray, shape (n, 3)
         Amplitude, frequency and initial phase, rad, of the sine that is added.
     net : float
-        Way in a cycle; not part of the pieces, which repeat.
+        Way in a cycle, which the pieces leave out.
     """
 
     start: Array
@@ -245,39 +245,45 @@ def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
         raise InputError(f"table of {owner}: its last phase is too near the end of the cycle")
 
 
-def _check_motion(motion: "Drive | Follow", owner: str) -> None:
-    """Check the fields of a motion; raise InputError where lists of numbers are no motion."""
-    check_fields(motion)
-    if len(motion.harmonics) > MAX_HARMONICS:
-        raise InputError(
-            f"harmonics of {owner}: {len(motion.harmonics)}; allowed are 0 to {MAX_HARMONICS}"
-        )
-    if motion.table and motion.rises:
-        raise InputError(f"{owner}: a table and rises; one of them is expected")
-    if motion.table:
-        _check_table(motion.table, owner)
-    rises = tuple(motion.rises)
-    for rise, then in zip(rises, _next_starts(rises) if rises else (), strict=True):
-        room = then - rise.end
-        if room < -_PHASE_TOL or _PHASE_TOL < room < MIN_PIECE:
+class _Motion(Checked):
+    """Fourier series, and a table or rises, which repeat with a cycle."""
+
+    harmonics: Sequence[tuple[float, float]]
+    table: Sequence[tuple[float, ...]]
+    rises: Sequence[Rise]
+
+    @property
+    def pieces(self) -> Pieces:
+        """Piecewise part."""
+        return pieces_of(*cast(Any, (self.table, self.rises)))
+
+    def _check(self, owner: str) -> None:
+        """Raise InputError where lists of numbers are no motion."""
+        if len(self.harmonics) > MAX_HARMONICS:
             raise InputError(
-                f"rises of {owner}: the one that ends at {rise.end:g} rad must end {MIN_PIECE:g} "
-                f"rad or more before the next begins, at {then:g} rad, or there"
+                f"harmonics of {owner}: {len(self.harmonics)}; allowed are 0 to {MAX_HARMONICS}"
             )
-    count = len(motion.pieces.start)
-    if count > MAX_PIECES:
-        raise InputError(f"rises of {owner}: {count} pieces; allowed are {MAX_PIECES} at most")
+        if self.table and self.rises:
+            raise InputError(f"{owner}: a table and rises; one of them is expected")
+        if self.table:
+            _check_table(self.table, owner)
+        rises = tuple(self.rises)
+        for rise, then in zip(rises, _next_starts(rises) if rises else (), strict=True):
+            room = then - rise.end
+            if room < -_PHASE_TOL or _PHASE_TOL < room < MIN_PIECE:
+                raise InputError(
+                    f"rises of {owner}: the one that ends at {rise.end:g} rad must end "
+                    f"{MIN_PIECE:g} rad or more before the next begins, at {then:g} rad, or there"
+                )
+        count = len(self.pieces.start)
+        if count > MAX_PIECES:
+            raise InputError(f"rises of {owner}: {count} pieces; allowed are {MAX_PIECES} at most")
 
 
-def series(motion: "Drive | Follow", base: float, time: Array) -> tuple[Array, Array, Array]:
-    """Return the repeating part of a motion and two time derivatives.
+def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Array]:
+    """Return the repeating part of a motion and two time derivatives at times, s.
 
-    Parameters
-    ----------
-    base : float
-        Frequency of the first harmonic, rad/s.
-    time : ndarray
-        s.
+    ``base`` is the frequency of the first harmonic, rad/s.
     """
     place, speed, faster = np.zeros((3, *time.shape))
     for k, (a, b) in enumerate(motion.harmonics, start=1):
@@ -293,7 +299,7 @@ def series(motion: "Drive | Follow", base: float, time: Array) -> tuple[Array, A
 
 
 @dataclass(frozen=True)
-class Follow:
+class Follow(_Motion):
     """Curve that a point follows: its coordinate along a direction, from where it starts.
 
     The drive of this curve moves so that the point follows, while the other drives run on.
@@ -315,17 +321,13 @@ class Follow:
 
     def __post_init__(self) -> None:
         """Raise InputError where the curve does not come back."""
-        _check_motion(self, "follow")
+        super().__post_init__()
+        self._check("follow")
         if abs(self.pieces.net) > 0.0:
             raise InputError(
                 f"follow: the curve ends {self.pieces.net:g} m from where it begins; it must "
                 "come back"
             )
-
-    @property
-    def pieces(self) -> Pieces:
-        """Piecewise part."""
-        return pieces_of(*cast(Any, (self.table, self.rises)))
 
 
 def torque_limit() -> Any:
@@ -335,7 +337,7 @@ def torque_limit() -> Any:
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(_Motion):
     """Body with a prescribed angle: a mean speed, and what repeats with a cycle beside it.
 
     theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t),
@@ -378,7 +380,8 @@ class Drive:
 
     def __post_init__(self) -> None:
         """Raise InputError where a repeating motion has no frequency, or there are two motions."""
-        _check_motion(self, self.body)
+        super().__post_init__()
+        self._check(self.body)
         names = [name for name in ("harmonics", "table", "rises") if getattr(self, name)]
         if self.follow is not None and names:
             raise InputError(f"drive of {self.body}: {names[0]} and follow cannot be combined")
@@ -398,11 +401,6 @@ class Drive:
     def base(self) -> float:
         """Frequency of the first harmonic, rad/s."""
         return self.frequency or abs(self.speed)
-
-    @property
-    def pieces(self) -> Pieces:
-        """Piecewise part."""
-        return pieces_of(*cast(Any, (self.table, self.rises)))
 
     @property
     def mean_speed(self) -> float:

@@ -7,7 +7,7 @@ part that may be absent and a single joint are named before a dot: ``process.for
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -31,19 +31,16 @@ _MAX_MM = 1.0  # lengths below this are written in mm, m
 
 @dataclass(frozen=True)
 class Setting:
-    """One value that ``--set`` can change.
-
-    Attributes
-    ----------
-    key : str
-    value : object
-        Number, SI, word, name of a set, or kind of a part.
-    meaning : Quantity or Choice
-    """
+    """One value that ``--set`` can change: a number, SI, a word, the name of a set or a kind."""
 
     key: str
     value: Any
     meaning: Quantity | Choice
+
+    @property
+    def is_part(self) -> bool:
+        """True where the value names a set or a kind with settings of its own."""
+        return isinstance(self.meaning, Choice) and self.meaning.is_part
 
     def described(self) -> str:
         """Return value, range and meaning in one line."""
@@ -96,13 +93,12 @@ def _settings(
         elif meaning is not None:
             origin = (origins or {}).get(key, meaning.origin)
             plain.append(Setting(key, value, replace(meaning, origin=origin)))
-        if _is_part(value):
+        if _has_settings(value):
             yield from _settings(value, origins, _inner_prefix(key, prefix, meaning))
     yield from plain
 
 
-def _is_part(value: Any) -> bool:
-    """Return whether a value has settings of its own."""
+def _has_settings(value: Any) -> bool:
     return is_dataclass(value) and not isinstance(value, UserFunction | OutputPoint)
 
 
@@ -127,7 +123,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     """
     common_keys = {setting.key for setting in settings_of(scene) if "." not in setting.key}
     joint_keys = {setting.key for setting in _settings(scene.bearings)}
-    parts = {setting.key for setting in settings_of(scene) if _is_optional_part(setting)}
+    parts = {s.key for s in settings_of(scene) if isinstance(s.meaning, Choice) and s.meaning.kinds}
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     for key, value in settings.items():
         first, dot, last = key.rpartition(".")
@@ -154,10 +150,6 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     return result
 
 
-def _is_optional_part(setting: Setting) -> bool:
-    return isinstance(setting.meaning, Choice) and setting.meaning.kinds is not None
-
-
 def _changed(
     owner: Any,
     settings: Mapping[str, Any],
@@ -179,7 +171,7 @@ def _changed(
         inner = _inner_prefix(key, prefix, meaning)
         if inner != prefix:
             _check_part_keys(key, result, meaning, settings)
-        if _is_part(result) and item.name not in updates:
+        if _has_settings(result) and item.name not in updates:
             result = _changed(result, settings, inner, message_prefix)
         if result is not value:
             updates[item.name] = result
@@ -197,9 +189,8 @@ def _check_part_keys(name: str, part: Any, meaning: Any, settings: Mapping[str, 
         if part is None:
             kinds = ", ".join(meaning.kinds)
             raise InputError(f"{key}: {name} = {NONE}; it needs {name} = {kinds}")
-        names = [item.name for item in fields(part)]
-        if key.removeprefix(f"{name}.") not in names:
-            last = key.removeprefix(f"{name}.")
+        names, last = [item.name for item in fields(part)], key.removeprefix(f"{name}.")
+        if last not in names:
             raise unknown(f"key of {part.kind} in {key}", last, names)
 
 
@@ -263,7 +254,13 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
                 first.get(name), second.get(name), key if key and name in ("name", "kind") else name
             )
         ]
-    return [] if first == second else [(key, _short(first), _short(second))]
+
+    def short(value: Any) -> Any:
+        text = f"{value}"
+        is_long = len(text) > _MAX_VALUE_LENGTH
+        return f"{text[:20]}... ({digest(text.encode())[:12]})" if is_long else value
+
+    return [] if first == second else [(key, short(first), short(second))]
 
 
 def on_surfaces(scene: Scene, surfaces: Any, source: str) -> Scene:
@@ -274,23 +271,9 @@ def on_surfaces(scene: Scene, surfaces: Any, source: str) -> Scene:
         raise InputError(f"{source}: {error}") from None
 
 
-def _short(value: Any) -> Any:
-    text = f"{value}"
-    if len(text) <= _MAX_VALUE_LENGTH:
-        return value
-    return f"{text[:20]}... ({digest(text.encode())[:12]})"
-
-
 @dataclass(frozen=True)
 class Change:
-    """Value that differs from the named scene, or from the default.
-
-    Attributes
-    ----------
-    key, meaning : str
-    value, was, unit : str
-        Both values in one unit.
-    """
+    """Value that differs from the named scene or from the default, both in one unit."""
 
     key: str
     value: str
@@ -312,13 +295,9 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     """
     before = {setting.key: setting.value for setting in settings_of(base)}
     settings = list(settings_of(scene))
-    sets = {
-        setting.key: setting.value
-        for setting in settings
-        if _is_set(setting)
-        and setting.value in _words(setting)
-        and setting.value != before.get(setting.key, setting.value)
-    }
+    parts = [one for one in settings if one.is_part]
+    named = [one for one in parts if one.value in cast(Choice, one.meaning).words]
+    sets = {one.key: one.value for one in named if one.value != before.get(one.key, one.value)}
     # A life is only accepted where something wears.
     needed = {s.key: s.value for s in settings if "life" in sets and s.key in _NEEDED_BY_LIFE}
     needed = {key: value for key, value in needed.items() if value is not None}
@@ -326,7 +305,7 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     was = {setting.key: setting.value for setting in settings_of(aligned)}
     was |= {key: before[key] for key in (*sets, *needed)}
     # A set without a name is described by the values that differ in it.
-    was |= {s.key: s.value for s in settings if _is_set(s) and s.value not in _words(s)}
+    was |= {one.key: one.value for one in parts if one not in named}
     for joint in scene.joint_bearings:
         for setting in _settings(aligned.bearing(joint)):
             was[f"{joint}.{setting.key}"] = setting.value
@@ -338,27 +317,19 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     return (*changes, *_part_changes(base, scene, {setting.key for setting in settings}))
 
 
-def _is_set(setting: Setting) -> bool:
-    return isinstance(setting.meaning, Choice) and setting.meaning.is_part
-
-
-def _words(setting: Setting) -> tuple[str, ...]:
-    return setting.meaning.words if isinstance(setting.meaning, Choice) else ()
-
-
 def _change(setting: Setting, was: Any) -> Change:
     unit, factor = setting.meaning.unit, 1.0
     numbers = [abs(value) for value in (setting.value, was) if isinstance(value, float)]
     if unit == "m" and numbers and max(numbers) < _MAX_MM:
         unit, factor = "mm", 1e3
-    value, before = _value_text(setting.value, factor), _value_text(was, factor)
-    return Change(setting.key, value, before, unit.replace("^2", "²"), setting.meaning.text)
 
+    def text(value: Any) -> str:
+        if isinstance(value, int | float):
+            return short_number(factor * value)
+        return NONE if value is None else f"{value}"
 
-def _value_text(value: Any, factor: float) -> str:
-    if isinstance(value, int | float):
-        return short_number(factor * value)
-    return NONE if value is None else f"{value}"
+    unit, meaning = unit.replace("^2", "²"), setting.meaning.text
+    return Change(setting.key, text(setting.value), text(was), unit, meaning)
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
@@ -368,12 +339,11 @@ def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]
     names = [key for key in dict.fromkeys(names) if key not in keys]
     if names:
         text = "mechanism; differs in " + ", ".join(names)
-        yield Change("mechanism", _mechanism_name(scene), _mechanism_name(base), "", text)
+        new, old = (
+            one.name if isinstance(one, Linkage) else one.kind
+            for one in (scene.mechanism, base.mechanism)
+        )
+        yield Change("mechanism", new, old, "", text)
     if scene.surfaces and data["surfaces"] != was["surfaces"]:
         source = scene.origins.get("surfaces", "a script")
         yield Change("surfaces", f"from {source}", "round", "", "initial surfaces of every run")
-
-
-def _mechanism_name(scene: Scene) -> str:
-    mechanism = scene.mechanism
-    return mechanism.name if isinstance(mechanism, Linkage) else mechanism.kind

@@ -207,6 +207,7 @@ def test_one_joint_can_be_set_apart() -> None:
     ("key", "value", "says"),
     [
         ("B.clearance", "1mm", "unknown joint in B.clearance 'B'"),
+        ("geometry.hx", "1mm", "unknown joint in geometry.hx 'geometry'"),
         ("A.clearence", "1mm", "unknown key of a joint in A.clearence 'clearence'; did you mean"),
         ("A.angles", "8", r"A\.angles = 8: allowed is 16 to 100000"),
         ("A.clearance", "20mm", r"A\.clearance = 0\.02 m: allowed is .* below the bearing"),
