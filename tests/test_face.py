@@ -97,7 +97,10 @@ class Stops(pw.Observer):
 def test_a_tracker_can_end_a_run(replicates: int) -> None:
     scene = pw.scenes.wear_times(wear_updates=0, cycles=9, replicates=replicates, **QUICK)
     result = pw.run(scene, observers=[Stops()], jobs=2)
-    assert (result.stages[0].cycles, result.stages[0].status) == (2 * replicates, "enough")
+    assert (result.stages[0].statistics.cycles, result.stages[0].status) == (
+        2 * replicates,
+        "enough",
+    )
 
 
 def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:

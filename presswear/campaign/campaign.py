@@ -477,7 +477,9 @@ class _Campaign:
             self._unconverged += unknown_wear(self._runner.scene, stage)
         steps = {key: value for key, value in stage.diagnostics.items() if key.startswith("steps")}
         how = stage.message or stage.status
-        _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, stage.cycles, steps)
+        _LOG.info(
+            "stage %d ends: %s, %d cycles, %s", stage.index, how, stage.statistics.cycles, steps
+        )
         for observer in self._runner.observers:
             observer.on_stage(stage)
 
@@ -540,7 +542,7 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
         return []
     # The error of sampling falls with the square root of the cycles, and passes double.
     more = (error / scene.tolerance) ** 2
-    steps, needed = len(stage.wear_steps), more * stage.cycles
+    steps, needed = len(stage.wear_steps), more * stage.statistics.cycles
     if steps > 1:
         needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
     return [

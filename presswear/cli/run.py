@@ -218,7 +218,9 @@ def stage_summary(stage: "StageResult", compile_time: float) -> str:
     wall = stage.wall_s - compile_time
     speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
     steps = stage.diagnostics["steps"]
-    parts = [f"  {stage.cycles} cycles, {steps} steps, {speed:.2f} s per simulated second"]
+    parts = [
+        f"  {stage.statistics.cycles} cycles, {steps} steps, {speed:.2f} s per simulated second"
+    ]
     for name, joint in stage.statistics.joints.items():
         fewest = joint.min_steps_per_contact
         resolution = "" if fewest is None else f", each with at least {fewest} steps"

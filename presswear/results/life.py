@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import large, readable
+from presswear.tools.serialize import plain
 
 Array = NDArray[np.float64]
 
@@ -28,85 +29,49 @@ WORDS = {
     "repeatability": "repeatability",
 }
 UNITS = {name: quantity.unit for name, quantity in FOLLOWED.items()}
-_FINE = 0.05  # half width of a logarithm, below which a life has three digits
+_FINE = 0.05  # half width of a logarithm below which a life has three digits
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
 
 @dataclass(frozen=True)
 class LimitResult:
-    """Strokes after which a limit is exceeded.
+    """Strokes after which a limit is exceeded."""
 
-    Attributes
-    ----------
-    key, unit : str
-        Limited quantity, such as ``A.depth``, and its unit.
-    value : float
-        The limit.
-    strokes : float or None
-        None: it is not exceeded as far as the wear was computed.
-    sampling, step : float or None
-        Half widths of the logarithm of the strokes: by the scatter of the motion, and by the step
-        of the wear.
-    last, last_half_width : float or None
-        Value at the end, and its half width.
-    """
-
-    key: str
+    key: str  # limited quantity, such as ``A.depth``
     unit: str
-    value: float
-    strokes: float | None
-    sampling: float | None
-    step: float | None
-    last: float
+    value: float  # the limit
+    strokes: float | None  # None: not exceeded as far as the wear was computed
+    sampling: float | None  # half width of ln(strokes) by the scatter of the motion
+    step: float | None  # half width of ln(strokes) by the wear step
+    last: float  # value at the end, and its half width
     last_half_width: float | None
 
 
 @dataclass(frozen=True)
 class PassResult:
-    """Refinement of a life, each in finer steps than the one before.
+    """Refinement of a life, in finer steps than the one before."""
 
-    Attributes
-    ----------
-    change : float
-        Part of the clearance that a cycle takes off.
-    cycles : int
-        Of all replicates.
-    strokes, sampling : float or None
-        Life by this refinement alone, and the half width of its logarithm.
-    """
-
-    change: float
-    cycles: int
-    strokes: float | None
-    sampling: float | None
+    change: float  # fraction of the clearance that a cycle takes off
+    cycles: int  # of all replicates
+    strokes: float | None  # life by this refinement alone
+    sampling: float | None  # half width of ln(strokes)
 
 
 @dataclass(frozen=True)
 class Phase:
-    """Phase of constant wear rate of a joint.
-
-    Attributes
-    ----------
-    joint : str
-    name : str
-        ``running-in``, ``steady`` or ``accelerated``.
-    since, until : float
-        Strokes.
-    rate, half_width : float
-        Volume that a stroke takes off, m^3.
-    """
+    """Phase of constant wear rate of a joint: running-in, steady or accelerated."""
 
     joint: str
     name: str
-    since: float
+    since: float  # strokes
     until: float
-    rate: float
+    rate: float  # volume that a stroke takes off, m^3, and its half width
     half_width: float
 
 
 @dataclass(frozen=True)
 class LifeResult:
-    """Service life; its fields are the names in ``result.json``, except for the curves.
+    """Service life.
 
     Attributes
     ----------
@@ -118,7 +83,7 @@ class LifeResult:
     strokes : float
         Life; if no limit was exceeded, strokes for which the wear was computed.
     sampling, step : float or None
-        Half widths of its logarithm: by the scatter of the motion, and by the step of the wear.
+        Half widths of its logarithm: by the scatter of the motion, and by the wear step.
     scatter : float
         Half width of its logarithm by the scatter of the wear coefficients.
     limits : tuple of LimitResult
@@ -173,7 +138,7 @@ class LifeResult:
         return self.strokes * scene.mechanism.period / 3600.0
 
     def strokes_at(self, scene: Scene, index: int) -> float:
-        """Return the strokes at which a stage stands: stages divide the life in equal parts."""
+        """Return the strokes before a stage: stages divide the life in equal parts."""
         return self.strokes * index / scene.wear_updates
 
     @property
@@ -191,16 +156,15 @@ class LifeResult:
                 f"{words_of(limit.key)} {limit.last:.3g} {limit.unit}" for limit in self.limits
             )
             return f"no life is known: {self.message}; reached: {', '.join(reached)}"
-        limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
+        limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
         return f"life: {self.words} until {limit}{scatter}"
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the life as plain data, without the curves."""
-        plain = asdict(self)
-        del plain["curves"]
-        return plain
+    def as_plain(self) -> dict[str, Any]:
+        """Return the life as ``result.json`` holds it."""
+        names = [item.name for item in fields(self) if item.name != "curves"]
+        return {name: plain(getattr(self, name)) for name in names}
 
 
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
@@ -215,9 +179,8 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     str
         Probability, of independent lives with normal errors of their logarithms.
     """
-    if life.ended != "limit" or reference.ended != "limit":
-        return "", ""
-    if life.error is None or reference.error is None:
+    ended = {life.ended, reference.ended}
+    if ended != {"limit"} or life.error is None or reference.error is None:
         return "", ""
     ratio, half = life.strokes / reference.strokes, math.hypot(life.error, reference.error)
     low, high = ratio / math.exp(half), ratio * math.exp(half)
@@ -249,9 +212,9 @@ def words_of(key: str) -> str:
 
 def check_curves(life: LifeResult, curves: Mapping[str, Array], file: object) -> None:
     """Raise InputError if curves are missing, misshapen or not finite."""
-    wanted = {"strokes", *(limit.key for limit in life.limits)}
-    for name in sorted(wanted - curves.keys()):
-        raise InputError(f"{file}: the array {name} is missing")
+    for name in ("strokes", *(limit.key for limit in life.limits)):
+        if name not in curves:
+            raise InputError(f"{file}: the array {name} is missing")
     count = curves["strokes"].size
     for name, values in curves.items():
         shape = (count,) if name == "strokes" else (count, len(COLUMNS))
@@ -259,5 +222,3 @@ def check_curves(life: LifeResult, curves: Mapping[str, Array], file: object) ->
             raise InputError(f"{file}: {name} has the shape {values.shape}; {shape} is expected")
         if not np.all(np.isfinite(values)):
             raise InputError(f"{file}: {name} holds a value that is not finite")
-    if np.any(np.diff(curves["strokes"]) < 0.0):
-        raise InputError(f"{file}: strokes go backwards")

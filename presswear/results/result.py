@@ -1,7 +1,7 @@
 """A result, the same in memory and on disk.
 
-On disk ``result.json`` holds the scene, where the numbers come from, the statistics and the
-digests of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
+On disk ``result.json`` holds the scene, the provenance, the statistics and the digests of all
+files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
 """
 
 from collections.abc import Mapping
@@ -15,15 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.recording.film import Film
-from presswear.results.folder import (
-    FILE,
-    FINISHED,
-    StoredResult,
-    check_joints,
-    files_of,
-    read_document,
-    stored_result,
-)
+from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult, check_curves
 from presswear.results.press_analysis import (
@@ -55,9 +47,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
-
-_FIGURES, _REPORT = "presswear.show.figures", "presswear.show.report"
-# Imported when they are called, since results are on a lower floor.
 
 
 @dataclass(frozen=True)
@@ -92,22 +81,20 @@ class Result:
     life: LifeResult | None = None
 
     def stage(self, index: int) -> StageResult:
-        """Return the stage after a number of wear updates; InputError names those there are."""
+        """Return the stage after a number of wear updates; InputError names the stored ones."""
         for stage in self.stages:
             if stage.index == index:
                 return stage
         indices = [stage.index for stage in self.stages]
-        text, where = ", ".join(map(str, indices)) or "none", self.path or self.scene.name
+        stored = ", ".join(map(str, indices)) or "none"
         if indices:
-            text += f"; did you mean {min(indices, key=lambda stage: abs(stage - index))}?"
-        raise InputError(f"{where} has no stage {index}; it has {text}")
+            stored += f"; did you mean {min(indices, key=lambda stage: abs(stage - index))}?"
+        raise InputError(f"{self.path or self.scene.name} has no stage {index}; it has {stored}")
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage: its wear updates, or its strokes in a service life."""
         if self.life is None or index == 0:
-            return stage_name(
-                index, any(stage.index == 0 and stage.is_worn for stage in self.stages)
-            )
+            return stage_name(index, bool(self.stages) and self.stages[0].is_worn)
         return f"after {large(self.life.strokes_at(self.scene, index))} strokes"
 
     def strokes(self, index: int) -> Strokes | None:
@@ -142,19 +129,18 @@ class Result:
     def __str__(self) -> str:
         """Return a table of the stages, and sentences on deep contacts."""
         names = self.scene.clearance_joints
-        columns = ["stage", "cycles"]
-        for name in names:
-            columns += [f"peak force {name} (N)", f"one wear {name} (mm³)"]
-        rows = [[*columns, "ended"]]
+        titles = [(f"peak force {name} (N)", f"one wear {name} (mm³)") for name in names]
+        rows = [["stage", "cycles", *(title for pair in titles for title in pair), "ended"]]
         for stage in self.stages:
-            name = self.stage_name(stage.index) if names else "computed"
-            row = [name, str(stage.cycles)]
-            for joint in stage.joints.values():
-                statistics = joint.stored
-                row += [
-                    _short(statistics and statistics.peak_force),
-                    _short(statistics and 1e9 * statistics.wear_volume.mean),
-                ]
+            row = [self.stage_name(stage.index) if names else "computed"]
+            row.append(str(stage.statistics.cycles))
+            for name in names:
+                joint = stage.statistics.joints.get(name)
+                row += (
+                    [f"{joint.peak_force:.3g}", f"{1e9 * joint.wear_volume.mean:.3g}"]
+                    if joint
+                    else ["–", "–"]
+                )
             rows.append([*row, stage.message or stage.status])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = [
@@ -183,7 +169,8 @@ class Result:
         InputError
             For an unknown name or stage, and for a figure without data.
         """
-        axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
+        # Imported here, because results are on a lower floor.
+        axes: list[Axes] = import_module("presswear.show.figures").plot(self, names, stage)
         return axes
 
     def report(self) -> Path:
@@ -191,7 +178,7 @@ class Result:
 
         InputError for a result in memory.
         """
-        path: Path = import_module(_REPORT).write_report(self)
+        path: Path = import_module("presswear.show.report").write_report(self)
         return path
 
     def table(self) -> "pandas.DataFrame":
@@ -221,24 +208,13 @@ class Result:
         return xarray.Dataset(variables, coords={axis: data.arrays[axis] for axis in lengths})
 
 
-def _short(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"
-
-
 def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
-    """Return the scene of a result folder and its document, checked against each other."""
-    file = path / FILE
-    stored = stored_result(read_document(path), file)
+    """Return the scene of a result folder and its document."""
+    stored = read_stored(path)
     try:
-        scene = Scene.from_dict(stored.scene)
+        return Scene.from_dict(stored.scene), stored
     except InputError as error:
-        raise InputError(f"{file}: {error}") from None
-    # Both are stored twice, for readers of the file.
-    for key, value in {"engine": stored.engine, "conventions": stored.conventions}.items():
-        if value != stored.scene[key]:
-            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
-    check_joints(stored, scene.clearance_joints, scene.wear_updates, file)
-    return scene, stored
+        raise InputError(f"{path / FILE}: {error}") from None
 
 
 def load(path: str | Path, trust: bool = False) -> Result:
@@ -256,7 +232,6 @@ def load(path: str | Path, trust: bool = False) -> Result:
     scene, stored = stored_scene(path)
     if trust:
         scene.trust()
-    joints = scene.clearance_joints
     linkage = scene.linkage()
     bins = {joint.name: joint.bins for joint in linkage.clearances}
     stages = []
@@ -265,8 +240,13 @@ def load(path: str | Path, trust: bool = False) -> Result:
         arrays = read_numbers(path / name, stored.files[name])
         check_arrays(arrays, bins, len(linkage.drives), path / name)
         read_checked(path / film, stored.files[film])
-        read = partial(_film, path / film, stored.files[film], scene)
-        stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
+        read = partial(_film, path / film, stored.files[film], len(linkage.bodies), tuple(bins))
+        stages.append(replace(stage, arrays=arrays, joint_names=tuple(bins), read_film=read))
+    life = stored.life
+    if life is not None:
+        curves = read_numbers(path / LIFE, stored.files[LIFE])
+        check_curves(life, curves, path / LIFE)
+        life = replace(life, curves=curves)
     return Result(
         scene,
         tuple(stages),
@@ -275,26 +255,14 @@ def load(path: str | Path, trust: bool = False) -> Result:
         stored.provenance,
         stored.wall_s,
         path,
-        _life(path, stored),
+        life,
     )
 
 
-def _life(path: Path, stored: StoredResult) -> LifeResult | None:
-    """Return the life with its curves; InputError if they do not agree."""
-    if stored.life is None:
-        return None
-    curves = read_numbers(path / LIFE, stored.files[LIFE])
-    check_curves(stored.life, curves, path / LIFE)
-    return replace(stored.life, curves=curves)
-
-
-def _film(file: Path, digest: str, scene: Scene) -> Film:
+def _film(file: Path, digest: str, bodies: int, joints: tuple[str, ...]) -> Film:
     """Return the film in a file; InputError if it is missing or damaged."""
-    linkage = scene.linkage()
-    arrays = read_numbers(file, digest)
-    names = [joint.name for joint in linkage.clearances]
     try:
-        return Film.from_arrays(arrays, len(linkage.bodies), names)
+        return Film.from_arrays(read_numbers(file, digest), bodies, joints)
     except (LookupError, ValueError) as error:
         raise InputError(f"{file} is no film of this run: {error}") from None
 
@@ -320,9 +288,9 @@ def read_surfaces(source: str | Path) -> Surfaces:
     Parameters
     ----------
     source : str or Path
-        ``DIR:STAGE``: those that the stage ran on, such as 1 for those after the first wear update,
-        the mean of its replicates; ``DIR``: those of its last stage; ``FILE.csv``: a table of
-        profiles, see ``presswear.scene.surfaces``.
+        ``DIR:STAGE``: surfaces that the stage ran on, the mean of its replicates, such as 1 for
+        the surfaces after the first wear update; ``DIR``: those of its last stage; ``FILE.csv``: a
+        table of profiles, see ``presswear.scene.surfaces``.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""One stage of a result: what ran, what it observed, and the wear after it."""
+"""One stage of a result: statistics, recorded arrays, and the wear after it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, final
 
@@ -25,22 +25,19 @@ from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
+from presswear.tools.serialize import plain
 
 Array = NDArray[np.float64]
 
-JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")
-"""Arrays of a joint with a row at each of the times of a stage."""
+JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
+MAX_ENTRY = 1e100  # of an array: a state that diverges is ended at 1e30
+_NOT_STORED = ("arrays", "joint_names", "read_film")  # fields that result.json does not hold
 
 
 def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
-    """Names of the arrays that hold the angles of wear maps, by joint.
+    """Return the names of the arrays of angles by joint, from the bins of the wear maps by joint.
 
-    ``angle`` where all have as many bins, else ``J_angle`` for joint J.
-
-    Parameters
-    ----------
-    bins : mapping of str to int
-        Of the maps of each joint.
+    The name is ``angle`` if all joints have as many bins, else ``J_angle`` for joint J.
     """
     are_alike = len(set(bins.values())) == 1
     return {name: "angle" if are_alike else f"{name}_angle" for name in bins}
@@ -49,24 +46,12 @@ def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
 @final
 @dataclass(frozen=True)
 class OutputStatistics:
-    """Motion of the output point over the settled cycles of a stage.
+    """Motion of the output point over the settled cycles; ``_per_cycle``: mean of the largest."""
 
-    Attributes
-    ----------
-    displacement_max : float
-        m.
-    velocity_min, velocity_max : float
-        m/s.
-    acceleration_max : float
-        m/s^2.
-    displacement_max_per_cycle, velocity_max_per_cycle, acceleration_max_per_cycle : Estimate
-        Mean over cycles of the largest value in each, m, m/s and m/s^2.
-    """
-
-    displacement_max: float
-    velocity_min: float
+    displacement_max: float  # m
+    velocity_min: float  # m/s
     velocity_max: float
-    acceleration_max: float
+    acceleration_max: float  # m/s^2
     displacement_max_per_cycle: Estimate
     velocity_max_per_cycle: Estimate
     acceleration_max_per_cycle: Estimate
@@ -75,185 +60,83 @@ class OutputStatistics:
 @final
 @dataclass(frozen=True)
 class BottomStatistics:
-    """Accuracy and repeatability at bottom dead centre over the settled strokes of a stage.
+    """Accuracy and repeatability at bottom dead centre over the settled strokes; m and s."""
 
-    Attributes
-    ----------
-    strokes : int
-        Settled strokes of all replicates.
-    ideal_height : float
-        Bottom dead centre of the ideal motion, m.
-    ideal_time : float
-        Instant of it in the cycle, s.
-    ideal_dwell : float
-        Time for which the ideal motion stays there, s.
-    height, error : Estimate
-        Mean bottom dead centre, and its height over the ideal one, m.
-    range_of_all : float
-        Difference between the highest and the lowest bottom dead centre, m.
-    range : Estimate or None
-        Mean range of ``range_strokes`` successive strokes, m.
-    range_strokes : int
-    standard_deviation : Estimate or None
-        Of the height from stroke to stroke, m.
-    delay, delay_angle : Estimate or None
-        Mean delay behind the ideal motion, s and rad; None where the ideal motion dwells.
-    delay_standard_deviation : Estimate or None
-        s.
-    """
-
-    strokes: int
+    strokes: int  # of all replicates
     ideal_height: float
-    ideal_time: float
-    ideal_dwell: float
+    ideal_time: float  # in the cycle
+    ideal_dwell: float  # time for which the ideal motion stays at bottom dead centre
     height: Estimate
-    error: Estimate
-    range_of_all: float
-    range: Estimate | None
+    error: Estimate  # height over the ideal bottom dead centre
+    range_of_all: float  # highest less lowest bottom dead centre
+    range: Estimate | None  # mean range of ``range_strokes`` successive strokes
     range_strokes: int
-    standard_deviation: Estimate | None
-    delay: Estimate | None = None
-    delay_angle: Estimate | None = None
+    standard_deviation: Estimate | None  # of the height from stroke to stroke
+    delay: Estimate | None = None  # behind the ideal motion; None: the ideal motion dwells
+    delay_angle: Estimate | None = None  # rad
     delay_standard_deviation: Estimate | None = None
 
 
 @final
 @dataclass(frozen=True)
 class WearPeak:
-    """Deepest place of the wear map that one wear update adds.
+    """Deepest place of the wear map that one wear update adds."""
 
-    Attributes
-    ----------
-    depth : Estimate
-        m.
-    angle : Estimate
-        rad; the ends of its interval may lie below 0 or above 2 pi.
-    step_error : float or None
-        Error of the depth by the step of the wear, m; part of the interval.
-    """
-
-    depth: Estimate
-    angle: Estimate
-    step_error: float | None = None
+    depth: Estimate  # m
+    angle: Estimate  # rad; the ends of its interval may lie below 0 or above 2 pi
+    step_error: float | None = None  # error of the depth by the wear step, m; in the interval
 
 
 @final
 @dataclass(frozen=True)
 class JointStatistics:
-    """Forces, contacts and wear of a clearance joint in a stage.
+    """Forces, contacts and wear of a clearance joint in a stage, of all replicates; SI units."""
 
-    Attributes
-    ----------
-    peak_force : float
-        Largest normal force of the settled cycles, N.
-    peak_force_per_cycle : Estimate
-        Mean over cycles of the largest normal force in each, N.
-    contacts, unresolved_contacts : int
-        Contacts of all replicates, and those with too few steps.
-    contacts_per_cycle : Estimate
-    min_steps_per_contact : int or None
-        None: no contact.
-    contact_time_fraction : float
-        Fraction of the time in contact.
-    load_distance_per_cycle : Estimate
-        Integral of normal force times sliding speed over a cycle, N m.
-    wear_volume : Estimate
-        Volume that one wear update takes off bearing and pin, m^3.
-    wear_volume_step_error : float or None
-        Error of it by the step of the wear, m^3; not part of the interval.
-    wear_map_error : float or None
-        Standard error of the wear map as a fraction of its root mean square.
-    wear_depth_max_by_replicate : tuple of float
-        Deepest place of one wear update in each replicate, m.
-    wear_peaks : mapping of str to WearPeak
-        By ``bearing``, ``pin`` and, where the maps do not turn, ``both``; empty where the noise
-        of few cycles hides the deepest places.
-    """
-
-    peak_force: float
-    peak_force_per_cycle: Estimate
+    peak_force: float  # largest normal force of the settled cycles, N
+    peak_force_per_cycle: Estimate  # mean of the largest in each cycle
     contacts: int
     contacts_per_cycle: Estimate
-    unresolved_contacts: int
-    min_steps_per_contact: int | None
+    unresolved_contacts: int  # with too few steps
+    min_steps_per_contact: int | None  # None: no contact
     contact_time_fraction: float
-    load_distance_per_cycle: Estimate
-    wear_volume: Estimate
-    wear_volume_step_error: float | None
-    wear_map_error: float | None
-    wear_depth_max_by_replicate: tuple[float, ...]
+    load_distance_per_cycle: Estimate  # integral of normal force times sliding speed, N m
+    wear_volume: Estimate  # that one wear update takes off bearing and pin, m^3
+    wear_volume_step_error: float | None  # by the wear step, m^3; not in the interval
+    wear_map_error: float | None  # standard error of the wear map over its root mean square
+    wear_depth_max_by_replicate: tuple[float, ...]  # deepest place of one wear update, m
     wear_peaks: Mapping[str, WearPeak]
+    """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
 
 
 @final
 @dataclass(frozen=True)
 class StageStatistics:
-    """Statistics of a stage; SI units.
+    """Statistics of a stage; SI units. If they are not finite, only the cycles are stored."""
 
-    Of a stage whose numbers are not finite only the cycles are stored.
-
-    Attributes
-    ----------
-    cycles : int
-        Cycles of all replicates.
-    energy_made_per_cycle, drive_work_per_cycle : Estimate or None
-        Energy that the contacts made, and work of all drives, J.
-    output : OutputStatistics or None
-    bdc : BottomStatistics or None
-        None where nothing moves or no stroke is whole.
-    joints : mapping of str to JointStatistics
-    wear_error : float or None
-        Relative error of the wear.
-    load_distance_step_error, peak_force_step_error : float or None
-        Fraction by which finer time steps change them.
-    energy_residual, energy_exchanged : float
-        Energy that does not add up, and energy that the drives exchanged, J.
-    energy_made_fraction : float
-        Energy made by the contacts as a fraction of what contacts and friction dissipated.
-    """
-
-    cycles: int
-    energy_made_per_cycle: Estimate | None = None
-    drive_work_per_cycle: Estimate | None = None
+    cycles: int  # of all replicates
+    energy_made_per_cycle: Estimate | None = None  # by the contacts, J
+    drive_work_per_cycle: Estimate | None = None  # of all drives, J
     output: OutputStatistics | None = None
-    bdc: BottomStatistics | None = None
+    bdc: BottomStatistics | None = None  # None: nothing moves, or no stroke is complete
     joints: Mapping[str, JointStatistics] = field(default_factory=dict)
-    wear_error: float | None = None
-    load_distance_step_error: float | None = None
+    wear_error: float | None = None  # relative
+    load_distance_step_error: float | None = None  # fraction by which finer time steps change it
     peak_force_step_error: float | None = None
-    energy_residual: float = 0.0
-    energy_exchanged: float = 0.0
-    energy_made_fraction: float = 0.0
+    energy_residual: float = 0.0  # energy that does not add up, J
+    energy_exchanged: float = 0.0  # by the drives, J
+    energy_made_fraction: float = 0.0  # made by contacts over dissipated by contacts and friction
 
 
 @dataclass(frozen=True)
 class WearStep:
-    """One step of a wear; its fields are the names in ``result.json``.
+    """One step of a wear update."""
 
-    Attributes
-    ----------
-    represented_cycles : float
-        Cycles that the step stands for.
-    cycles : int
-        Cycles of the run that it multiplies.
-    factor : float
-        Their quotient.
-    clearance_change : float
-        Largest change of a profile, part of its clearance.
-    max_depth : dict
-        Deepest depth of all wears so far by joint, then ``bearing`` and ``pin``, m.
-    peak_force : dict
-        Peak normal force of the run by joint, N.
-    wall_s : float
-        Wall time of the run, s.
-    """
-
-    cycles_per_update: float
-    cycles: int
-    factor: float
-    clearance_change: float
-    max_depth: Mapping[str, Mapping[str, float]]
-    peak_force: Mapping[str, float]
+    cycles_per_update: float  # cycles that the step stands for
+    cycles: int  # simulated cycles that it multiplies
+    factor: float  # quotient of both
+    clearance_change: float  # largest change of a profile over its clearance
+    max_depth: Mapping[str, Mapping[str, float]]  # by joint and side, after the step, m
+    peak_force: Mapping[str, float]  # normal force by joint, N
     wall_s: float
 
 
@@ -265,9 +148,9 @@ class JointResult:
     ----------
     name : str
     stored : JointStatistics or None
-        None where the stage failed before a cycle was complete.
+        None if the stage failed before a cycle was complete.
     arrays : mapping
-        All its arrays under their names in the file, without the joint's.
+        Its arrays by their names in the file, without the name of the joint.
     """
 
     name: str
@@ -276,19 +159,24 @@ class JointResult:
 
     @property
     def statistics(self) -> JointStatistics:
-        """Its statistics; InputError where the stage failed before a cycle was complete."""
+        """Its statistics; InputError if the stage failed before a cycle was complete."""
         if self.stored is None:
             raise InputError(f"joint {self.name}: no cycle of the stage is complete")
         return self.stored
 
+    def _series(self, name: str) -> Array:
+        if name not in self.arrays:
+            raise InputError(f"joint {self.name}: its {name} was not kept; --set series=all does")
+        return self.arrays[name]
+
     @property
     def eccentricity(self) -> Array:
-        """Pin centre less bearing centre, shape (n, 2), m."""
+        """Pin centre minus bearing centre, shape (n, 2), m."""
         return self._series("eccentricity")
 
     @property
     def penetration(self) -> Array:
-        """Penetration of the pin, shape (n,), m; below zero while open."""
+        """Penetration of the pin, shape (n,), m; negative while open."""
         return self._series("penetration")
 
     @property
@@ -301,55 +189,48 @@ class JointResult:
         """Sliding speed at the contact, shape (n,), m/s."""
         return self._series("sliding")
 
-    def _series(self, name: str) -> Array:
-        if name not in self.arrays:
-            raise InputError(f"joint {self.name}: its {name} was not kept; --set series=all does")
-        return self.arrays[name]
+    @property
+    def angle(self) -> Array:
+        """Angles of its wear maps, shape (bins,), rad."""
+        return bin_centres(self.arrays["depth_bearing"].size)
 
     def contact(self, name: str) -> Array:
-        """A number of each recorded contact, by a name of ``CONTACT_COLUMNS``, shape (k,); SI."""
+        """Return a number of each recorded contact, by a name of ``CONTACT_COLUMNS``; SI."""
         return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
 
     def each_cycle(self, name: str) -> Array:
-        """A number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI units."""
+        """Return a number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI."""
         return self.arrays["cycles"][:, CYCLE_JOINT.index(name)]
 
-    @property
-    def angle(self) -> Array:
-        """Angles of its wear maps, shape (m,), rad."""
-        return bin_centres(self.arrays["depth_bearing"].size)
-
     def depth(self, side: str) -> Array:
-        """Depth that the stage ran on, bearing or pin, shape (m,), m."""
+        """Return the depth that the stage ran on, ``bearing`` or ``pin``, shape (bins,), m."""
         return self.arrays[f"depth_{side}"]
 
     def wear(self, side: str) -> Array:
-        """Depth that the wear after the stage adds, bearing or pin, shape (m,), m."""
+        """Return the depth that the wear after the stage adds to a side, shape (bins,), m."""
         return self.arrays[f"wear_{side}"]
 
 
 @dataclass(frozen=True)
 class StageResult:
-    """One run of the outer loop, and the wear after it; the same in memory and on disk.
-
-    Its fields are the names in ``result.json``, but for arrays, film and joints.
+    """One stage and the wear after it; the same in memory and on disk.
 
     Attributes
     ----------
     index : int
         0 unworn, 1 after the first wear, and so on.
     status : {"completed", "enough", "failed"}
-        ``completed``, ``enough`` where its wear maps were known early, or ``failed``.
+        ``enough``: its wear maps were accurate before all cycles had run.
     message : str
-        Why it failed, or nothing.
+        Reason of a failure.
     finding : Finding or None
-        Cause that ended the stage, or the wear after it; None where nothing did.
+        Cause that ended the stage, or the wear after it.
     amplification : float
-        Multiplier of the depth of the cycles that the stage ran.
+        Multiplier of the depth of the simulated cycles.
     wear_steps : tuple of WearStep
-        How the wear after it was applied; empty after the last stage.
+        Steps of the wear after it; empty after the last stage.
     simulated_s, wall_s : float
-        Simulated time of all its starts, and the wall time that took, s.
+        Simulated time of all replicates, and wall time, s.
     diagnostics : mapping
         Numbers and words of the solver, by name.
     statistics : StageStatistics
@@ -357,8 +238,8 @@ class StageResult:
         Arrays by their names in ``stage-K.npz``.
     joint_names : tuple of str
         Joints with clearance.
-    read_film : callable
-        Gives its film.
+    read_film : callable or None
+        Returns the film.
     """
 
     index: int
@@ -382,7 +263,7 @@ class StageResult:
 
     @property
     def is_worn(self) -> bool:
-        """True where any surface that it ran on had lost material."""
+        """True if any surface that it ran on had lost material."""
         return any(
             bool(np.any(self.arrays.get(f"{name}_depth_{side}", 0.0)))
             for name in self.joint_names
@@ -391,50 +272,39 @@ class StageResult:
 
     @property
     def has_joint_series(self) -> bool:
-        """True where series of its joints were kept."""
+        """True if series of its joints were stored."""
         return any(f"{name}_force" in self.arrays for name in self.joint_names)
 
     @property
     def surfaces(self) -> dict[str, tuple[Surface, Surface]]:
-        """Bearing and pin by joint that it ran on, as a scene may begin on them.
-
-        They are the mean of its starts, where each had surfaces of its own.
-        """
+        """Bearing and pin by joint that it ran on, the mean of its replicates."""
         return {
-            name: (
-                Surface(self.arrays[f"{name}_depth_bearing"]),
-                Surface(self.arrays[f"{name}_depth_pin"]),
-            )
-            for name in self.joint_names
+            name: (Surface(joint.depth("bearing")), Surface(joint.depth("pin")))
+            for name, joint in self.joints.items()
         }
 
     @property
     def failed(self) -> bool:
-        """True where the run of the stage failed, so that its numbers are worth nothing."""
+        """True if its run failed, so that its numbers are meaningless."""
         return self.status == "failed"
 
     @property
     def film(self) -> Film:
-        """Frames of its first start; InputError where they are missing or damaged."""
+        """Frames of its first replicate; InputError if they are missing or damaged."""
         if self.read_film is None:
             raise InputError(f"{self.name}: no film was kept")
         return self.read_film()
 
     @property
-    def cycles(self) -> int:
-        """Cycles that ran, of all starts."""
-        return self.statistics.cycles
-
-    @property
     def output(self) -> OutputStatistics:
-        """Statistics of the output point; InputError where no cycle is complete."""
+        """Statistics of the output point; InputError if no cycle is complete."""
         if self.statistics.output is None:
             raise InputError(f"{self.name}: no cycle is complete")
         return self.statistics.output
 
     @property
     def bdc(self) -> BottomStatistics:
-        """Statistics of bottom dead centre; InputError where there is no settled stroke."""
+        """Statistics of bottom dead centre; InputError if there is no settled stroke."""
         if self.statistics.bdc is None:
             raise InputError(f"{self.name}: there is no settled stroke")
         return self.statistics.bdc
@@ -446,17 +316,17 @@ class StageResult:
 
     @property
     def displacement(self) -> Array:
-        """Displacement of what the scene watches, shape (n,), m."""
+        """Displacement of the output point, shape (n,), m."""
         return self.arrays["slider"][:, 0]
 
     @property
     def velocity(self) -> Array:
-        """Velocity of what the scene watches, shape (n,), m/s."""
+        """Velocity of the output point, shape (n,), m/s."""
         return self.arrays["slider"][:, 1]
 
     @property
     def acceleration(self) -> Array:
-        """Acceleration of what the scene watches, shape (n,), m/s^2."""
+        """Acceleration of the output point, shape (n,), m/s^2."""
         return self.arrays["slider"][:, 2]
 
     @property
@@ -464,28 +334,32 @@ class StageResult:
         """Joints with clearance by name."""
         joints = {}
         for k, name in enumerate(self.joint_names):
+            prefix, first = f"{name}_", len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
             arrays = {
-                key.removeprefix(f"{name}_"): array
+                key.removeprefix(prefix): array
                 for key, array in self.arrays.items()
-                if key.startswith(f"{name}_")
+                if key.startswith(prefix)
             }
-            first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
             arrays["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
             joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
         return joints
 
     def section(self, name: str, joint: str = "") -> Array:
-        """A number in the Poincare sections of the first start, shape (cycles, sections); SI.
+        """Return a number in the Poincare sections of the first replicate; SI.
 
         Parameters
         ----------
         name : str
-            Of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` where a joint is given.
+            Of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` for a joint.
+
+        Returns
+        -------
+        ndarray, shape (cycles, sections)
 
         Raises
         ------
         InputError
-            Where no sections were kept.
+            If no sections were stored.
         """
         if "sections" not in self.arrays:
             raise InputError(f"{self.name}: no sections were kept; --set sections=1 keeps some")
@@ -495,7 +369,7 @@ class StageResult:
         return self.arrays["sections"][:, :, first + SECTION_JOINT_NAMES.index(name)]
 
     def each_cycle(self, name: str) -> Array:
-        """A number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI units."""
+        """Return a number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI."""
         return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
 
     @property
@@ -505,29 +379,38 @@ class StageResult:
         rows = self.arrays["cycles"][:, first:]
         return rows.reshape(len(rows), -1, len(CYCLE_DRIVE))
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give everything but its arrays, film and joints, as ``result.json`` holds it."""
-        plain = {item.name: getattr(self, item.name) for item in fields(self)}
-        for name in ("arrays", "joint_names", "read_film"):
-            del plain[name]
-        plain["finding"] = asdict(self.finding) if self.finding else None
-        plain["statistics"] = asdict(self.statistics)
-        plain["wear_steps"] = [asdict(step) for step in self.wear_steps]
-        return plain
+    def as_plain(self) -> dict[str, Any]:
+        """Return the stage as ``result.json`` holds it."""
+        names = [item.name for item in fields(self) if item.name not in _NOT_STORED]
+        return {name: plain(getattr(self, name)) for name in names}
 
 
-MAX_ENTRY = 1e100  # of an array: a state that diverges is ended at 1e30
+# Equal words are equal lengths throughout a stage.
 _SHAPES = {
     "time": "rows",
     "slider": "rows 3",
-    "wear_batch_cycles": "batches",
+    "drive_torque": "rows drives",
+    "sections": "first_cycles sections section_columns",
+    "cycles": "cycles cycle_columns",
     "cycle_start": "cycles",
+    "wear_batch_cycles": "batches",
     "deviation": "recorded 4",
     "deviation_start": "recorded",
-}  # lengths of one name are the same throughout
-_SERIES_SHAPES = dict(zip(JOINT_SERIES, ("rows 2", "rows", "rows 2", "rows"), strict=True))
-_DEPTHS = ("depth_bearing", "depth_pin", "wear_bearing", "wear_pin")  # not negative
-_MAP_SHAPES = dict.fromkeys(_DEPTHS, "bins") | {"wear_batches": "batches 2 bins"}
+}
+_JOINT_SHAPES = {
+    "eccentricity": "rows 2",
+    "penetration": "rows",
+    "force": "rows 2",
+    "sliding": "rows",
+    "flight": "recorded",
+    "depth_bearing": "bins_{k}",
+    "depth_pin": "bins_{k}",
+    "wear_bearing": "bins_{k}",
+    "wear_pin": "bins_{k}",
+    "wear_batches": "batches 2 bins_{k}",
+    "contacts": f"contacts_{{k}} {len(CONTACT_COLUMNS)}",
+}
+_OPTIONAL = ("drive_torque", "sections", *JOINT_SERIES)
 
 
 def check_arrays(
@@ -538,7 +421,7 @@ def check_arrays(
     Parameters
     ----------
     joints : mapping of str to int
-        Bins of the wear maps of the joints with clearance, by name.
+        Bins of the wear maps of the joints with clearance.
     drives : int
         Number of drives.
     """
@@ -547,37 +430,26 @@ def check_arrays(
             raise InputError(
                 f"{file}: {name} holds a value that is not finite, or beyond {MAX_ENTRY:g}"
             )
-    shapes = {**_SHAPES, "cycles": f"cycles {cycle_columns(len(joints), drives)}"}
-    if "drive_torque" in arrays:
-        shapes["drive_torque"] = f"rows {drives}"
-    if "sections" in arrays:
-        width = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints)
-        shapes["sections"] = f"cycles_of_first sections {width}"
+    lengths = {
+        "drives": drives,
+        "cycle_columns": cycle_columns(len(joints), drives),
+        "section_columns": len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints),
+    }
+    shapes, optional = dict(_SHAPES), set(_OPTIONAL)
     for k, (joint, angle) in enumerate(angle_names(joints).items()):
-        series = {f"{joint}_{name}": shape for name, shape in _SERIES_SHAPES.items()}
-        shapes |= series if arrays.keys() & series.keys() else {}
-        shapes[f"{joint}_flight"] = "recorded"
-        bins = f"{joints[joint]}"
-        shapes |= {f"{joint}_{name}": s.replace("bins", bins) for name, s in _MAP_SHAPES.items()}
-        shapes[angle] = bins
-        shapes[f"{joint}_contacts"] = f"contacts_{k} {len(CONTACT_COLUMNS)}"
-    lengths: dict[str, int] = {}
+        lengths[f"bins_{k}"] = joints[joint]
+        shapes[angle] = f"bins_{k}"
+        shapes |= {f"{joint}_{name}": shape.format(k=k) for name, shape in _JOINT_SHAPES.items()}
+        optional |= {f"{joint}_{name}" for name in JOINT_SERIES}
     for name, shape in shapes.items():
         if name not in arrays:
+            if name in optional:
+                continue
             raise InputError(f"{file}: the array {name} is missing")
         values, words = arrays[name], shape.split()
         if values.ndim == len(words):
             for length, word in zip(values.shape, words, strict=True):
                 lengths.setdefault(word, int(word) if word.isdigit() else length)
-        wanted = tuple(lengths.get(word, word) for word in words)
-        if values.shape != wanted:
-            text = ", ".join(map(str, wanted))
-            raise InputError(f"{file}: {name} has the shape {values.shape}; ({text}) is expected")
-        if name == "time" and values.size and (values[0] < 0.0 or np.any(np.diff(values) < 0.0)):
-            raise InputError(f"{file}: time goes backwards")
-        if name.endswith("angle") and not np.allclose(values, bin_centres(values.size), 0.0, 1e-9):
-            raise InputError(
-                f"{file}: {name} does not hold the middles of {values.size} bins of a turn"
-            )
-        if name.endswith(_DEPTHS) and np.any(values < 0.0):
-            raise InputError(f"{file}: {name} holds a depth below zero")
+        expected = tuple(lengths.get(word, word) for word in words)
+        if values.shape != expected:
+            raise InputError(f"{file}: {name} has the shape {values.shape}; {expected} is expected")

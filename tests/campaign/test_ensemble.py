@@ -54,7 +54,7 @@ def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None
     recorders = two[1].recorders
     peaks = [own.each_cycle("force_max", 0)[STARTUP_CYCLES:] for own in recorders]
     force = two[0].statistics.joints["A"]
-    assert two[0].cycles == 12
+    assert two[0].statistics.cycles == 12
     assert force.peak_force == max(own.max() for own in peaks)
     expected = np.concatenate(peaks)
     assert force.peak_force_per_cycle.mean == pytest.approx(expected.mean())

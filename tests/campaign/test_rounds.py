@@ -74,7 +74,7 @@ def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
     if name == "until known":
         (only,) = load(one).stages
         # More than one round, or nothing was decided.
-        assert only.cycles > 4 * STARTUP_CYCLES + FEWEST
+        assert only.statistics.cycles > 4 * STARTUP_CYCLES + FEWEST
         assert only.status == "enough"
 
 

@@ -18,7 +18,7 @@ from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.physics.packed import mass_of
-from presswear.results.folder import read_document
+from presswear.results.folder import read_stored
 from presswear.results.result import load
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
@@ -180,17 +180,17 @@ check_result: Check = load
 
 def check_checkpoint(folder: Path) -> None:
     """Read a folder's checkpoint; InputError names what is wrong with it."""
-    for name, digest in read_document(folder)["files"].items():
-        if name.startswith("checkpoint"):
-            read_checked(folder / name, digest)
+    checkpoint = read_stored(folder).checkpoint
+    if checkpoint is not None:
+        read_checked(folder / checkpoint.file, checkpoint.digest)
 
 
 def checkpoint_of(folder: Path) -> Path | None:
     """The file that a run goes on from, where its folder names one already."""
     if not (folder / "result.json").exists():
         return None
-    names = read_document(folder)["files"]
-    return next((folder / name for name in names if name.startswith("checkpoint")), None)
+    checkpoint = read_stored(folder).checkpoint
+    return None if checkpoint is None else folder / checkpoint.file
 
 
 def wait_for(is_so: Callable[[], object]) -> bool:

@@ -18,7 +18,7 @@ from presswear.__main__ import main
 from presswear.campaign.campaign import Checkpoint, run_into
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observer import Observer
-from presswear.results.folder import ResultFolder, read_document
+from presswear.results.folder import FILE, ResultFolder, read_stored
 from presswear.results.result import load, unfinished
 from presswear.results.stage import SIDES
 from presswear.scene.bearing import CONVENTIONS
@@ -88,7 +88,7 @@ def run(path: Path, resume: bool = False, stop: int = 0) -> None:
 
 def edit(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
     """Change the document of a folder and seal it anew."""
-    document = read_document(path)
+    document = json.loads((path / FILE).read_text())
     change(document)
     write_json(path / "result.json", document)
 
@@ -173,7 +173,7 @@ def test_what_differs_is_named(whole: Path, tmp_path: Path) -> None:
 
 
 def test_stopping_stores_the_stage_and_where_the_run_stands(halted: Path) -> None:
-    assert [stage["index"] for stage in read_document(halted)["stages"]] == [0]
+    assert [stage.index for stage in read_stored(halted).stages] == [0]
     checkpoint = resumed(halted)
     assert checkpoint.stage is not None
     assert checkpoint.words.startswith("stage 0, the wear after it, cycle ")
@@ -193,7 +193,7 @@ def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
         ({"revision": "0123456789ab", "source": "x"}, "revision 0123456789ab there.*source x"),
         ({"source": "x"}, "source x there"),
         ({"python": "2.7.18"}, r"python 2\.7\.18 there"),
-        ({"packages": {}}, "exudyn None there"),
+        ({"packages": {}}, "exudyn missing there"),
     ],
 )
 def test_another_program_is_refused(change: dict[str, Any], words: str, halted: Path) -> None:

@@ -46,7 +46,7 @@ def test_sections_end_no_cycle_elsewhere() -> None:
     with pytest.raises(pw.InputError, match="no sections were kept; --set sections=1"):
         bare.section("place")
     seen = pw.run(changed(SCENE, SECTIONS), engine="dae").stages[0]
-    assert seen.cycles == bare.cycles
+    assert seen.statistics.cycles == bare.statistics.cycles
 
 
 class _Half(Observer):
