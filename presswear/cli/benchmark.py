@@ -10,13 +10,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli.terminal import (
-    free_folder,
-    named_progress,
-    print_lines,
-    print_table,
-    requested_scene,
-)
+from presswear.cli import terminal
 from presswear.tools.files import only_writer
 
 if TYPE_CHECKING:
@@ -27,8 +21,8 @@ SCENE = "wear-times"
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:
     """Run the command and return its exit code."""
-    repeats, scene = arguments.repeats, requested_scene(arguments)
-    folder = arguments.out or free_folder(f"benchmark-{scene.name}")
+    repeats, scene = arguments.repeats, terminal.requested_scene(arguments)
+    folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
     measure = _features if arguments.features else _work_precision
     with only_writer(folder):
         measure(scene, arguments.quick, repeats, folder, console)
@@ -36,7 +30,7 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.tools.serialize import write_json
 
         write_json(folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()})
-    print_lines(console, f"results in {folder}")
+    terminal.print_lines(console, f"results in {folder}")
     return 0
 
 
@@ -50,7 +44,7 @@ def _work_precision(
     extent = module.QUICK if quick else module.FULL
     if repeats is not None:
         extent = replace(extent, repeats=repeats)
-    with named_progress(console, "benchmark") as report:
+    with terminal.named_progress(console, "benchmark") as report:
         points = module.work_precision(scene, extent, report)
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(module.table(points), folder / "benchmark.csv")
@@ -63,7 +57,9 @@ def _work_precision(
             if p.problem is problem and p.timing is not None
         ]
         numbers = ("wall ms", f"error of {quantity}")
-        print_table(console, ("method",), numbers, rows, title=problem.name, title_justify="left")
+        terminal.print_table(
+            console, ("method",), numbers, rows, title=problem.name, title_justify="left"
+        )
     for point in points:
         if point.failure:
             words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
@@ -79,7 +75,7 @@ def _features(
     extent = module.QUICK if quick else module.FeatureExtent()
     if repeats is not None:
         extent = replace(extent, repeats=repeats)
-    with named_progress(console, "benchmark") as report:
+    with terminal.named_progress(console, "benchmark") as report:
         costs = module.feature_costs(scene, extent, report)
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(module.table(costs), folder / "features.csv")
@@ -95,7 +91,7 @@ def _features(
         for cost in costs
     ]
     numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
-    print_table(console, ("feature", "engine"), numbers, rows)
+    terminal.print_table(console, ("feature", "engine"), numbers, rows)
     console.print(
         "s/s is wall time per simulated second; ratios are to the row without the feature",
         highlight=False,

@@ -5,15 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from presswear.cli.terminal import (
-    free_folder,
-    load_result,
-    named_progress,
-    print_lines,
-    print_table,
-    requested_scene,
-    verdict,
-)
+from presswear.cli import terminal
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder, only_writer
 
@@ -32,26 +24,26 @@ def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
 
 def _engines(arguments: argparse.Namespace, console: Console) -> int:
     arguments.scene = arguments.scene or "wear-times"
-    scene = requested_scene(arguments)
+    scene = terminal.requested_scene(arguments)
     shortest, longest = (n * scene.mechanism.period for n in (MIN_CYCLES, MAX_CYCLES))
     if arguments.duration is not None and not shortest <= arguments.duration <= longest:
         raise InputError(
             f"--duration {arguments.duration:g}: must be {shortest:.3g} to {longest:.3g} s, "
             f"{MIN_CYCLES:g} to {MAX_CYCLES:g} cycles"
         )
-    folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
+    folder = arguments.out or terminal.free_folder(f"crosscheck-{scene.name}")
     from presswear.show.figures import save
     from presswear.tools.serialize import write_json
     from presswear.validation.crosscheck import check_engines, draw_differences
 
     with only_writer(folder):
-        with named_progress(console, "start") as report:
+        with terminal.named_progress(console, "start") as report:
             outcome = check_engines(scene, arguments.duration, report)
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
         save(draw_differences(outcome), folder)
     reason = "trajectories diverge" if outcome.diverged else "the end; trajectories do not diverge"
-    print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
+    terminal.print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
     _print_checks(
         console,
         ("difference", "bound"),
@@ -60,7 +52,7 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
             for check in outcome.checks
         ],
     )
-    print_lines(console, f"table and figure in {folder}")
+    terminal.print_lines(console, f"table and figure in {folder}")
     return 0 if outcome.passed else 1
 
 
@@ -72,7 +64,7 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
     folder = Path(arguments.scene)
     check_folder(folder)
     theirs = read_table(arguments.against)
-    ours = table_of(load_result(folder, console), 0)
+    ours = table_of(terminal.load_result(folder, console), 0)
     tolerance = arguments.tolerance or TOLERANCE
     columns = compare_tables(ours, theirs, arguments.until, tolerance)
     _print_checks(
@@ -94,5 +86,7 @@ def _print_checks(
     cells = []
     for quantity, unit, numbers, passed in rows:
         texts = ["" if value is None else f"{value:.2e}" for value in numbers]
-        cells.append([quantity, *texts, unit, "" if numbers[-1] is None else verdict(passed)])
-    print_table(console, ("quantity",), names, cells, ("unit", ""))
+        cells.append(
+            [quantity, *texts, unit, "" if numbers[-1] is None else terminal.verdict(passed)]
+        )
+    terminal.print_table(console, ("quantity",), names, cells, ("unit", ""))

@@ -5,20 +5,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from presswear.cli.terminal import (
-    check_resume,
-    free_folder,
-    load_result,
-    named_progress,
-    print_lines,
-    print_table,
-    requested_scene,
-    resumable,
-)
+from presswear.cli import terminal
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
-
-MAX_CYCLES = 100_000
 
 
 def dynamics(arguments: argparse.Namespace, console: Console) -> int:
@@ -28,7 +17,7 @@ def dynamics(arguments: argparse.Namespace, console: Console) -> int:
         if arguments.over or arguments.set:
             raise InputError(f"{folder} is a result folder: --over and --set need a scene")
         return _describe(folder, console)
-    scene = requested_scene(arguments)
+    scene = terminal.requested_scene(arguments)
     if arguments.over is not None:
         return _diagram(scene, arguments, console)
     if arguments.orders:
@@ -46,7 +35,7 @@ def _exponent(scene: Scene, cycles: int, console: Console) -> int:
     exponent = largest_exponent(scene.linkage(), start_of(scene), period, cycles)
     half = exponent.half_width
     interval = "(too few cycles for an interval)" if half is None else f"± {half:.3g}"
-    print_lines(
+    terminal.print_lines(
         console,
         f"{scene.name}: largest Lyapunov exponent {exponent.value:.4g} {interval} 1/s, "
         f"{exponent.value * period:.3g} per cycle, from {exponent.intervals} intervals",
@@ -62,14 +51,11 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
 
     parameter = Parameter.parse(arguments.over, scene)
     cycles = Cycles(arguments.cycles, arguments.stored, arguments.exponent, arguments.orders)
-    check_resume(arguments.resume, arguments.out)
-    folder = arguments.out or free_folder(f"{scene.name}-dynamics")
-    if not arguments.resume and folder.exists() and any(folder.iterdir()):
-        raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
+    folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
     command = f"the same command with --resume --out {folder} continues"
     with (
-        resumable(command, folder, lambda: "finished values are stored"),
-        named_progress(console, "bifurcation diagram") as report,
+        terminal.resumable(command, folder, lambda: "finished values are stored"),
+        terminal.named_progress(console, "bifurcation diagram") as report,
     ):
         shares = dict.fromkeys(DIRECTIONS, 0.0)
 
@@ -78,9 +64,9 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             report(f"bifurcation diagram, {direction}", sum(shares.values()) / len(shares))
 
         diagram = compute(scene, parameter, cycles, folder, start_of, arguments.jobs, show)
-    print_lines(console, *diagram.summary())
+    terminal.print_lines(console, *diagram.summary())
     for drawing in [draw_diagram(diagram), *([draw_orders(diagram)] if cycles.orders else [])]:
-        print_lines(console, f"picture in {save(drawing, folder)}")
+        terminal.print_lines(console, f"picture in {save(drawing, folder)}")
     return 0
 
 
@@ -88,13 +74,13 @@ def _describe(folder: Path, console: Console) -> int:
     """Print the motion of a stored run."""
     from presswear.show.report_tables import motion_table
 
-    table = motion_table(load_result(folder, console))
+    table = motion_table(terminal.load_result(folder, console))
     if table is None:
         raise InputError(
             f"{folder}: no motion to analyse, because no joint has clearance or no cycle after "
             "the start-up was recorded"
         )
-    print_lines(console, f"of each mode: {table.head[0]}")
+    terminal.print_lines(console, f"of each mode: {table.head[0]}")
     for heading, rows in table.groups:
-        print_table(console, (heading, *table.head[1:]), (), rows)
+        terminal.print_table(console, (heading, *table.head[1:]), (), rows)
     return 0

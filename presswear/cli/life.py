@@ -6,19 +6,11 @@ from functools import partial
 
 from rich.console import Console
 
+from presswear.cli import terminal
 from presswear.cli.run import (
     has_no_options,
     run_scene,
     with_options,
-)
-from presswear.cli.terminal import (
-    check_resume,
-    free_folder,
-    load_scene,
-    parse_settings,
-    print_lines,
-    progress_bar,
-    resumable,
 )
 from presswear.linkage.laws import MATERIALS
 from presswear.scene.options import NEW, TURNED, Life
@@ -34,7 +26,7 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
     """Run the command and return its exit code."""
     change = partial(_with_life, arguments=arguments)
     if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
-        return _compare(change(load_scene(arguments.scene)), arguments, console)
+        return _compare(change(terminal.load_scene(arguments.scene)), arguments, console)
     is_plain = has_no_options(arguments) and not arguments.until and arguments.at_most is None
     is_resumed = arguments.resume and arguments.out is not None
     return run_scene(arguments, console, None if is_plain and is_resumed else change)
@@ -43,7 +35,7 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
 def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
     """Return the scene with the life and the defaults of this command."""
     specified = {key for key, origin in scene.origins.items() if origin.startswith(SET)}
-    specified |= parse_settings(arguments.set).keys()
+    specified |= terminal.parse_settings(arguments.set).keys()
     wear = {"conventions", "wear_distribution", "contact"}
     if arguments.conventions is None and not specified & wear:
         scene = changed(scene, {"conventions": "refined"})
@@ -62,7 +54,7 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
     """Return the settings of the lives to compare with, by label."""
     variants = {f"bush replaced: {each}": {f"life.{NEW}": each} for each in arguments.replace}
     variants |= {f"bush turned: {each}": {f"life.{TURNED}": each} for each in arguments.turn}
-    variants |= {each: parse_settings(each.split(",")) for each in arguments.compare}
+    variants |= {each: terminal.parse_settings(each.split(",")) for each in arguments.compare}
     if arguments.materials:
         for joint in scene.clearance_joints:
             for name in MATERIALS:
@@ -82,15 +74,12 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
         if variant.modelled() == scene.modelled():
             raise InputError(f"{label}: changes nothing, so there is nothing to compare")
         scenes[re.sub(r"[^A-Za-z0-9.+=,_-]+", "-", label).strip("-")] = variant
-    check_resume(arguments.resume, arguments.out)
-    folder = arguments.out or free_folder("lives")
-    if not arguments.resume and folder.exists() and any(folder.iterdir()):
-        raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
+    folder = terminal.output_folder(arguments, "lives")
     command = f"the same command with --resume --out {folder} continues"
     shares = dict.fromkeys(scenes, 0.0)
     with (
-        resumable(command, folder, lambda: "finished lives are stored"),
-        progress_bar(console) as bar,
+        terminal.resumable(command, folder, lambda: "finished lives are stored"),
+        terminal.progress_bar(console) as bar,
     ):
         task = bar.add_task("lives", total=len(scenes))
 
@@ -99,7 +88,7 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             shares[name] = share
             bar.update(task, completed=sum(shares.values()), description=f"{name}: {words}")
             if share == 1.0:
-                print_lines(bar.console, f"finished {name}: {words}")
+                terminal.print_lines(bar.console, f"finished {name}: {words}")
 
         results = run_scenes(scenes, folder, jobs=arguments.jobs, on_progress=show)
     plain = results["plain"].life
@@ -110,6 +99,6 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             ratio, longer = life_ratio(life, plain)
             if ratio:
                 line = f"{ratio} times as long, longer with a probability of {longer}; {line}"
-        print_lines(console, f"{name}: {line}")
-    print_lines(console, f"results in {folder}; presswear report FOLDER writes a report")
+        terminal.print_lines(console, f"{name}: {line}")
+    terminal.print_lines(console, f"results in {folder}; presswear report FOLDER writes a report")
     return 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli.terminal import load_result, print_lines, progress_bar
+from presswear.cli import terminal
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder
 from presswear.tools.quantities import Quantity, parse_quantity
@@ -23,7 +23,7 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.show.replay.clip import equal_limits, life_clip
 
     if arguments.life:
-        clips = [life_clip(load_result(arguments.folder, console))]
+        clips = [life_clip(terminal.load_result(arguments.folder, console))]
     else:
         clips = [_clip(arguments.folder, arguments.stage, console)]
     if arguments.compare is not None:
@@ -64,7 +64,7 @@ def _check(arguments: argparse.Namespace) -> None:
 def _clip(folder: Path, stage: int | None, console: Console) -> "Clip":
     from presswear.show.replay.clip import stage_clip
 
-    result = load_result(folder, console)
+    result = terminal.load_result(folder, console)
     last = len(result.stages) - 1
     if last < 0:
         raise InputError(f"{folder} has no finished stage")
@@ -99,7 +99,7 @@ def _still(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
 
     time = _time("--at", arguments.at, clips[0], clips[0].default_start)
     write_still(arguments.still, still(clips, frames_at(clips, time), arguments.size))
-    print_lines(console, f"picture in {arguments.still}")
+    terminal.print_lines(console, f"picture in {arguments.still}")
     return 0
 
 
@@ -116,12 +116,14 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
     slow = arguments.slow or clip.default_slow
     frames = frames_between(clips, start, end, slow, rate)
     count, note = len(frames), speed_text(slow)
-    with progress_bar(console) as bar:
+    with terminal.progress_bar(console) as bar:
         task = bar.add_task(f"{count} pictures", total=1.0)
         images = pictures(clips, frames, note, arguments.size)
         write_movie(
             arguments.movie, images, count, rate, lambda part: bar.update(task, completed=part)
         )
     seconds = count / rate
-    print_lines(console, f"film in {arguments.movie}: {count} pictures, {seconds:.1f} s, {note}")
+    terminal.print_lines(
+        console, f"film in {arguments.movie}: {count} pictures, {seconds:.1f} s, {note}"
+    )
     return 0

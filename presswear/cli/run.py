@@ -11,17 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
-from presswear.cli.terminal import (
-    check_resume,
-    free_folder,
-    load_scene,
-    merge_options,
-    parse_settings,
-    print_lines,
-    progress_bar,
-    resumable,
-    resume_command,
-)
+from presswear.cli import terminal
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.scene.catalog import title_of
 from presswear.scene.files import SUFFIX
@@ -39,7 +29,6 @@ if TYPE_CHECKING:
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
 LIFE = "life,"  # start of the description of a step that follows a service life
-MAX_CHECKPOINT = 86400.0  # s
 
 
 def has_no_options(arguments: argparse.Namespace) -> bool:
@@ -51,7 +40,9 @@ def has_no_options(arguments: argparse.Namespace) -> bool:
 def with_options(scene: Scene, arguments: argparse.Namespace, **more: Any) -> Scene:
     """Return the scene changed by the options, and by ``more`` settings; checked."""
     options = {key: getattr(arguments, key) for key in OPTIONS}
-    scene = changed(scene, merge_options(parse_settings(arguments.set), {**options, **more}))
+    scene = changed(
+        scene, terminal.merge_options(terminal.parse_settings(arguments.set), {**options, **more})
+    )
     if arguments.surfaces is not None:
         from presswear.results.result import read_surfaces
 
@@ -79,14 +70,16 @@ def run_scene(
         Applies the options; None if there are none, so that a resumed run uses its stored scene
         and needs no scene file.
     """
-    check_resume(arguments.resume, arguments.out)
+    terminal.check_resume(arguments.resume, arguments.out)
     is_stored = arguments.resume and (arguments.out / "result.json").exists()
     if is_stored and change is None:
         scene = _stored_scene(arguments)
     else:
-        scene = load_scene(arguments.scene)
+        scene = terminal.load_scene(arguments.scene)
         scene = scene if change is None else change(scene)
-    folder = arguments.out or free_folder(f"{scene.name}-life" if scene.life else scene.name)
+    folder = arguments.out or terminal.free_folder(
+        f"{scene.name}-life" if scene.life else scene.name
+    )
     from presswear.results.folder import ResultFolder
     from presswear.results.press_analysis import deep_contacts
     from presswear.results.result import load
@@ -98,21 +91,21 @@ def run_scene(
         window = closing(Live(scene, LIVE_SIZE))
     with window as live:
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
-        print_lines(console, title_of(scene), *store.remarks)
+        terminal.print_lines(console, title_of(scene), *store.remarks)
         if store.is_finished:
-            print_lines(console, f"the run in {folder} is already complete")
+            terminal.print_lines(console, f"the run in {folder} is already complete")
         _run_into(arguments, store, scene, [live] if live else [], console)
     from presswear.show.report import write_report
 
     result = load(folder)
     with console.status("drawing the report"):
         report = write_report(result)
-    print_lines(console, f"results in {folder}, report in {report}")
-    print_lines(console, *deep_contacts(result.scene, result.stages))
+    terminal.print_lines(console, f"results in {folder}, report in {report}")
+    terminal.print_lines(console, *deep_contacts(result.scene, result.stages))
     if result.status == "failed":
         raise RunFailed(result.message)
     if result.status == "unconverged":
-        print_lines(console, f"not converged: {result.message}")
+        terminal.print_lines(console, f"not converged: {result.message}")
     return 0
 
 
@@ -139,9 +132,12 @@ def _run_into(
     """Run a scene into its folder with progress on the terminal."""
     from presswear.campaign.campaign import run_into, workers_of
 
-    command = resume_command(arguments.command, arguments.scene, store.path, bool(scene.user_laws))
+    command = terminal.resume_command(arguments, store.path, scene)
     try:
-        with resumable(command, store.path, lambda: store.kept), progress_bar(console) as bar:
+        with (
+            terminal.resumable(command, store.path, lambda: store.kept),
+            terminal.progress_bar(console) as bar,
+        ):
             observers = [RunObserver(bar, scene), *observers]
             with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
                 run_into(store, scene, observers, workers)
@@ -178,13 +174,13 @@ class RunObserver(Observer):
 
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""
-        print_lines(self._bar.console, f"{life}")
+        terminal.print_lines(self._bar.console, f"{life}")
         self._compile_time = 0.0  # it belongs to no stage
 
     def on_stage(self, stage: "StageResult") -> None:
         """Print the model and the results of a stage."""
         model, solver = stage.diagnostics["model"], stage.diagnostics["solver"]
-        print_lines(
+        terminal.print_lines(
             self._bar.console,
             f"{stage.name}: {model}. {solver}",
             stage_summary(stage, self._compile_time),

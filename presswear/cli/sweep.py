@@ -9,18 +9,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli.terminal import (
-    check_resume,
-    free_folder,
-    load_scene,
-    merge_options,
-    parse_settings,
-    print_lines,
-    print_table,
-    progress_bar,
-    resumable,
-    resume_command,
-)
+from presswear.cli import terminal
 from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
@@ -44,21 +33,20 @@ def sweep(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.sweeps.sweep import check_folder_of, parse_shard, run_sweep
 
     shard = parse_shard(arguments.shard or "1/1")
-    check_resume(arguments.resume, arguments.out)
+    terminal.check_resume(arguments.resume, arguments.out)
     sweep = _requested_sweep(arguments)
     # All jobs of an array start together, in a folder that one of them makes.
     check_folder_of(sweep, arguments.resume, is_part=arguments.shard is not None)
     plan = sweep.plan
     replicates = f", {plan.replicates} replicates each" if plan.replicates > 1 else ""
     text = f"{plan.scene.name}: {len(plan.points)} points{replicates}, {plan.rows} runs"
-    print_lines(console, text)
+    terminal.print_lines(console, text)
     folder = shlex.quote(str(sweep.path))
-    trust = bool(plan.scene.user_laws)
-    command = resume_command("sweep", arguments.scene, sweep.path, trust)
+    command = terminal.resume_command(arguments, sweep.path, plan.scene)
     is_confirmed = arguments.yes
     with (
-        resumable(command, sweep.path, lambda: "all finished runs are kept"),
-        progress_bar(console) as bar,
+        terminal.resumable(command, sweep.path, lambda: "all finished runs are kept"),
+        terminal.progress_bar(console) as bar,
     ):
         task = bar.add_task("sweep", total=None)
 
@@ -73,12 +61,12 @@ def sweep(arguments: argparse.Namespace, console: Console) -> int:
                 _check_time(progress)
 
         def notify(line: str) -> None:
-            print_lines(bar.console, line)
+            terminal.print_lines(bar.console, line)
 
         sweep = run_sweep(sweep, arguments.on, arguments.jobs, shard, report, notify)
     _print(console, sweep.table)
-    print_lines(console, sweep.summary)
-    print_lines(console, f"for the report: presswear report {folder}")
+    terminal.print_lines(console, sweep.summary)
+    terminal.print_lines(console, f"for the report: presswear report {folder}")
     return 0
 
 
@@ -100,7 +88,7 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     sweep = load_sweep(arguments.folder)
     if arguments.limit:
         sweep = replace(sweep, limits=tuple(arguments.limit))
-    print_lines(console, f"report in {sweep.report()}")
+    terminal.print_lines(console, f"report in {sweep.report()}")
     return 0
 
 
@@ -114,7 +102,7 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
         )
     table = load_sweep(arguments.folder).table
     export_table(table, arguments.file)
-    print_lines(console, f"{len(table.errors)} rows in {arguments.file}")
+    terminal.print_lines(console, f"{len(table.errors)} rows in {arguments.file}")
     return 0
 
 
@@ -135,11 +123,11 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     if arguments.scene.endswith(SUFFIX):
         scene, file = read_sweep(Path(arguments.scene))
     else:
-        scene, file = load_scene(arguments.scene), SweepFile()
+        scene, file = terminal.load_scene(arguments.scene), SweepFile()
     if is_bare and file == SweepFile():
         return load_sweep(arguments.out)  # its error names the missing file
     options = {name: getattr(arguments, name) for name in SETTINGS}
-    settings = merge_options(parse_settings(arguments.set), options)
+    settings = terminal.merge_options(terminal.parse_settings(arguments.set), options)
     plan = Plan(
         changed(scene, settings),
         tuple(arguments.vary or file.vary),
@@ -150,7 +138,7 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     )
     listed = ",".join(arguments.response or file.responses)
     requested = request(plan.example, listed.split(",") if listed else [])
-    folder = arguments.out or free_folder(f"{scene.name}-sweep")
+    folder = arguments.out or terminal.free_folder(f"{scene.name}-sweep")
     limits = tuple(arguments.limit or file.limits)
     return Sweep(plan, requested, folder, arguments.keep or file.keep, limits)
 
@@ -163,7 +151,7 @@ def _print(console: Console, table: "Table") -> None:
     widths = (COLUMN_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True))
     fitting = sum(end <= console.width for end in accumulate(widths))
     count = max(fitting, len(table.parameters) + 1)
-    print_table(console, [], heads[:count], [cells[:count] for cells in rows])
+    terminal.print_table(console, [], heads[:count], [cells[:count] for cells in rows])
     if len(heads) > count:
         text = f"and {', '.join(heads[count:])}"
-        print_lines(console, text)
+        terminal.print_lines(console, text)

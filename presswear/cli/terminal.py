@@ -103,11 +103,20 @@ def check_resume(resume: bool, path: Path | None) -> None:
         raise InputError(f"--resume --out {error}; omit --resume to start a new run") from None
 
 
-def resume_command(command: str, scene: str, path: Path, trust: bool) -> str:
-    """Return the command that continues a run."""
-    flag = " --trust" if trust else ""
-    folder = shlex.quote(str(path))
-    return f"continue with: presswear {command} {shlex.quote(scene)} --resume --out {folder}{flag}"
+def output_folder(arguments: Namespace, name: str) -> Path:
+    """Return the folder of ``--out``, or a free one; raise InputError if it may not be written."""
+    check_resume(arguments.resume, arguments.out)
+    folder: Path = arguments.out or free_folder(name)
+    if not arguments.resume and folder.exists() and any(folder.iterdir()):
+        raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
+    return folder
+
+
+def resume_command(arguments: Namespace, path: Path, scene: Scene) -> str:
+    """Return the command that continues a run, or a sweep, of a scene in a folder."""
+    flag = " --trust" if scene.user_laws else ""
+    words = shlex.join([arguments.command, arguments.scene, "--resume", "--out", str(path)])
+    return f"continue with: presswear {words}{flag}"
 
 
 @contextmanager
@@ -138,9 +147,8 @@ def load_result(path: Path, console: Console) -> "Result":
     result = load(path)
     note = unfinished(result)
     if note and not result.stages:
-        scene = result.scene
-        command = resume_command("run", scene.name, path, bool(scene.user_laws))
-        raise InputError(f"{note}; {command}")
+        arguments = Namespace(command="run", scene=result.scene.name)
+        raise InputError(f"{note}; {resume_command(arguments, path, result.scene)}")
     if note:
         console.print(f"{note}: only these are used", highlight=False, soft_wrap=True)
     return result
