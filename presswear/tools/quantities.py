@@ -7,7 +7,6 @@ from the field.
 
 import math
 import re
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
@@ -104,7 +103,7 @@ class Quantity:
     def allows(self, value: float) -> bool:
         """Return whether a value is finite and in range."""
         is_above = self.low < value if self.open_low else self.low <= value
-        return math.isfinite(value) and is_above and value <= self.high
+        return is_above and value <= self.high and not math.isinf(value)
 
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is a finite number in range."""
@@ -114,8 +113,6 @@ class Quantity:
                 f"{name} = {shown(value)}: a {'whole ' if self.whole else ''}number is expected; "
                 f"allowed is {self.range_text()}"
             )
-        if abs(value) > sys.float_info.max:  # a stored whole number may have any length
-            value = math.inf if value > 0 else -math.inf
         if not self.allows(value):
             text = f"{value:g}"
             if self.low <= float(text) <= self.high:  # outside by less than six digits show

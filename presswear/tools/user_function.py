@@ -17,7 +17,6 @@ from typing import Any
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
-_MAX_BYTES = 2**18  # of a file with laws
 _POINTS = 20  # at which a law is run in Python before it is compiled
 
 _trusted: set[str] = set()  # texts that may be executed in this process
@@ -190,8 +189,6 @@ def _from_file(key: str, place: str) -> UserFunction:
     path = Path(file)
     if not path.is_file():
         raise InputError(f"{key}: there is no file {file!r}; must be FILE.py:NAME")
-    if path.stat().st_size > _MAX_BYTES:
-        raise InputError(f"{key}: the file has more than {_MAX_BYTES} bytes")
     try:
         return UserFunction(name, read_checked(path).decode()).trusted()
     except UnicodeDecodeError:

@@ -13,11 +13,21 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
-from presswear.scene.bearing import CONVENTIONS, Conventions
-from presswear.scene.catalog import slider_crank, wear_times
+from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
+from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
+from presswear.scene.catalog import (
+    SCENES,
+    changes_of,
+    name_of,
+    press_blanking,
+    short_name_of,
+    slider_crank,
+    title_of,
+    wear_times,
+)
+from presswear.scene.files import example_file, scene_from
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, settings_of
+from presswear.scene.settings import changed, setting_of, settings_of, values_of
 from presswear.tools.errors import AssemblyError, InputError
 from presswear.tools.quantities import Quantity
 
@@ -245,3 +255,118 @@ def test_constructors_take_numbers_with_units() -> None:
         face.Bar("crank", length="50", mass="300 g")
     with pytest.raises(InputError, match="speed of crank = '1,5 Hz': use a decimal point"):
         face.Drive("crank", speed="1,5 Hz")
+
+
+WEAR = wear_times()
+
+
+def read(text: str) -> list[float]:
+    """What is typed as ``KEY=VALUES``."""
+    key, _, given = text.partition("=")
+    meaning = setting_of(WEAR, key).meaning
+    assert isinstance(meaning, Quantity)
+    return values_of(key, given, meaning)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("clearance=0.2mm:1.0mm:3", [2e-4, 6e-4, 1e-3]),
+        ("clearance=0.2:1.0:3 mm", [2e-4, 6e-4, 1e-3]),
+        ("clearance=1.0:0.2:3 mm", [1e-3, 6e-4, 2e-4]),
+        ("contact_stiffness=1e8:1e10:3 N/m^1.5:log", [1e8, 1e9, 1e10]),
+        ("contact_stiffness=1e8:1e10:3:log N/m^1.5", [1e8, 1e9, 1e10]),
+        ("clearance=0.2mm, 0.5 mm", [2e-4, 5e-4]),
+        ("friction=0:0.1:3", [0.0, 0.05, 0.1]),
+    ],
+)
+def test_texts_give_values(text: str, values: list[float]) -> None:
+    assert read(text) == values
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("clearance=0.2:1.0:3", "has no unit"),
+        ("clearance=0.2mm:1.0mm:3 mm", "unknown unit 'mm mm'"),
+        ("clearance=1mm:2m:3", "clearance = 2 m: allowed is"),
+        ("clearance=1mm:2mm", "FIRST:LAST:COUNT"),
+        ("clearance=1:2:1 mm", "a whole number of values from 2"),
+        ("clearance=1:2:3:lin mm", "FIRST:LAST:COUNT:log"),
+        ("clearance=1:1:3 mm", "two ends that differ"),
+        ("friction=0:0.1:3:log", "ends above 0"),
+        ("replicates=2:5:3", r"replicates = 3\.5: a whole number is expected"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text: str, told: str) -> None:
+    with pytest.raises(pw.InputError, match=told):
+        read(text)
+
+
+TITLE = SCENES["wear-times"].title
+
+
+def told(scene: Scene) -> dict[str, tuple[str, str, str]]:
+    return {own.key: (own.value, own.was, own.unit) for own in changes_of(scene)}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_named_scene_keeps_its_title(name: str) -> None:
+    scene = SCENES[name].make()
+    assert changes_of(scene) == ()
+    assert (title_of(scene), name_of(scene), short_name_of(scene)) == (scene.title, name, name)
+
+
+def test_changes_stand_behind_the_title_with_what_they_were() -> None:
+    scene = wear_times(clearance="0.5 mm", wear_updates=1)
+    assert told(scene) == {"clearance": ("0.5", "0.8", "mm"), "wear_updates": ("1", "2", "")}
+    assert title_of(scene) == f"{TITLE}, changed: clearance 0.5 mm, wear updates 1"
+    assert name_of(scene) == "wear-times, changed: clearance 0.5 mm, wear updates 1"
+    assert short_name_of(scene) == "wear-times, changed"
+    assert title_of(Scene.from_dict(scene.as_dict())) == title_of(scene)
+
+
+@pytest.mark.parametrize(
+    ("scene", "expected"),
+    [
+        (wear_times(conventions="refined"), {"conventions": ("refined", "paper", "")}),
+        (wear_times(slip="sliding"), {"slip": ("sliding", "angle", "")}),
+        (
+            wear_times(geometry="swapped", process="blanking"),
+            {"geometry": ("swapped", "standard", ""), "process": ("blanking", "none", "")},
+        ),
+        (press_blanking(**{"process.force": "200 N"}), {"process.force": ("200", "500", "N")}),
+        (wear_times(**{"A.clearance": "0.4 mm"}), {"A.clearance": ("0.4", "0.8", "mm")}),
+        (wear_times(cycles=3), {"cycles": ("3", "none", "")}),
+        (replace(wear_times(), wear_updates=1, name="mine"), {"wear_updates": ("1", "2", "")}),
+        (
+            replace(wear_times(), mechanism=FOUR_BAR, joints="B"),
+            {"joints": ("B", "AC", ""), "mechanism": ("four-bar", "press", "")},
+        ),
+        (Scene(FOUR_BAR, bearings={"B": Bearing()}), {"joints": ("B", "none", "")}),
+    ],
+)
+def test_nothing_is_told_that_follows_from_what_is_told(
+    scene: Scene, expected: dict[str, Any]
+) -> None:
+    assert told(scene) == expected
+
+
+def test_a_long_title_counts_what_is_left_out() -> None:
+    scene = wear_times(clearance="0.5 mm", friction=0.1, wear_updates=1, cycles=3, replicates=2)
+    assert title_of(scene).endswith(
+        ", changed: clearance 0.5 mm, friction 0.1, wear updates 1, 2 more"
+    )
+
+
+def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(example_file("four-bar"))
+    scene = scene_from(file)
+    assert told(scene)["wear_updates"] == ("1", "0", "")
+    assert title_of(scene) == "My four-bar"
+    assert title_of(changed(scene, {"clearance": "0.5 mm"})) == (
+        "My four-bar, changed: clearance 0.5 mm"
+    )

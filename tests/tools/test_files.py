@@ -183,16 +183,6 @@ def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_lock_is_lost_with_its_folder(tmp_path: Path) -> None:
-    lock = FolderLock(tmp_path)
-    (tmp_path / LOCK).rename(tmp_path / "elsewhere")
-    assert not lock.is_held()
-    other = FolderLock(tmp_path)
-    lock.release()  # it is not ours to remove
-    assert other.is_held()
-    other.release()
-
-
 def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
     with only_writer(tmp_path / "new" / "below"):
         assert holder(tmp_path / "new" / "below") is not None

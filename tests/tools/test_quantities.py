@@ -136,9 +136,6 @@ def test_ranges(meaning: Quantity, inside: list[str], outside: list[str], said: 
             math.nextafter(0.8, 1.0),
             r"0\.80000000000000\d+: allowed is 0 to 0\.8",
         ),
-        # A whole number beyond all floats.
-        (Quantity("", 1, 5, "", "", whole=True), 10**400, "inf: allowed is 1 to 5"),
-        (Quantity("", 1, 5, "", "", whole=True), -(10**400), "-inf: allowed is 1 to 5"),
         (Quantity("", 1, 5, "", "", whole=True), True, "True: a whole number is expected"),
         *((_any("m"), value, ".*any finite number") for value in (math.nan, math.inf, -math.inf)),
     ],

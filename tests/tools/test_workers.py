@@ -184,40 +184,6 @@ def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
     assert results == [200_000_000, 0] or "memory ran out" in results[0]
 
 
-@dataclass(frozen=True)
-class Notes:
-    """Write the times of the start and of the first progress to files."""
-
-    folder: Path
-    key: int
-
-    def __call__(self, report: Report) -> float:
-        (self.folder / f"start-{self.key}").write_text(f"{time.monotonic()}")
-        report(math.nan)
-        time.sleep(0.5)
-        (self.folder / f"progress-{self.key}").write_text(f"{time.monotonic()}")
-        report(1.0)
-        time.sleep(0.3)
-        return 0.0
-
-
-def test_the_first_job_runs_alone_until_it_reports_progress(tmp_path: Path) -> None:
-    reported: list[float] = []
-
-    def on_progress(key: int, done: float, word: str, rows: object) -> None:
-        reported.append(done)
-
-    with Pool(2) as pool:
-        pool.run({k: Notes(tmp_path, k) for k in range(3)}, nothing, on_progress)
-    assert {done for done in reported if not math.isnan(done)} == {1.0}
-    progress, start = (
-        [float((tmp_path / f"{name}-{k}").read_text()) for k in range(3)]
-        for name in ("progress", "start")
-    )
-    assert min(start[1:]) > progress[0]
-    assert start[2] < progress[1] or start[1] < progress[2]
-
-
 # It has no ``if __name__ == "__main__":``.
 _SCRIPT = """
 import test_workers
