@@ -1,9 +1,11 @@
 """Touchdown and separation of pins: the state of contact between steps, and the length of steps.
 
 The force law needs the closing speed at touchdown. Taken from the first penetrated state it is
-wrong by parts in a thousand. Here the penetration between two accepted states is the cubic through
-both values and both rates, and its root is the moment of touchdown. In free flight the time to the
-next touchdown is predicted and the step ends just after it; in contact a step is a set part of the
+wrong by parts in a thousand. One rule holds in all engines: an event is predicted from value and
+derivatives in the last state (``time_to_event``), a step ends just behind it, and its moment is the
+root of the cubic through values and rates at both ends of the step (``joint_crossing``,
+``load_crossing``). An engine that can repeat a step does so where the prediction was missed; the
+in-house solver repeats until the step ends on the event. In contact a step is a set part of the
 expected duration of the contact.
 """
 
@@ -20,7 +22,7 @@ from presswear.physics.friction_and_normal import (
     elastic_at,
     normal_force,
 )
-from presswear.physics.loads import Loads, transition_at_start, transition_value
+from presswear.physics.loads import Loads, count_transitions, transition_at_start, transition_value
 from presswear.physics.packed import Packed
 from presswear.tools.compile import Records, compiled, inlined
 
@@ -143,6 +145,55 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
         else:
             low = middle
     return high
+
+
+@compiled
+def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float, float]:
+    """Predict when a quantity below zero reaches it, from its value and three derivatives.
+
+    Returns
+    -------
+    tuple
+        Time, s, rate then, and the part of the time that is in doubt, s: what the third derivative
+        changes.  The time is infinite where it is not reached.
+    """
+    root = r * r - 2.0 * a * p
+    denominator = r + math.sqrt(root) if root >= 0.0 else 0.0
+    if denominator <= 0.0:
+        return math.inf, 0.0, 0.0
+    first = -2.0 * p / denominator
+    arrival, doubt = first, 0.0
+    for _ in range(2):
+        slope = r + arrival * (a + 0.5 * j * arrival)
+        if slope <= 0.0:
+            arrival = doubt = first
+            break
+        change = -(p + arrival * (r + arrival * (0.5 * a + j * arrival / 6.0))) / slope
+        arrival = min(max(arrival + change, 0.5 * first), 2.0 * first)
+        doubt = abs(arrival - first)
+    return arrival, r + arrival * (a + 0.5 * j * arrival), doubt
+
+
+@compiled
+def step_to_event(
+    arrival: float, doubt: float, is_near: bool, behind: float, is_abrupt: bool
+) -> float:
+    """Return the step, s, that ends just behind a predicted event, or as near as it is trusted.
+
+    Parameters
+    ----------
+    arrival, doubt : float
+        See ``time_to_event``.
+    is_near : bool
+        Whether the step may go up to the event.
+    behind : float
+        Time behind the event at which the step ends, s.
+    is_abrupt : bool
+        Whether the law begins with a jump: the touchdown then gets a short step of its own.
+    """
+    if not is_near:
+        return max(arrival - 2.0 * doubt, 0.5 * arrival)
+    return arrival - behind if is_abrupt and arrival > 2.0 * behind else arrival + behind
 
 
 @compiled
@@ -446,6 +497,9 @@ SKIM_STEPS = 2.0
 
 # A step that ends more than this part of a contact step behind a touchdown is redone
 OVERSHOOT = 0.2
+# What passes a change of a load's law no further is not sent back, m, rad, m/s or rad/s.
+EVENT_TOL = 1e-9
+EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
 @compiled
@@ -500,24 +554,24 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
 def late_touchdown(
     joint: Records, last: Records, steps: Records, contact: Records, h: float
 ) -> float:
-    """Return the step, s, that ends just after a touchdown that was overshot; else -1.
+    """Return the step, s, that ends just after a touchdown that was overshot; or infinity.
 
     Where the law begins with a jump, the touchdown is put into a short step of its own.
     """
-    s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
+    s = joint_crossing(last, contact, False, h)[0]
     if s > 1.0:
-        return -1.0
+        return math.inf
     closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
     part = contact_step(joint, 0.0, closing, steps.per_contact)
     behind = min(LANDING * part, 0.1 * h)
     if joint.normal.abrupt:
         near = LANDING * part
         if h <= 4.0 * near:
-            return -1.0
+            return math.inf
         return max(s * h - near if s * h > 2.0 * near else s * h + near, steps.least)
     if contact.penetration > 0.0:
         if (1.0 - s) * h <= OVERSHOOT * part:
-            return -1.0
+            return math.inf
     elif contact.rate < 0.0:
         # Touched and gone: land while the pin is still in, well before its deepest point.
         behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
@@ -526,18 +580,18 @@ def late_touchdown(
 
 @compiled
 def early_separation(last: Records, steps: Records, contact: Records, h: float) -> float:
-    """Return the step, s, that divides a contact finely which the trial state has ended; else -1.
+    """Return the step, s, that divides a contact which the trial state has ended; or infinity.
 
     A pin that skims a bump can leave sooner than the state at its touchdown let expect.
     The shorter step holds for the rest of the contact.
     """
     missing = LEAST_STEPS - last.steps
     if contact.penetration > 0.0 or missing <= 0 or last.started_closed:
-        return -1.0
-    s = crossing(-last.penetration, -last.rate, -contact.penetration, -contact.rate, h)
+        return math.inf
+    s = joint_crossing(last, contact, True, h)[0]
     wanted = max(min(s, 1.0) * h / (missing + 1), steps.least)
     if wanted > 0.7 * h:
-        return -1.0
+        return math.inf
     last.longest_step = wanted
     return wanted
 
@@ -549,30 +603,29 @@ def shorter_step(
     memory: Records,
     steps: Records,
     contacts: Records,
-    t: float,
+    h: float,
     q: Array,
     v: Array,
+    a: Array,
 ) -> float:
-    """Return the step, s, with which a trial step has to be repeated; -1 if it is acceptable.
+    """Return the step, s, with which a trial step of length ``h`` has to be repeated; -1 if none.
 
     ``contacts`` is working space.
     """
-    joints = packed.joints
-    shortest = -1.0
-    for k in range(joints.shape[0]):
-        last = memory[k]
-        h = t - last.time
-        if h <= steps[0].least:
-            continue
-        contact = contacts[k]
-        note_contact(packed, k, q, v, contact)
+    joints, loads, least = packed.joints, packed.loads, steps[0].least
+    shortest = math.inf
+    for k in range(joints.shape[0] if h > least else 0):
+        note_contact(packed, k, q, v, contacts[k])
         if onset[k] > 0.0:
-            wanted = early_separation(last, steps[0], contact, h)
+            wanted = early_separation(memory[k], steps[0], contacts[k], h)
         else:
-            wanted = late_touchdown(joints[k], last, steps[0], contact, h)
-        if wanted > 0.0 and (shortest < 0.0 or wanted < shortest):
-            shortest = wanted
-    return shortest
+            wanted = late_touchdown(joints[k], memory[k], steps[0], contacts[k], h)
+        shortest = min(shortest, wanted)
+    for k in range(count_transitions(loads)):
+        s = load_crossing(loads, k, q, v, a, h, EVENT_TOL)[0]
+        if s <= 1.0 and (1.0 - s) * h > 2.0 * EVENT_MARGIN * least:
+            shortest = min(shortest, s * h + EVENT_MARGIN * least)
+    return shortest if shortest < math.inf else -1.0
 
 
 @compiled
@@ -642,15 +695,10 @@ def next_step(
         if acceleration != 0.0:
             flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
             chosen = min(chosen, max(flight / STEPS_PER_FLIGHT, steps[0].least))
-        root = rate * rate - 2.0 * acceleration * depth
-        if root >= 0.0:
-            denominator = rate + math.sqrt(root)
-            arrival = -2.0 * depth / denominator if denominator > 0.0 else -1.0
-            if 0.0 <= arrival < chosen:
-                closing = rate + acceleration * arrival
-                part = contact_step(joint, 0.0, closing, steps[0].per_contact)
-                behind = min(LANDING * part, steps[0].free)
-                if joint.normal.abrupt and arrival > 2.0 * behind:
-                    behind = -behind
-                chosen = min(chosen, max(arrival + behind, steps[0].least))
+        arrival, closing, doubt = time_to_event(depth, rate, acceleration, 0.0)
+        if arrival < chosen:
+            part = contact_step(joint, 0.0, closing, steps[0].per_contact)
+            behind = min(LANDING * part, steps[0].free)
+            landing = step_to_event(arrival, doubt, True, behind, joint.normal.abrupt)
+            chosen = min(chosen, max(landing, steps[0].least))
     return chosen

@@ -7,7 +7,7 @@ import pytest
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.exudyn_joints.model import left_out
+from presswear.engines.exudyn_joints.engine import left_out
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment
 from presswear.linkage.loads import Spring

@@ -233,7 +233,7 @@ class _Line:
         """Step with which a step that ended in a state has to be repeated; or -1."""
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
         states = self.memory, self.steps, np.zeros(1, CONTACT)
-        return shorter_step(self.packed, self.onset, *states, self.time + h, q, v)
+        return shorter_step(self.packed, self.onset, *states, h, q, v, v)
 
     def accept(self, h: float, x: float, speed: float) -> None:
         self.time += h

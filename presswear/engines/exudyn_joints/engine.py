@@ -1,10 +1,20 @@
 """Exudyn with bodies and joints, implicit: any linkage.
 
+Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, and
+all clearance joints, and all loads with a law, are one ``ObjectGenericODE2`` over the nodes of
+their bodies: its Python user function returns the exact generalized forces on all of them.
+(A connector between two markers cannot: it applies equal and opposite moments, while
+pin and bearing have different radii.)  Bodies without freedom that only clearance joints
+hold on to are left out: their motion is prescribed, and the torques of their drives follow from
+the contact forces.
+
 Contact state changes only between accepted steps, in ``PostStep``; the user
 functions are pure.  The same call chooses the next step and writes it into the
-running solver; ``PostNewton`` sends back a step that ran too far past a touch.
+running solver; ``PostNewton`` sends back a step that ran too far past a touchdown.
 """
 
+import math
+from array import array
 from collections.abc import Callable
 from typing import Any
 
@@ -15,6 +25,10 @@ from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import (
     Solve,
+    add_load,
+    add_marker,
+    add_node,
+    add_object,
     post_step,
     run_to_end,
     settings_of,
@@ -24,16 +38,19 @@ from presswear.engines.exudyn_joints.kernels import (
     Drives,
     Frame,
     accept_joint_step,
+    connector_forces,
     shorter_joint_step,
 )
-from presswear.engines.exudyn_joints.model import SOLVED, JointsModel, assemble, left_out
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.linkage import Linkage, bodies_of, joints_of, prescribed_of
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
-from presswear.physics.drive_motion import is_steady
+from presswear.physics.contact import CONTACT
+from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
+from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.touchdown import STEPS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -46,7 +63,146 @@ exu = exudyn_module()
 
 REMEDY = "more steps_per_contact may help"  # advice that makes a run finer
 
-_COUNTS = {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
+# Names that Exudyn gives to coordinates, rates, accelerations and multipliers
+_SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
+
+
+def left_out(linkage: Linkage) -> frozenset[str]:
+    """Return the prescribed bodies that only clearance joints connect to the others."""
+    omitted = prescribed_of(linkage)
+    if len(omitted) == len(linkage.bodies):
+        return frozenset()
+    omitted -= {end.body for spring in linkage.springs for end in spring.ends}
+    while True:
+        joined = [bodies_of(joint) for joint in joints_of(linkage)]
+        held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= omitted))
+        if not held & omitted:
+            return omitted
+        omitted -= held
+
+
+def add_bodies(
+    system: Any, linkage: Linkage, start: Start, omitted: frozenset[str]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Add the bodies in their initial state; returns nodes and objects by body name."""
+    nodes: dict[str, Any] = {}
+    bodies: dict[str, Any] = {GROUND: add_object(system, "Ground")}
+    for i, body in enumerate(linkage.bodies):
+        if body.name in omitted:
+            continue
+        # Reference coordinates are zero, so that coordinates are positions.
+        nodes[body.name] = node = add_node(
+            system,
+            "RigidBody2D",
+            referenceCoordinates=[0.0, 0.0, 0.0],
+            initialCoordinates=list(start.position[3 * i : 3 * i + 3]),
+            initialVelocities=list(start.velocity[3 * i : 3 * i + 3]),
+        )
+        inertia = body.effective_inertia
+        bodies[body.name] = rigid = add_object(
+            system, "RigidBody2D", mass=body.mass, inertia=inertia, nodeNumber=node
+        )
+        if linkage.gravity != 0.0:
+            marker = add_marker(system, "BodyMass", bodyNumber=rigid)
+            weight = [0.0, -linkage.gravity, 0.0]
+            add_load(system, "MassProportional", markerNumber=marker, loadVector=weight)
+    return nodes, bodies
+
+
+def add_joints(
+    system: Any,
+    linkage: Linkage,
+    motions: Records,
+    omitted: frozenset[str],
+    nodes: dict[str, Any],
+    bodies: dict[str, Any],
+) -> dict[str, int]:
+    """Add ideal joints, drives, springs and constant loads.
+
+    Returns the object numbers of joints and drives by name.
+    """
+
+    def marker_at(point: Attachment) -> Any:
+        place = [point.x, point.y, 0.0]
+        return add_marker(system, "BodyRigid", bodyNumber=bodies[point.body], localPosition=place)
+
+    objects: dict[str, int] = {}
+    for joint in linkage.revolutes:
+        if not bodies_of(joint) <= omitted:
+            markers = [marker_at(joint.first), marker_at(joint.second)]
+            objects[joint.name] = add_object(system, "JointRevolute2D", markerNumbers=markers)
+    for guide in linkage.guides:
+        if guide.body in omitted:
+            continue
+        normal = guide.direction - guide.angle + 0.5 * math.pi
+        on_frame = marker_at(Attachment(GROUND, guide.x, guide.y))
+        objects[guide.name] = add_object(
+            system,
+            "JointPrismatic2D",
+            markerNumbers=[on_frame, marker_at(Attachment(guide.body, 0.0, 0.0))],
+            axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
+            normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
+            constrainRotation=True,
+        )
+    still = add_node(system, "PointGround")
+    fixed = add_marker(system, "NodeCoordinate", nodeNumber=still, coordinate=0)
+    for drive, motion in zip(linkage.drives, motions, strict=True):
+        if drive.body in omitted:
+            continue
+        turned = add_marker(system, "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
+        # At velocity level; the trapezoidal rule integrates a constant speed exactly, and what it
+        # makes of another is put right behind each step (``kernels.hold``).
+        turning: dict[str, Any] = {"offset": drive.speed}
+        if not is_steady(linkage, drive):
+            turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
+        objects[drive.name] = add_object(
+            system,
+            "ConnectorCoordinate",
+            markerNumbers=[fixed, turned],
+            velocityLevel=True,
+            **turning,
+        )
+    for spring in linkage.springs:
+        add_object(
+            system,
+            "ConnectorSpringDamper",
+            markerNumbers=[marker_at(end) for end in spring.ends],
+            stiffness=spring.stiffness,
+            damping=spring.damping,
+            referenceLength=spring.length,
+        )
+    for load in linkage.dead_loads:
+        if load.body not in omitted:
+            at = marker_at(Attachment(load.body, 0.0, 0.0))
+            add_load(system, "ForceVector", markerNumber=at, loadVector=[load.x, load.y, 0.0])
+            add_load(system, "TorqueVector", markerNumber=at, loadVector=[0.0, 0.0, load.moment])
+    return objects
+
+
+def _speed_function(motion: Records) -> Callable[..., float]:
+    """Return the function that Exudyn calls for the speed of a drive."""
+    return lambda system, t, item, offset: drive_motion(motion, t)[1]
+
+
+def frame_of(linkage: Linkage, start: Start, omitted: frozenset[str], solved: list[Any]) -> Frame:
+    """Return the coordinates of all bodies from Exudyn's live coordinates and derivatives."""
+    prescribed = pack_prescribed(linkage, omitted)
+    begin_motion(prescribed, 0.0, start.position)
+    count = 3 * len(linkage.bodies)
+    places = [
+        3 * i + c
+        for i, body in enumerate(linkage.bodies)
+        for c in range(3)
+        if omitted and body.name not in omitted
+    ]
+    q, v, a = solved
+    if omitted:
+        q, v, a = np.array(start.position), np.array(start.velocity), np.zeros(count)
+    contacts = np.zeros(len(linkage.clearances), CONTACT)
+    rows = np.array(places, np.int64)
+    return Frame(
+        solved[0], solved[1], solved[2], rows, prescribed, q, v, a, np.zeros(count), contacts
+    )
 
 
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
@@ -60,51 +216,24 @@ def _settings(accuracy: ExudynJoints, longest: float) -> Any:
     return settings
 
 
-def pack_steps(accuracy: ExudynJoints, cycle: float) -> Records:
-    """Step lengths in a cycle of a duration, s, as the kernels see them: one record of STEPS."""
-    steps = np.zeros(1, STEPS)
-    steps["free"] = accuracy.longest(cycle)
-    steps["per_contact"] = accuracy.steps_per_contact
-    steps["sustained"] = accuracy.steps_sustained
-    steps["least"] = accuracy.least_step
-    return steps
-
-
-def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
+def _drives(
+    system: Any, linkage: Linkage, objects: dict[str, int], multipliers: Any, mass: Array
+) -> Drives:
     """Return the sources of the drive torques, with the projection where it is needed."""
-    number = model.system.systemData.GetObjectLTGAE
-    modelled = [drive for drive in linkage.drives if drive.name in model.joints]
+    number = system.systemData.GetObjectLTGAE
+    names = [drive.name for drive in linkage.drives]
+    rows = [number(objects[name])[0] if name in objects else -1 for name in names]
+    modelled = [drive for drive in linkage.drives if drive.name in objects]
     are_steady = all(is_steady(linkage, drive) for drive in modelled)
     # Behind the short step to a bend in a load the accelerations would swing about the right ones.
     bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
-    count = 3 * len(linkage.bodies)
     return Drives(
-        multiplier=np.array(
-            [
-                number(model.joints[drive.name])[0] if drive.name in model.joints else -1
-                for drive in linkage.drives
-            ],
-            dtype=np.int64,
-        ),
-        multipliers=model.solved[3],
-        force=np.zeros(count),
+        multiplier=np.array(rows, np.int64),
+        multipliers=multipliers,
+        force=np.zeros(3 * len(linkage.bodies)),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
         held=None if are_steady and not bends else constraints_of(linkage).held(mass),
     )
-
-
-def _send_back(frame: Frame, solve: Solve, steps: Records) -> Callable[[Any, float], list[float]]:
-    """The function for PostNewton: repeats a step that ran too far past a touch or bend."""
-    kernel = bind(shorter_joint_step, frame, solve.recorder.records, steps)
-
-    def send_back(system: Any, t: float) -> list[float]:
-        shorter = kernel(t)
-        if shorter < 0.0:
-            return [0.0, -1.0]
-        solve.sums["sent_back"] += 1.0
-        return [2.0, shorter]
-
-    return send_back
 
 
 def prepare(
@@ -112,41 +241,78 @@ def prepare(
 ) -> Simulation:
     """Build bodies and joints in a start; see ``Simulation``."""
     longest = settings.longest(plan.cycle)
-    steps = pack_steps(settings, plan.cycle)
+    steps = np.zeros(1, STEPS)
+    steps["free"], steps["least"] = longest, settings.least_step
+    steps["per_contact"] = settings.steps_per_contact
+    steps["sustained"] = settings.steps_sustained
+    records, omitted = recorder.records, left_out(linkage)
+    solve = Solve.of(
+        recorder, plan, {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
+    )
+    ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
+    loaded = [load.body for load in linkage.live_loads]
+    joined = [name for name in dict.fromkeys(ends + loaded) if name not in {GROUND, *omitted}]
+    slots = [3 * joined.index(name) if name in joined else -1 for name in ends]
+    places = [3 * linkage.index(name) + c for name in joined for c in range(3)]
+    # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+    out = array("d", bytes(8 * len(places)))
+
+    # The user functions read the live state, bound below, instead of Exudyn's copies.
+    def forces(system: Any, t: float, item: int, q: Any, v: Any) -> Any:
+        fill(t)
+        return out
+
+    def send_back(system: Any, t: float) -> list[float]:
+        shorter_step = shorter(t)
+        if shorter_step < 0.0:
+            return [0.0, -1.0]
+        solve.sums["sent_back"] += 1.0
+        return [2.0, shorter_step]
+
     times: dict[str, float] = {}
     # Compiling, or loading what was compiled, is part of building the model.
     with timed(times, "wall_build_s"):
-        records = recorder.records
-        model = assemble(linkage, start, recorder)
-        solve = Solve.of(recorder, plan, _COUNTS)
-        drives = _drives(model, linkage, records.packed.mass)
-        accept = bind(accept_joint_step, model.frame, drives, records, steps)
-        model.system.SetPostStepUserFunction(post_step(solve, accept))
-        if linkage.clearances or linkage.live_loads:
-            model.system.SetPostNewtonUserFunction(_send_back(model.frame, solve, steps))
+        container = exu.SystemContainer()
+        system = container.AddSystem()
+        nodes, bodies = add_bodies(system, linkage, start, omitted)
+        objects = add_joints(system, linkage, records.motions, omitted, nodes, bodies)
+        if joined:
+            numbers = [nodes[name] for name in joined]
+            add_object(system, "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
+        system.Assemble()
+        solved = [getattr(system.systemData, f"Get{name}")(copy=False) for name in _SOLVED]
+        frame = frame_of(linkage, start, omitted, solved[:3])
+        drives = _drives(system, linkage, objects, solved[3], records.packed.mass)
+        accept = bind(accept_joint_step, frame, drives, records, steps)
+        system.SetPostStepUserFunction(post_step(solve, accept))
+        if joined:
+            room = np.array(slots, np.int64).reshape(-1, 2), np.array(places, np.int64)
+            arguments = frame, records, *room, np.zeros_like(drives.force), np.frombuffer(out)
+            fill = bind(connector_forces, *arguments)
+            shorter = bind(shorter_joint_step, frame, records, steps)
+            system.SetPostNewtonUserFunction(send_back)
     energies = records.memory["energy"]
     before = stored_energy(records.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
         kind = exu.DynamicSolverType.TrapezoidalIndex2
-        live = dict(zip(SOLVED, model.solved, strict=True))
+        live = dict(zip(_SOLVED, solved, strict=True))
         # Exudyn's own are those of even drives; a cycle goes on with what the last one ended with.
         compute = drives.held is None or solve.time == 0.0
         exudyn.timeIntegration.generalizedAlpha.computeInitialAccelerations = compute
-        return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
+        return run_to_end(system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def state() -> tuple[float, Array, Array]:
-        return solve.time, np.array(model.frame.q), np.array(model.frame.v)
+        return solve.time, np.array(frame.q), np.array(frame.v)
 
     def ledger() -> Ledger:
         stored = stored_energy(records.packed, energies, *state()[1:])
         return Ledger.of(records.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
-        sums, omitted = solve.sums, left_out(linkage)
-        bodies = len(linkage.bodies) - len(omitted)
-        words = f"{bodies} bodies, {len(model.joints)} joints and drives"
+        sums = solve.sums
+        words = f"{len(nodes)} bodies, {len(objects)} joints and drives"
         return {
             "model": described(linkage, words, omitted),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
@@ -158,14 +324,19 @@ def prepare(
             "wall_solve_s": sums["wall"],
         }
 
+    arrays = dict(zip(("q", "v", "a", "multipliers"), solved, strict=True))
+    arrays["force"] = drives.force
+    if omitted:
+        arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
+        arrays["prescribed"] = frame.prescribed.work
     return Simulation(
         advance,
         state,
         ledger,
-        {**model.state(), "force": drives.force},
+        {name: np.asarray(array) for name, array in arrays.items()},
         solve.sums,
         diagnostics,
         REMEDY,
         constraints_of(linkage),
-        close=model.container.Reset,
+        close=container.Reset,
     )

@@ -12,14 +12,11 @@ from presswear.physics.drive_motion import drive_motion, step_to_break
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
 from presswear.physics.loads import (
-    Loads,
     count_transitions,
     greatest_jump,
     load_forces,
     next_break,
     settle_loads,
-    transition_at_start,
-    transition_value,
     work_beyond_trapezoid,
 )
 from presswear.physics.packed import applied_forces
@@ -32,7 +29,6 @@ from presswear.physics.prescribed import (
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     advance_bristles,
-    crossing,
     next_step,
     shorter_step,
 )
@@ -45,9 +41,6 @@ Indices = NDArray[np.int64]
 
 # Change of a load on passing from one piece of its law to the next that is a jump, part of it.
 JUMP = 1e-3
-# What passes a change of a load's law no further is not sent back, m, rad, m/s or rad/s.
-EVENT_TOL = 1e-9
-EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
 class Frame(NamedTuple):
@@ -81,20 +74,6 @@ class Frame(NamedTuple):
     contacts: Records
 
 
-class Live(NamedTuple):
-    """Working space for the loads with a law.
-
-    Attributes
-    ----------
-    places : ndarray of int
-        Where each of the connector's coordinates belongs in q.
-    force : ndarray, shape (3 bodies,)
-    """
-
-    places: Indices
-    force: Array
-
-
 @compiled
 def refresh(frame: Frame, t: float) -> None:
     """Bring the coordinates of all bodies up to Exudyn's present state."""
@@ -109,24 +88,26 @@ def refresh(frame: Frame, t: float) -> None:
 
 
 @compiled
-def connector_forces(run: PackedArguments, t: float) -> None:
+def connector_forces(address: PackedArguments, t: float) -> None:
     """Fill the generalized forces of clearance joints and loads on the bodies of the connector.
 
     Parameters
     ----------
-    run : PackedArguments
-        Frame; Packed; Live; where the forces on bearing and pin belong among those of the
-        connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; closing speeds,
-        m/s; records of MEMORY; and the forces, shape (3 bodies of the connector,).
+    address : PackedArguments
+        Frame; RecorderState; where the forces on bearing and pin belong among those of the
+        connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; where each of
+        the connector's coordinates belongs in q; working space, shape (3 bodies,); and the
+        forces, shape (3 bodies of the connector,).
     """
-    frame, packed, live, slots, onset, memory, out = unpack(run)
+    frame, records, slots, places, force, out = unpack(address)
+    packed = records.packed
     refresh(frame, t)
     for i in range(out.shape[0]):
         out[i] = 0.0
     note_contacts(packed, frame.contacts, frame.q, frame.v)
-    advance_bristles(packed.joints, memory, frame.contacts, t)
+    advance_bristles(packed.joints, records.memory, frame.contacts, t)
     for k in range(slots.shape[0]):
-        load = load_of(packed.joints[k], onset[k], frame.contacts[k])
+        load = load_of(packed.joints[k], records.onset[k], frame.contacts[k])
         if load.normal == 0.0:
             continue
         i = slots[k, 0]
@@ -140,11 +121,11 @@ def connector_forces(run: PackedArguments, t: float) -> None:
             out[i + 1] += load.y
             out[i + 2] += load.pin_moment
     if count_transitions(packed.loads) > 0:
-        for i in range(live.force.shape[0]):
-            live.force[i] = 0.0
-        load_forces(packed.loads, t, frame.q, frame.v, live.force)
+        for i in range(force.shape[0]):
+            force[i] = 0.0
+        load_forces(packed.loads, t, frame.q, frame.v, force)
         for i in range(out.shape[0]):
-            out[i] += live.force[live.places[i]]
+            out[i] += force[places[i]]
 
 
 class Drives(NamedTuple):
@@ -231,9 +212,9 @@ def sum_step(
     trapezoidal rule, since the force is zero at both ends.  A step that began open
     carries force only since its touchdown.  Powers are summed by the trapezoidal rule.
     """
-    contact_power = 0.0
-    friction_power = 0.0
-    made_power = 0.0
+    ledger = records.ledger[0]
+    half = 0.5 * h
+    contact_power = friction_power = made_power = 0.0
     for k in range(records.memory.shape[0]):
         contact = records.contacts[k]
         work, pressure = wear_rates(records.packed.joints[k], contact, contact.normal)
@@ -244,31 +225,27 @@ def sum_step(
         contact_power += lost
         friction_power += rubbed
         made_power += made
-    ledger = records.ledger[0]
-    half = 0.5 * h
+    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
     ledger.drive_work += half * (ledger.drive_power + drive_power)
     ledger.load_work += half * (ledger.load_power + load_power)
-    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
     ledger.contact_loss += half * (ledger.contact_power + contact_power)
     ledger.friction_loss += half * (ledger.friction_power + friction_power)
     ledger.made += half * (ledger.made_power + made_power)
-    ledger.drive_power = drive_power
-    ledger.load_power = load_power
-    ledger.contact_power = contact_power
-    ledger.friction_power = friction_power
+    ledger.drive_power, ledger.load_power = drive_power, load_power
+    ledger.contact_power, ledger.friction_power = contact_power, friction_power
     ledger.made_power = made_power
 
 
 @compiled
-def accept_joint_step(run: PackedArguments, t: float) -> float:
+def accept_joint_step(address: PackedArguments, t: float) -> float:
     """Settle contact, account for an accepted step and choose the next; NaN if it is broken.
 
     Parameters
     ----------
-    run : PackedArguments
+    address : PackedArguments
         Frame, Drives, RecorderState and one record of STEPS.
     """
-    frame, drives, records, steps = unpack(run)
+    frame, drives, records, steps = unpack(address)
     h = t - records.output[0].now
     refresh(frame, t)
     hold(frame, drives, drives.held, t)
@@ -296,44 +273,17 @@ def accept_joint_step(run: PackedArguments, t: float) -> float:
 
 
 @compiled
-def shorter_joint_step(run: PackedArguments, t: float) -> float:
-    """Step with which a trial step has to be repeated; see ``shorter_step``.
+def shorter_joint_step(address: PackedArguments, t: float) -> float:
+    """Return the step with which a trial step has to be repeated; see ``shorter_step``.
 
     Parameters
     ----------
-    run : PackedArguments
+    address : PackedArguments
         Frame, RecorderState and one record of STEPS.
     """
-    frame, records, steps = unpack(run)
+    frame, records, steps = unpack(address)
     refresh(frame, t)
-    shorter = shorter_step(
-        records.packed, records.onset, records.memory, steps, frame.contacts, t, frame.q, frame.v
+    packed, h = records.packed, t - records.output[0].now
+    return shorter_step(
+        packed, records.onset, records.memory, steps, frame.contacts, h, frame.q, frame.v, frame.a
     )
-    h = t - records.output[0].now
-    wanted = late_change(records.packed.loads, steps, h, frame.q, frame.v, frame.a)
-    return wanted if shorter < 0.0 or 0.0 < wanted < shorter else shorter
-
-
-@compiled
-def late_change(
-    loads: Loads | None, steps: Records, h: float, q: Array, v: Array, a: Array
-) -> float:
-    """Step, s, that ends just behind a change of a load's law before the trial state; else -1.
-
-    Parameters
-    ----------
-    h : float
-        Step to the trial state, s.
-    """
-    shortest = -1.0
-    for k in range(count_transitions(loads)):
-        p1, r1 = transition_value(loads, k, q, v, a)
-        if p1 == -math.inf:
-            continue
-        p0, r0, _, _ = transition_at_start(loads, k, 0.0)
-        s = crossing(min(p0, 0.0) - EVENT_TOL, r0, p1 - EVENT_TOL, r1, h)
-        if s <= 1.0 and (1.0 - s) * h > 2.0 * EVENT_MARGIN * steps[0].least:
-            wanted = s * h + EVENT_MARGIN * steps[0].least
-            if shortest < 0.0 or wanted < shortest:
-                shortest = wanted
-    return shortest

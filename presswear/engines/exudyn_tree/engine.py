@@ -7,7 +7,9 @@ weights and moving hinges at once.  Contact state changes only between accepted
 steps, and steps end where a pin touches or leaves.
 """
 
+import math
 from array import array
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,10 +18,11 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import (
-    Accept,
     Solve,
     StepLimit,
     StuckError,
+    add_node,
+    add_object,
     post_step,
     quiet,
     run_to_end,
@@ -29,24 +32,21 @@ from presswear.engines.exudyn import (
 from presswear.engines.exudyn_tree.kernels import (
     PACE,
     STAGES,
-    Inside,
     TreeSystem,
     accept_tree_step,
     hinge_power_integral,
     stage_bristles,
     stage_forces,
 )
-from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.prescribed import Tree, begin_motion, tree_of
-from presswear.physics.tree import CARRIED
-from presswear.recording.observe import RecorderState
+from presswear.physics.tree import CARRIED, COORDINATES, GUIDED, LOOSE
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
-from presswear.tools.compile import PackedArguments, bind, specialised
+from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
 
@@ -57,51 +57,122 @@ exu = exudyn_module()
 REMEDY = "a smaller tree_tolerance may help"  # advice that makes a run finer
 SHORTEST_STEP = 1e-13  # s
 FIRST_STEP = 1e-7  # s
+# Calls for forces without an accepted step after which there is no way on: a thousand steps sent
+# back, where thirty reach the shortest.  Exudyn would repeat that one for ever.
 MOST_CALLS = 7000
-"""Calls for forces without an accepted step after which there is no way on: a thousand steps
-sent back, where thirty reach the shortest.  Exudyn would repeat that one for ever."""
 _INSTANT = 1e-12  # length of the step that asks Exudyn for the accelerations at the start, s
 
 
-def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> TreeSystem:
-    """Pack a tree in a start for the kernels; ``longest`` is its longest step, s."""
-    prescribed = tree.prescribed._replace(work=tree.prescribed.work.copy())
-    begin_motion(prescribed, 0.0, start.position)
-    count, joints = 3 * len(linkage.bodies), len(linkage.clearances)
-    pace = np.zeros(1, PACE)
-    pace["longest"] = longest
-    pace["shortest"] = SHORTEST_STEP
-    pace["reach"] = pace["asked"] = FIRST_STEP
-    pace["noted"] = np.nan
-    return TreeSystem(
-        links=tree.links,
-        prescribed=prescribed,
-        expected=np.zeros(joints),
-        pace=pace,
-        stages=np.zeros((STAGES, 2 + JOINT_RATES * joints)),
-        state=np.zeros((5, count)),
-        carried=np.zeros((len(tree.links), CARRIED)),
-        balance=np.zeros(tree.size),
+def _turned(angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def add_tree(
+    system: Any, tree: Tree, linkage: Linkage, start: Start, forces: Callable[..., Any]
+) -> None:
+    """Add a kinematic tree to a system, with a user function for the forces on its coordinates."""
+    count, (x, u) = tree.size, tree.coordinates(start.position, start.velocity)
+    node = add_node(
+        system,
+        "GenericODE2",
+        referenceCoordinates=[0.0] * count,
+        initialCoordinates=list(x),
+        initialCoordinates_t=list(u),
+        numberOfODE2Coordinates=count,
+    )
+    types, parents, turns, offsets, centres, masses, inertias = [], [], [], [], [], [], []
+
+    def add(kind: Any, parent: int, turn: float, offset: Array, joint: Array, body: Any) -> None:
+        types.append(kind)
+        parents.append(parent)
+        turns.append(_turned(turn))
+        offsets.append([*offset, 0.0])
+        centres.append([*-joint, 0.0])
+        masses.append(body.mass if body else 0.0)
+        inertias.append(np.diag([0.0, 0.0, body.effective_inertia if body else 0.0]))
+
+    kinds, still = exu.JointType, np.zeros(2)
+    last = [int(link["place"]) + COORDINATES[link["kind"]] - 1 for link in tree.links]
+    for link, name in zip(tree.links, tree.names, strict=True):
+        # A link's frame sits in its joint, along the body's axes or along its guide.
+        kind, parent, turn, offset = kinds.RevoluteZ, -1, 0.0, still
+        if link["kind"] == GUIDED:
+            kind, turn = kinds.PrismaticX, math.atan2(link["sine"], link["cosine"])
+        elif link["kind"] == LOOSE:
+            # Two links without mass carry it across the plane.
+            add(kinds.PrismaticX, -1, 0.0, still, still, None)
+            add(kinds.PrismaticY, len(types) - 1, 0.0, still, still, None)
+            parent = len(types) - 1
+        elif link["parent"] >= 0:
+            before, parent = tree.links[link["parent"]], last[link["parent"]]
+            offset = np.array([link["before_x"], link["before_y"]])
+            offset -= [before["own_x"], before["own_y"]]
+            if before["kind"] == GUIDED:
+                turn = before["angle"] - math.atan2(before["sine"], before["cosine"])
+                offset = _turned(turn)[:2, :2] @ offset
+        joint = np.array([link["own_x"], link["own_y"]])
+        add(kind, parent, turn, offset, joint, linkage.bodies[linkage.index(name)])
+    add_object(
+        system,
+        "KinematicTree",
+        nodeNumber=node,
+        jointTypes=types,
+        linkParents=parents,
+        jointTransformations=exu.Matrix3DList(turns),
+        jointOffsets=exu.Vector3DList(offsets),
+        linkInertiasCOM=exu.Matrix3DList(inertias),
+        linkCOMs=exu.Vector3DList(centres),
+        linkMasses=masses,
+        forceUserFunction=forces,
     )
 
 
-def inside_of(system: TreeSystem, records: RecorderState) -> Inside:
-    """Working space for the states inside a step of a tree."""
-    state = np.zeros((3, system.balance.size))
-    prescribed = system.prescribed._replace(work=system.prescribed.work.copy())
-    return Inside(
-        system=system._replace(
-            prescribed=prescribed,
-            pace=system.pace.copy(),
-            stages=np.zeros_like(system.stages),
-            state=np.zeros_like(system.state),
-            carried=np.zeros_like(system.carried),
-            balance=np.zeros_like(system.balance),
-        ),
-        records=records._replace(contacts=records.contacts.copy(), torque=records.torque.copy()),
-        start=state,
-        state=state.copy(),
-        bristles=np.zeros(len(records.contacts)),
+def add_bristles(system: Any, count: int, rates: Callable[..., Any]) -> None:
+    """Add the deflections of the bristles of friction; Exudyn calls for their rates first."""
+    node = add_node(
+        system,
+        "GenericODE1",
+        referenceCoordinates=[0.0] * count,
+        initialCoordinates=[0.0] * count,
+        numberOfODE1Coordinates=count,
+    )
+    add_object(system, "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
+
+
+def system_of(
+    tree: Tree, joints: int, start: Start, longest: float, live: tuple[Array, Array, Array]
+) -> TreeSystem:
+    """Pack a tree in a start for the kernels.
+
+    Parameters
+    ----------
+    longest : float
+        Longest step, s.
+    live : tuple of ndarray
+        Exudyn's live coordinates, rates and accelerations.
+    """
+    prescribed = tree.prescribed._replace(work=tree.prescribed.work.copy())
+    begin_motion(prescribed, 0.0, start.position)
+    pace = np.zeros(1, PACE)
+    pace["longest"] = longest
+    pace["shortest"] = SHORTEST_STEP
+    pace["reach"] = pace["limit"] = FIRST_STEP
+    pace["noted"] = np.nan
+    return TreeSystem(
+        tree.links,
+        prescribed,
+        *live,
+        force=np.zeros(tree.size),
+        expected=np.zeros(joints),
+        pace=pace,
+        stages=np.zeros((STAGES, 2 + JOINT_RATES * joints)),
+        state=np.zeros((5, start.position.size)),
+        carried=np.zeros((len(tree.links), CARRIED)),
+        balance=np.zeros(tree.size),
+        start=np.zeros((3, tree.size)),
+        inside=np.zeros((3, tree.size)),
+        bristles=np.zeros((2, joints)),
     )
 
 
@@ -119,65 +190,15 @@ def _settings(accuracy: ExudynTree, longest: float) -> Any:
     return settings
 
 
-def _accelerations_at_start(model: TreeModel) -> Array:
-    """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
+def _accelerations_at_start(mbs: Any, system: TreeSystem) -> Array:
+    """Return the accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
     settings = settings_of(_INSTANT, _INSTANT)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
-    x, u = np.array(model.x), np.array(model.u)
+    x, u = np.array(system.x), np.array(system.u)
     with quiet():
-        model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.ExplicitEuler)
-    model.x[:], model.u[:] = x, u
-    return np.array(model.u_t)
-
-
-def _build(
-    tree: Tree,
-    linkage: Linkage,
-    start: Start,
-    system: TreeSystem,
-    records: RecorderState,
-    inside: Inside,
-) -> tuple[TreeModel, Accept]:
-    """The tree with its user function, and what accounts for a step and chooses the next."""
-    packed, contacts = records.packed, records.contacts
-    # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
-    out = array("d", bytes(8 * tree.size))
-    filled, rates = np.frombuffer(out), np.zeros(len(contacts))
-
-    def forces(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Any:
-        # Reads the live state, known once the model is assembled, instead of Exudyn's copies.
-        if stage(t) > MOST_CALLS:
-            raise StuckError
-        return out
-
-    def bristly_forces(mbs: Any, *stage: Any) -> Any:
-        contacts["bristle"] = model.bristles
-        return forces(mbs, *stage)
-
-    def bristle_rates(mbs: Any, t: float, item: int, z: Any) -> Array:
-        # Once more a step than the forces, so that no account can be kept here.
-        bristles(t)
-        return rates
-
-    is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
-    functions = (bristly_forces, bristle_rates) if is_bristly else (forces,)
-    model = assemble(tree, linkage, start, *functions)
-    x, u = model.x, model.u
-    stage = bind(stage_forces, system, records, x, u, model.u_t, filled)
-    if is_bristly:
-        arguments = system, packed, contacts.copy(), x, u, model.bristles, rates
-        bristles = bind(stage_bristles, *arguments)
-    end = bind(accept_tree_step, system, records, inside, x, u, model.u_t)
-    at_start = _accelerations_at_start(model)
-    first = bind(accept_tree_step, system, records, inside, x, u, at_start)
-    system.pace["evaluations"] = 0
-
-    def accept(t: float) -> float:
-        if is_bristly:
-            contacts["bristle"] = model.bristles
-        return end(t) if t > 0.0 else first(t)
-
-    return model, accept
+        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.ExplicitEuler)
+    system.x[:], system.u[:] = x, u
+    return np.array(system.u_t)
 
 
 def prepare(
@@ -195,33 +216,73 @@ def prepare(
         raise InputError(f"engine exudyn-tree needs a linkage without free loops: {tree}")
     longest = settings.longest(plan.cycle)
     times: dict[str, float] = {}
-    with timed(times, "wall_compile_s"):
-        _warm_up(tree, linkage, start)
+    records = recorder.records
+    packed, contacts = records.packed, records.contacts
+    is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
+    # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+    out, rates = array("d", bytes(8 * tree.size)), np.zeros(len(contacts))
+
+    # The user functions read the live state, bound below, instead of Exudyn's copies.
+    def forces(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Any:
+        if stage(t) > MOST_CALLS:
+            raise StuckError
+        return out
+
+    def bristly_forces(mbs: Any, *stage: Any) -> Any:
+        contacts["bristle"] = deflections
+        return forces(mbs, *stage)
+
+    def bristle_rates(mbs: Any, t: float, item: int, z: Any) -> Array:
+        # Once more a step than the forces, so that no account can be kept here.
+        bristles(t)
+        return rates
+
+    def accept(t: float) -> float:
+        if is_bristly:
+            contacts["bristle"] = deflections
+        return end(t) if t > 0.0 else first(t)
+
+    # Compiling, or loading what was compiled, is part of building the model.
     with timed(times, "wall_build_s"):
-        records = recorder.records
-        system = system_of(tree, linkage, start, longest)
-        inside = inside_of(system, records)
-        model, accept = _build(tree, linkage, start, system, records, inside)
-        counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
-        solve = Solve.of(recorder, plan, counts, FIRST_STEP)
+        container = exu.SystemContainer()
+        mbs = container.AddSystem()
+        add_tree(mbs, tree, linkage, start, bristly_forces if is_bristly else forces)
+        if is_bristly:
+            add_bristles(mbs, len(contacts), bristle_rates)
+        mbs.Assemble()
+        names = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "ODE1Coordinates")
+        *live, deflections = (getattr(mbs.systemData, f"Get{name}")(copy=False) for name in names)
+        system = system_of(tree, len(contacts), start, longest, (live[0], live[1], live[2]))
+        system = system._replace(force=np.frombuffer(out))
+        stage = bind(stage_forces, system, records)
+        if is_bristly:
+            bristles = bind(stage_bristles, system, packed, contacts.copy(), deflections, rates)
+        end = bind(accept_tree_step, system, records)
+        at_start = system._replace(u_t=_accelerations_at_start(mbs, system))
+        first = bind(accept_tree_step, at_start, records)
+        solve = Solve.of(recorder, plan, {"sent_back": "rejectedAutomaticStepSizeSteps"})
+        solve.sums["proposed"] = FIRST_STEP
         limit = StepLimit(solve)
-        model.system.SetPreStepUserFunction(limit.pre_step)
-        model.system.SetPostStepUserFunction(post_step(solve, accept, limit.write))
+        mbs.SetPreStepUserFunction(limit.pre_step)
+        mbs.SetPostStepUserFunction(post_step(solve, accept, limit.write))
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(records.packed, records.memory["energy"], q, v)
+        stored = stored_energy(packed, records.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
-    bind(stage_forces, system, records, model.x, model.u, model.u_t, np.zeros(tree.size))(0.0)
+    stage(0.0)
     system.pace["evaluations"] = 0
-    records.memory["energy"] = records.contacts["energy"]  # of pins that start pressed in
+    records.memory["energy"] = contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
+    state = dict(zip(names[:2], live, strict=False))
+    if is_bristly:
+        state[names[3]] = deflections
 
     def advance(end: float) -> Finding | None:
-        kind, live = exu.DynamicSolverType.DOPRI5, model.state()
-        return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
+        kind = exu.DynamicSolverType.DOPRI5
+        return run_to_end(mbs, state, exudyn, kind, solve, longest, end, REMEDY)
 
     def ledger() -> Ledger:
         stored, momentum = energy()
@@ -245,35 +306,16 @@ def prepare(
             "wall_solve_s": sums["wall"],
         }
 
+    arrays = {name: np.asarray(array) for name, array in state.items()}
+    arrays |= {name: getattr(system, name) for name in ("expected", "pace", "state", "bristles")}
+    arrays |= {"prescribed": system.prescribed.work, "step_start": system.start}
     return Simulation(
         advance,
         lambda: (solve.time, system.state[0].copy(), system.state[1].copy()),
         ledger,
-        {
-            **model.state(),
-            "expected": system.expected,
-            "pace": system.pace,
-            "state": system.state,
-            "prescribed": system.prescribed.work,
-            "step_start": inside.start,
-            "bristles": inside.bristles,
-        },
+        arrays,
         solve.sums,
         diagnostics,
         REMEDY,
-        close=model.container.Reset,
+        close=container.Reset,
     )
-
-
-def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
-    """Compile every kernel, or load it from the cache, on a state thrown away."""
-    records = Recorder.of(linkage, start.position, 1, 1.0).records
-    system = system_of(tree, linkage, start, 1.0)
-    x = np.zeros(tree.size)
-    run = PackedArguments()
-    run.arguments = system, records, inside_of(system, records), x, x, x
-    specialised(accept_tree_step, run, 0.0)
-    run = PackedArguments()
-    run.arguments = system, records, x, x, x, x
-    specialised(stage_forces, run, 0.0)
-    specialised(hinge_power_integral, system)

@@ -1,12 +1,9 @@
 """Compiled part of the open tree: forces of a stage, and one call per accepted step.
 
-Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step
-ends in.  Each leaves its powers in a row, so that work, losses and wear integrals are
-integrated with the weights of the method and at its order.
-
-The law of force changes where a pin touches down or leaves, and where the law of a load does.
-Steps end there: the moment is predicted from penetration, rate, acceleration and its change, a
-first step goes as near as the prediction can be trusted, a second one ends just behind.
+Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step ends in.  Each
+leaves its powers in a row, so that work, losses and wear integrals are integrated with the weights
+of the method and at its order.  Steps end where a law of force changes: at predicted touchdowns,
+separations and changes of the laws of loads.
 """
 
 import math
@@ -34,9 +31,16 @@ from presswear.physics.loads import (
     settle_loads,
     transition_at_start,
 )
-from presswear.physics.packed import applied_forces
+from presswear.physics.packed import Packed, applied_forces
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
-from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
+from presswear.physics.touchdown import (
+    LEAST_PARTS,
+    contact_step,
+    skim_step,
+    step_after_touchdown,
+    step_to_event,
+    time_to_event,
+)
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.recording.observe import RecorderState, observe, settle_state
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, copy_to, unpack
@@ -45,25 +49,25 @@ Array = NDArray[np.float64]
 
 WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size
-
 GROWTH = 5.0  # a step is at most so many times the one before
+# A contact of fewer steps counts as unresolved: its peak could be missed.  A free impact gets
+# LEAST_PARTS; a bump of a worn surface can cut a contact short that began like one, and there the
+# error control decides.
 LEAST_STEPS = 5
-"""A contact of fewer steps counts as unresolved: its peak could be missed.  A free impact gets
-LEAST_PARTS; a bump of a worn surface can cut a contact short that began like one, and
-there the error control decides."""
+# A step that ends on a touchdown or separation goes this far behind it, m; on a change of a load's
+# law, m, rad, m/s or rad/s
 LANDING_DEPTH = 1e-11
-"""A step that ends on a touchdown or separation goes this far behind it, m; on a change of a
-load's law, m, rad, m/s or rad/s."""
 LANDING_PART = 1e-3  # ... but no further than this part of the contact's duration
-# Part of a predicted time that is in doubt while the change of acceleration is unknown.
+# Part of a predicted time that is in doubt while the change of acceleration is unknown
 PREDICTION_TOL = 0.05
 
+# State of the choice of steps
 PACE = np.dtype(
     [
         ("longest", np.float64),  # step, s
         ("shortest", np.float64),  # s
         ("reach", np.float64),  # last step that was not cut short, s
-        ("asked", np.float64),  # limit that was set to the step, s
+        ("limit", np.float64),  # of the step, s
         ("cut", np.bool_),  # an event set that limit
         ("to_break", np.bool_),  # ... of a drive's motion
         ("smooth", np.bool_),  # no pin has touched down or left in the last step
@@ -74,65 +78,54 @@ PACE = np.dtype(
         ("deepest_touch", np.float64),  # penetration of the first state in a contact, m
     ]
 )
-"""State of the choice of steps."""
 
 
 class TreeSystem(NamedTuple):
-    """An open tree as the kernels see it, with working space.
+    """Open tree as the kernels see it, with Exudyn's live state and working space.
 
     Attributes
     ----------
     links : records of LINK
     prescribed : Prescribed
+    x, u, u_t : ndarray, shape (coordinates,)
+        Exudyn's live coordinates, rates and accelerations.
+    force : ndarray, shape (coordinates,)
+        Forces that Exudyn is handed.
     expected : ndarray, shape (joints,)
         Closing speed that the next step uses: latched, or predicted while open, m/s.
     pace : one record of PACE
     stages : ndarray, shape (STAGES, 2 + JOINT_RATES joints)
         Powers of the stages of a step: drives (see ``stage_forces``), the joints', the loads'.
     state : ndarray, shape (5, 3 bodies)
-        q, v, a and generalized forces of all bodies, and their axes: cosine and sine of
-        a body's angle in the places of its x and y.
+        q, v, a and generalized forces of all bodies, and their axes: see ``place_links``.
     carried : ndarray, shape (links, CARRIED)
     balance : ndarray, shape (coordinates,)
+    start, inside : ndarray, shape (3, coordinates)
+        Coordinates, rates and accelerations at the start of a step and inside it.
+    bristles : ndarray, shape (2, joints)
+        Deflections of the bristles at the start and at the end of a step, m.
     """
 
     links: Records
     prescribed: Prescribed
+    x: Array
+    u: Array
+    u_t: Array
+    force: Array
     expected: Array
     pace: Records
     stages: Array
     state: Array
     carried: Array
     balance: Array
-
-
-class Inside(NamedTuple):
-    """Working space for the states inside a step, at which torques are evaluated.
-
-    Attributes
-    ----------
-    system, records : TreeSystem and RecorderState
-        With contacts, torques and states of their own.
-    start : ndarray, shape (3, coordinates)
-        Coordinates of the tree, rates and accelerations at the start of the step.
-    state : ndarray, shape (3, coordinates)
-        The same inside the step.
-    bristles : ndarray, shape (joints,)
-        Deflections of the bristles at the start of the step, m.
-    """
-
-    system: TreeSystem
-    records: RecorderState
     start: Array
-    state: Array
+    inside: Array
     bristles: Array
 
 
 @compiled
-def stage_forces(run: PackedArguments, t: float) -> int:
+def stage_forces(address: PackedArguments, t: float) -> int:
     """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
-
-    The contacts hold the deflections of the bristles of friction, where it has some.
 
     The drives' power is that against the forces on the prescribed bodies: what is applied
     there, and dP/dt - F of each branch times the velocity of its hinge.  The part
@@ -141,21 +134,20 @@ def stage_forces(run: PackedArguments, t: float) -> int:
 
     Parameters
     ----------
-    run : PackedArguments
-        TreeSystem, RecorderState, coordinates of the tree, rates, accelerations, and the forces.
+    address : PackedArguments
+        TreeSystem and RecorderState; the contacts hold the deflections of bristles.
 
     Returns
     -------
     int
         Stages since the last accepted step.
     """
-    system, records, x, u, _, out = unpack(run)
-    packed, contacts = records.packed, records.contacts
+    system, records = unpack(address)
+    packed, contacts, pace = records.packed, records.contacts, system.pace[0]
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
-    place_links(system.links, x, u, q, v, axes)
+    place_links(system.links, system.x, system.u, q, v, axes)
     load_power = applied_forces(packed, t, q, v, force)
-    pace = system.pace[0]
     stage = pace.evaluations % STAGES
     row = system.stages[stage]
     row[row.shape[0] - 1] = load_power
@@ -177,24 +169,24 @@ def stage_forces(run: PackedArguments, t: float) -> int:
         force[b] -= ax
         force[b + 1] -= ay
     row[0] = power
-    gather_forces(system.links, q, axes, force, out)
+    gather_forces(system.links, q, axes, force, system.force)
     return pace.evaluations - pace.accepted
 
 
 @compiled
-def stage_bristles(run: PackedArguments, t: float) -> None:
+def stage_bristles(address: PackedArguments, t: float) -> None:
     """Fill the rates of the bristles of friction in a stage, m/s.
 
     Parameters
     ----------
-    run : PackedArguments
-        TreeSystem, Packed, records of CONTACT as working space, coordinates of the tree, rates,
-        deflections of the bristles, m, and their rates, each shape (joints,).
+    address : PackedArguments
+        TreeSystem, Packed, records of CONTACT as working space, deflections of the bristles, m,
+        and their rates, each shape (joints,).
     """
-    system, packed, contacts, x, u, bristles, out = unpack(run)
+    system, packed, contacts, bristles, out = unpack(address)
     q, v, a, _, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
-    place_links(system.links, x, u, q, v, axes)
+    place_links(system.links, system.x, system.u, q, v, axes)
     note_contacts(packed, contacts, q, v, axes)
     for k in range(contacts.shape[0]):
         law = packed.joints[k].friction
@@ -218,61 +210,26 @@ def hinge_power_integral(system: TreeSystem) -> float:
 
 
 @compiled
-def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float]:
-    """Time, s, at which a quantity below zero reaches it, and how far that is in doubt.
-
-    Parameters
-    ----------
-    p, r, a, j : float
-        Value and three time derivatives; the doubt is what the third one changes.
-
-    Returns
-    -------
-    tuple
-        Infinite where it is not reached.
-    """
-    root = r * r - 2.0 * a * p
-    if root < 0.0:
-        return math.inf, 0.0
-    denominator = r + math.sqrt(root)
-    if denominator <= 0.0:
-        return math.inf, 0.0
-    first = -2.0 * p / denominator
-    arrival = first
-    for _ in range(2):
-        slope = r + arrival * (a + 0.5 * j * arrival)
-        if slope <= 0.0:
-            return first, first
-        change = -(p + arrival * (r + arrival * (0.5 * a + j * arrival / 6.0))) / slope
-        arrival = min(max(arrival + change, 0.5 * first), 2.0 * first)
-    return arrival, abs(arrival - first)
-
-
-@compiled
-def step_to_changes(records: RecorderState, system: TreeSystem, t: float, h: float) -> float:
-    """Step, s, no longer than ``h``, that does not run past the next change of a load's law."""
-    loads = records.packed.loads
-    h = min(h, next_break(loads) - t)
-    smooth = system.pace[0].smooth
-    for k in range(count_transitions(loads)):
-        p, r, a, j = transition_at_start(loads, k, 1.0 if smooth else 0.0)
+def step_to_changes(packed: Packed, smooth: bool, t: float, h: float) -> float:
+    """Return the step, s, no longer than ``h``, that ends on the next change of a load's law."""
+    h = min(h, next_break(packed.loads) - t)
+    for k in range(count_transitions(packed.loads)):
+        p, r, a, j = transition_at_start(packed.loads, k, 1.0 if smooth else 0.0)
         if p == -math.inf:
             continue
         # To just behind it: what does not come so far is round-off.
-        arrival, doubt = time_to_event(min(p, 0.0) - LANDING_DEPTH, r, a, j)
-        speed = r + arrival * (a + 0.5 * j * arrival)
-        if arrival > h or not speed > 0.0:
-            continue
-        if not smooth:
-            doubt = max(doubt, PREDICTION_TOL * arrival)
-        near = doubt * speed <= 0.5 * LANDING_DEPTH
-        h = min(h, arrival if near else max(arrival - 2.0 * doubt, 0.5 * arrival))
+        arrival, speed, doubt = time_to_event(min(p, 0.0) - LANDING_DEPTH, r, a, j)
+        if arrival <= h and speed > 0.0:
+            if not smooth:
+                doubt = max(doubt, PREDICTION_TOL * arrival)
+            is_near = doubt * speed <= 0.5 * LANDING_DEPTH
+            h = min(h, step_to_event(arrival, doubt, is_near, 0.0, False))
     return h
 
 
 @compiled
-def step_to_events(records: RecorderState, system: TreeSystem, h: float) -> float:
-    """Step, s, no longer than ``h``, that does not run past the next change of law.
+def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> float:
+    """Return the step, s, no longer than ``h``, that ends on the next touchdown or separation.
 
     Leaves the closing speeds that the stages of that step use in ``expected``.
     """
@@ -293,37 +250,61 @@ def step_to_events(records: RecorderState, system: TreeSystem, h: float) -> floa
         system.expected[k] = records.onset[k]
         sign = -1.0 if closed else 1.0
         jerk = sign * jerk if pace.smooth else 0.0
-        p, r, a_n = sign * last.penetration, sign * last.rate, sign * acceleration
-        if p >= 0.0:
+        if sign * last.penetration >= 0.0:
             continue
-        arrival, doubt = time_to_event(p, r, a_n, jerk)
+        arrival, speed, doubt = time_to_event(
+            sign * last.penetration, sign * last.rate, sign * acceleration, jerk
+        )
         if not arrival < 2.0 * h:
             continue
-        speed = r + arrival * (a_n + 0.5 * jerk * arrival)
         if not closed:
             system.expected[k] = max(speed, 0.0)
-        if arrival > h or not speed > 0.0:
-            continue
-        if not pace.smooth:
-            doubt = max(doubt, PREDICTION_TOL * arrival)
-        if doubt * speed <= LANDING_DEPTH:
-            behind = min(LANDING_DEPTH / speed, LANDING_PART * contact_step(joint, 0.0, speed, 1.0))
-            # A law that begins with a jump gets its touchdown in a short step of its own.
-            if joint.normal.abrupt and not closed and arrival > 2.0 * behind:
-                behind = -behind
-            h = min(h, arrival + behind)
-        else:
-            h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
+        if arrival <= h and speed > 0.0:
+            if not pace.smooth:
+                doubt = max(doubt, PREDICTION_TOL * arrival)
+            is_near = doubt * speed <= LANDING_DEPTH
+            duration = contact_step(joint, 0.0, speed, 1.0)
+            behind = min(LANDING_DEPTH / speed, LANDING_PART * duration)
+            is_abrupt = joint.normal.abrupt and not closed
+            h = min(h, step_to_event(arrival, doubt, is_near, behind, is_abrupt))
     return max(h, pace.shortest)
+
+
+@compiled
+def next_tree_step(
+    records: RecorderState, system: TreeSystem, t: float, h: float, events: int
+) -> float:
+    """Limit of the step from a time, s, after one of length ``h``; error control may go below."""
+    pace = system.pace[0]
+    if not (pace.cut and h >= 0.999 * pace.limit):
+        # A step cut short says little: what was reached before it still holds.
+        pace.reach = max(h, pace.shortest)
+    for k in range(records.memory.shape[0]):
+        if records.onset[k] > 0.0 and records.memory[k].steps == 1:
+            pace.deepest_touch = max(pace.deepest_touch, records.memory[k].penetration)
+    pace.events += events
+    # A break changes the third derivatives by which events are foreseen.
+    pace.smooth = events == 0 and not (pace.to_break and h >= 0.999 * pace.limit)
+    joints, reach = records.packed.joints, GROWTH * pace.reach
+    limit = min(
+        step_after_touchdown(joints, records.onset, records.memory, reach),
+        skim_step(records.packed, records.memory, pace.longest),
+    )
+    to_break = step_to_break(records.motions, t, limit)
+    to_change = step_to_changes(records.packed, pace.smooth, t, to_break)
+    pace.limit = step_to_contacts(records, system, to_change)
+    pace.cut = pace.limit < limit
+    pace.to_break = to_break < limit and pace.limit == to_break
+    return pace.limit
 
 
 @compiled
 def sum_stages(records: RecorderState, system: TreeSystem, h: float) -> None:
     """Sum wear integrals and energies of a step of length ``h`` from the powers of its stages."""
-    ledger = records.ledger[0]
+    ledger, doses = records.ledger[0], records.wear_integrals
     count = records.memory.shape[0]
     for k in range(count):
-        records.wear_integrals[k].work = records.wear_integrals[k].pressure = 0.0
+        doses[k].work = doses[k].pressure = 0.0
     for j in range(STAGES):
         weight = h * WEIGHTS[j]
         row = system.stages[j]
@@ -334,12 +315,12 @@ def sum_stages(records: RecorderState, system: TreeSystem, h: float) -> None:
             ledger.contact_loss += weight * row[base + CONTACT_LOSS]
             ledger.friction_loss += weight * row[base + FRICTION_LOSS]
             ledger.made += weight * row[base + MADE]
-            records.wear_integrals[k].work += weight * row[base + WORK]
-            records.wear_integrals[k].pressure += weight * row[base + PRESSURE]
+            doses[k].work += weight * row[base + WORK]
+            doses[k].pressure += weight * row[base + PRESSURE]
     for k in range(count):
         # One weight is negative: a step at the end of a contact may sum to less than nothing.
-        records.wear_integrals[k].work = max(records.wear_integrals[k].work, 0.0)
-        records.wear_integrals[k].pressure = max(records.wear_integrals[k].pressure, 0.0)
+        doses[k].work = max(doses[k].work, 0.0)
+        doses[k].pressure = max(doses[k].pressure, 0.0)
 
 
 @compiled
@@ -356,10 +337,8 @@ def tree_state(
     place_links(system.links, x, u, q, v, axes)
     accelerate_links(system.links, u_t, v, axes, a)
     applied_forces(records.packed, t, q, v, force)
+    note_contacts(records.packed, records.contacts, q, v, axes)
     rates = system.stages[0, 1:]
-    if t != system.pace[0].noted:
-        note_contacts(records.packed, records.contacts, q, v, axes)
-        system.pace[0].noted = t
     add_contacts(records.packed.joints, system.expected, records.contacts, force, rates)
     for c in range(force.shape[0]):
         force[c] -= records.packed.mass[c] * a[c]
@@ -374,15 +353,16 @@ def tree_state(
 
 
 @compiled
-def interpolate(inside: Inside, s: float, h: float, x: Array, u: Array, u_t: Array) -> None:
-    """Fill the state at a part ``s`` of a step of length ``h``, s, that ends in the given state.
+def interpolate(system: TreeSystem, s: float, h: float) -> None:
+    """Fill the state inside a step of length ``h``, s, at a part ``s`` of it.
 
     Coordinates follow the quintic through both ends, rates the cubic, and accelerations its
     derivative: by it the rates change by as much as in the step.
     """
+    x, u, u_t = system.x, system.u, system.u_t
     # Rows by index are contiguous for the compiler; rows of an unpacked array are not.
-    x0, u0, a0 = inside.start[0], inside.start[1], inside.start[2]
-    xs, us, accelerations = inside.state[0], inside.state[1], inside.state[2]
+    x0, u0, a0 = system.start[0], system.start[1], system.start[2]
+    xs, us, accelerations = system.inside[0], system.inside[1], system.inside[2]
     for i in range(x.shape[0]):
         c1 = h * u0[i]
         c2 = 0.5 * h * h * a0[i]
@@ -401,99 +381,68 @@ def interpolate(inside: Inside, s: float, h: float, x: Array, u: Array, u_t: Arr
 
 
 @compiled
-def sum_torques(
-    inside: Inside,
-    system: TreeSystem,
-    records: RecorderState,
-    t: float,
-    h: float,
-    x: Array,
-    u: Array,
-    u_t: Array,
-) -> None:
-    """Integrate torque and power of the drives over a step by Gauss's rule with two points.
+def end_step(system: TreeSystem, records: RecorderState, t: float, h: float) -> float:
+    """Place all bodies at the end of a step, and integrate torque and power of the drives over it.
 
-    Both lie inside the step, so that a load that jumps at an end has the force of the step.
+    Returns the power of the drives at the end, W.  Gauss's rule with two points: both lie inside
+    the step, so that a load that jumps at an end has the force of the step.
     """
-    work = system.prescribed.work
-    for i in range(work.shape[0]):
-        copy_to(inside.system.prescribed.work[i], work[i])
-    for k in range(records.drives.shape[0]):
-        drive = records.drives[k]
+    contacts, drives, inside = records.contacts, records.drives, system.inside
+    v = system.state[1]
+    for k in range(contacts.shape[0]):
+        system.bristles[1, k] = contacts[k].bristle
+    for k in range(drives.shape[0]):
+        drive = drives[k]
         drive.torque_integral = drive.torque_square_integral = 0.0
         drive.work = drive.power_square_integral = 0.0
-    if h > 0.0:
-        for side in range(2):
-            s = 0.5 + (side - 0.5) / math.sqrt(3.0)
-            interpolate(inside, s, h, x, u, u_t)
-            for k in range(inside.bristles.shape[0]):
-                first = inside.bristles[k]
-                inside.records.contacts[k].bristle = first + s * (
-                    records.contacts[k].bristle - first
-                )
-            xs, us, accelerations = inside.state[0], inside.state[1], inside.state[2]
-            tree_state(inside.system, inside.records, t - h + s * h, xs, us, accelerations)
-            v = inside.system.state[1]
-            for k in range(records.drives.shape[0]):
-                drive = records.drives[k]
-                torque = inside.records.torque[k]
-                power = torque * v[records.packed.driven[k]]
-                drive.torque_integral += 0.5 * h * torque
-                drive.torque_square_integral += 0.5 * h * torque * torque
-                drive.work += 0.5 * h * power
-                drive.power_square_integral += 0.5 * h * power * power
-    copy_to(inside.start[0], x)
-    copy_to(inside.start[1], u)
-    copy_to(inside.start[2], u_t)
-    for k in range(inside.bristles.shape[0]):
-        inside.bristles[k] = records.contacts[k].bristle
+    power = 0.0
+    for point in range(3):
+        if point < 2 and h == 0.0:
+            continue
+        s, time = 1.0, t
+        xs, us, accelerations = system.x, system.u, system.u_t
+        if point < 2:
+            s = 0.5 + (point - 0.5) / math.sqrt(3.0)
+            time = t - h + s * h
+            interpolate(system, s, h)
+            xs, us, accelerations = inside[0], inside[1], inside[2]
+        for k in range(contacts.shape[0]):
+            first, last = system.bristles[0, k], system.bristles[1, k]
+            contacts[k].bristle = first + s * (last - first) if point < 2 else last
+        power = tree_state(system, records, time, xs, us, accelerations)
+        for k in range(drives.shape[0] if point < 2 else 0):
+            drive, torque = drives[k], records.torque[k]
+            work = torque * v[records.packed.driven[k]]
+            drive.torque_integral += 0.5 * h * torque
+            drive.torque_square_integral += 0.5 * h * torque * torque
+            drive.work += 0.5 * h * work
+            drive.power_square_integral += 0.5 * h * work * work
+    system.pace[0].noted = t
+    copy_to(system.start[0], system.x)
+    copy_to(system.start[1], system.u)
+    copy_to(system.start[2], system.u_t)
+    for k in range(contacts.shape[0]):
+        system.bristles[0, k] = contacts[k].bristle
+    return power
 
 
 @compiled
-def next_tree_step(
-    records: RecorderState, system: TreeSystem, t: float, h: float, events: int
-) -> float:
-    """Limit of the step from a time, s, after one of length ``h``; error control may go below."""
-    pace = system.pace[0]
-    if not (pace.cut and h >= 0.999 * pace.asked):
-        # A step cut short says little: what was reached before it still holds.
-        pace.reach = max(h, pace.shortest)
-    for k in range(records.memory.shape[0]):
-        if records.onset[k] > 0.0 and records.memory[k].steps == 1:
-            pace.deepest_touch = max(pace.deepest_touch, records.memory[k].penetration)
-    pace.events += events
-    # A break changes the third derivatives by which events are foreseen.
-    pace.smooth = events == 0 and not (pace.to_break and h >= 0.999 * pace.asked)
-    limit = min(
-        step_after_touchdown(
-            records.packed.joints, records.onset, records.memory, GROWTH * pace.reach
-        ),
-        skim_step(records.packed, records.memory, pace.longest),
-    )
-    broken = step_to_break(records.motions, t, limit)
-    pace.asked = step_to_events(records, system, step_to_changes(records, system, t, broken))
-    pace.cut = pace.asked < limit
-    pace.to_break = broken < limit and pace.asked == broken
-    return pace.asked
-
-
-@compiled
-def accept_tree_step(run: PackedArguments, t: float) -> float:
+def accept_tree_step(address: PackedArguments, t: float) -> float:
     """Account for an accepted step and choose the next, s; NaN for a broken state.
 
     Parameters
     ----------
-    run : PackedArguments
-        TreeSystem, RecorderState, Inside, coordinates of the tree, rates, and accelerations.
+    address : PackedArguments
+        TreeSystem and RecorderState.
     """
-    system, records, inside, x, u, u_t = unpack(run)
+    system, records = unpack(address)
     system.pace[0].accepted = system.pace[0].evaluations
+    x, u, u_t = system.x, system.u, system.u_t
     if not all_finite(x, u) or not all_finite(u, u_t):
         return math.nan
     h = t - records.output[0].now
     sum_stages(records, system, h)
-    sum_torques(inside, system, records, t, h, x, u, u_t)
-    power = tree_state(system, records, t, x, u, u_t)
+    power = end_step(system, records, t, h)
     ledger = records.ledger[0]
     ledger.drive_exchange += 0.5 * h * (abs(ledger.drive_power) + abs(power))
     ledger.drive_power = power
