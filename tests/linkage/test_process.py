@@ -1,4 +1,4 @@
-"""Process forces as data: their curves, the work under them, and what is refused."""
+"""Process forces as data: their curves, the work under them, and bad input."""
 
 from itertools import pairwise
 from typing import Any
@@ -9,12 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from presswear.linkage.loads import (
-    Blanking,
-    Coining,
-    Drawing,
-    laws_of,
-)
+from presswear.linkage.loads import Blanking, Coining, Drawing, laws_of
 from presswear.tools.errors import InputError
 
 sizes = st.floats(1.0, 1e7)
@@ -24,18 +19,13 @@ blanks = st.builds(
     force=sizes,
     thickness=depths,
     rise=depths,
-    # No shorter than what a table tells apart, a millionth of its length.
+    # No shorter than a millionth of the length, the resolution of a table.
     plateau=st.floats(0.05, 1.0),
     snap=depths,
     cushion=st.floats(0.0, 1e5),
 )
-cups = st.builds(
-    Drawing,
-    force=sizes,
-    depth=depths,
-    peak=st.floats(0.05, 0.95),
-    cushion=st.floats(0.0, 1e5),
-)
+peaks = st.floats(0.05, 0.95)
+cups = st.builds(Drawing, force=sizes, depth=depths, peak=peaks, cushion=st.floats(0.0, 1e5))
 
 
 @given(st.one_of(blanks, cups))
@@ -60,6 +50,10 @@ def test_work_is_the_integral_of_a_continuous_force(process: Blanking | Drawing)
     assert law.unloading == pytest.approx((np.diff(forces) / np.diff(places)).max())
     # A new blank lies there once the old one was left by the lift.
     assert max(place for place, _ in law.table) == 0.03
+    if isinstance(process, Blanking):
+        assert np.interp(process.fracture, places, forces) == process.force
+        assert process.fracture - places[1] == pytest.approx(process.plateau * process.thickness)
+        assert places[-1] - process.fracture == pytest.approx(process.snap)
 
 
 @given(cups)
@@ -67,9 +61,8 @@ def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
     peak = cup.peak * cup.depth
     for depth, force in cup.curve:
         part = depth / peak if depth <= peak else (cup.depth - depth) / (cup.depth - peak)
-        assert force == pytest.approx(
-            cup.force * np.sin(0.5 * np.pi * part) ** 2, abs=1e-9 * cup.force
-        )
+        exact = cup.force * np.sin(0.5 * np.pi * part) ** 2
+        assert force == pytest.approx(exact, abs=1e-9 * cup.force)
 
 
 def test_a_cushion_and_a_stop_push_both_ways() -> None:
@@ -84,7 +77,7 @@ def test_a_cushion_and_a_stop_push_both_ways() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "values", "says"),
+    ("kind", "values", "message"),
     [
         (Blanking, {"force": 0.0}, r"force = 0 N: allowed is 0\.001 to 1e\+09 N"),
         (Blanking, {"stiffness": 1e12}, r"with force = 500 N allowed is 50 to 5e\+08 N/m"),
@@ -95,7 +88,9 @@ def test_a_cushion_and_a_stop_push_both_ways() -> None:
         (Coining, {"height": -1e-3}, r"height = -0\.001 m: allowed is 1e-06 to 10 m"),
     ],
 )
-def test_what_is_no_process_is_refused(kind: Any, values: dict[str, Any], says: str) -> None:
-    with pytest.raises(InputError, match=says) as refusal:
+def test_a_process_that_is_not_possible_is_refused(
+    kind: Any, values: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message) as refusal:
         kind(**values)
     assert len(str(refusal.value).splitlines()) == 1
