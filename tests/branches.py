@@ -21,7 +21,7 @@ def branching() -> pw.Linkage:
             pw.Body("slider", 0.5, 1.0),
         ),
         (
-            # The ends are given in both orders.
+            # The ends are written in both orders.
             pw.Revolute("N", pw.Attachment("near", -0.1, 0.01), pw.Attachment("crank", 0.05, 0.02)),
             pw.Revolute("F", pw.Attachment("near", 0.12, 0.0), pw.Attachment("far", -0.2, 0.03)),
             pw.Revolute(
@@ -48,6 +48,11 @@ def placed(
 
 
 def tree(linkage: pw.Linkage) -> Tree:
-    found = tree_of(linkage)
-    assert isinstance(found, Tree), found
-    return found
+    result = tree_of(linkage)
+    assert isinstance(result, Tree), result
+    return result
+
+
+def without(linkage: pw.Linkage, *names: str) -> pw.Linkage:
+    """Return the linkage without some of its joints."""
+    return linkage.changed(joints=[j for j in linkage.joints if j.name not in names])

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from closed_form import press_motion, slider_crank_motion
+from closed_form import press_motion
 from scipy.optimize import brentq
 
 from presswear.linkage.drives import Drive
@@ -51,26 +51,21 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
         assert abs(level(edge, 0) - half) < np.abs(speed).max() * press.period / 1440
 
 
-def test_slider_crank_is_lowest_where_crank_and_rod_are_in_line() -> None:
+@pytest.mark.parametrize(("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)])
+def test_slider_crank_is_lowest_where_crank_and_rod_are_in_line(
+    direction: float, part: float, sign: float
+) -> None:
+    """In the opposite direction the bottom falls on the boundary of two cycles."""
     mechanism = SliderCrank()
-    found = bottom_of(ideal_motion(mechanism.linkage(), mechanism.period))
-    assert found is not None
-    assert found.time == pytest.approx(0.5 * mechanism.period, rel=1e-12)
-    assert found.height == pytest.approx(mechanism.rod_length - mechanism.crank_length, abs=1e-15)
-    motion = slider_crank_motion(mechanism, np.array([found.time]))
-    assert motion.output(mechanism.linkage())[0, 0] == pytest.approx(found.height, abs=1e-15)
-
-
-def test_the_other_end_is_watched_in_the_opposite_direction() -> None:
-    """Its bottom falls on the boundary of two cycles: the window lies on both sides of it."""
-    mechanism = SliderCrank()
-    linkage = mechanism.linkage().changed(output=OutputPoint("slider", math.pi))
-    found = bottom_of(ideal_motion(linkage, mechanism.period))
-    assert found is not None
-    assert found.height == pytest.approx(-mechanism.rod_length - mechanism.crank_length, abs=1e-15)
-    assert found.time == pytest.approx(0.0, abs=1e-12 * mechanism.period)
-    assert found.window[0] < -0.1 * mechanism.period
-    assert found.window[1] > 0.1 * mechanism.period
+    linkage = mechanism.linkage().changed(output=OutputPoint("slider", direction))
+    bottom = bottom_of(ideal_motion(linkage, mechanism.period))
+    assert bottom is not None
+    assert bottom.time == pytest.approx(part * mechanism.period, abs=1e-12 * mechanism.period)
+    height = sign * mechanism.rod_length - mechanism.crank_length
+    assert bottom.height == pytest.approx(height, abs=1e-15)
+    # The window lies on both sides.
+    assert bottom.window[0] < bottom.time - 0.1 * mechanism.period
+    assert bottom.window[1] > bottom.time + 0.1 * mechanism.period
 
 
 @pytest.mark.parametrize(("angle", "place"), [(0.0, 0.75), (0.4, 0.75 - 0.4 / math.tau)])
@@ -86,15 +81,6 @@ def test_bar_is_lowest_at_three_quarters(angle: float, place: float, run_up: int
     late = found.delay(linkage.run_up_time + linkage.period * np.array([place, 7.0 + place, 0.9]))
     assert late[:2] == pytest.approx(0.0, abs=1e-13)
     assert late[2] == pytest.approx((0.9 - place) * linkage.period, abs=1e-13)
-
-
-def test_of_two_turns_in_a_cycle_the_first_counts() -> None:
-    linkage = bar(cycle=2.0 * math.tau / 10.0)
-    found = bottom_of(ideal_motion(linkage, linkage.period))
-    assert found is not None
-    assert found.time == pytest.approx(0.75 * math.tau / 10.0, abs=1e-12)
-    begin, end = found.window
-    assert end - begin == pytest.approx(0.5 * math.tau / 10.0, rel=0.02)
 
 
 def test_what_stands_has_none() -> None:

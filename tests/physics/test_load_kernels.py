@@ -21,8 +21,6 @@ from presswear.linkage.loads import (
     Table,
 )
 from presswear.physics.loads import (
-    OFF,
-    RISING,
     Loads,
     load_forces,
     load_motion,
@@ -151,13 +149,6 @@ def test_what_was_released_stays_off_until_the_whole_way_back(sense: Sense, sign
         assert size(packed, 0.0, sign * s, sign * v) == pytest.approx(-sign * 6.0 * part), (s, v)
 
 
-def test_a_start_beyond_the_end_is_released() -> None:
-    law = OverPosition([(0.0, 0.0), (1.0, -6.0)], sense="along", release=True)
-    packed = packed_of(law, turning=True)
-    place_loads(packed, np.array([0.0, 0.0, 1.5]), np.ones(3))
-    assert packed.modes["released"].all()
-
-
 def plastic(
     spaces: list[float], sizes: list[float], steeper: float, sense: Sense, release: bool
 ) -> OverPosition:
@@ -271,15 +262,6 @@ def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
             2.0 * h
         )
         assert force[c] == pytest.approx(given * slope, rel=1e-6)
-
-
-def test_the_gate_opens_in_two_stages() -> None:
-    law = OverPosition([(0.0, -1.0)], sense="along", outside="hold")
-    packed = packed_of(law, turning=True)
-    place_loads(packed, np.zeros(3), np.zeros(3))
-    assert packed.modes["branch"].tolist() == [OFF]
-    settle(packed, 0.0, 0.0, 0.0, a=1.0)
-    assert packed.modes["branch"].tolist() == [RISING]
 
 
 def test_loads_with_a_law_are_no_weight() -> None:

@@ -6,13 +6,13 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from closed_form import press_motion, slider_crank_motion
+from branches import without
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Attachment, Guide, Pin
+from presswear.linkage.elements import Guide
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
 from presswear.physics.constraints import constraints_of
@@ -41,17 +41,13 @@ MECHANISMS = {
 each_mechanism = pytest.mark.parametrize("linkage", MECHANISMS.values(), ids=MECHANISMS)
 
 
-def without(linkage: Linkage, names: tuple[str, ...]) -> Linkage:
-    return replace(linkage, joints=tuple(j for j in linkage.joints if j.name not in names))
-
-
 @each_mechanism
 def test_bodies_without_freedom_are_those_that_the_jacobian_holds(linkage: Linkage) -> None:
     """Every pair of joints opened, against the null space of all rows at an instant."""
     motion = motion_of(linkage).at(np.array([0.123]))
     moving = 0
     for names in [(), *combinations(linkage.openable, 1), *combinations(linkage.openable, 2)]:
-        opened = without(linkage, names)
+        opened = without(linkage, *names)
         rows = constraints_of(opened).evaluate(0.123, motion.position[0], motion.velocity[0])[3]
         free = np.abs(null_space(rows, rcond=1e-9)).reshape(len(linkage.bodies), -1)
         held = free.max(axis=1, initial=0.0) < 1e-9
@@ -59,15 +55,6 @@ def test_bodies_without_freedom_are_those_that_the_jacobian_holds(linkage: Linka
         assert prescribed_of(opened) == expected, names
         moving += len(linkage.bodies) - len(expected)
     assert moving > 0
-
-
-def test_what_is_left_of_the_press_is_known() -> None:
-    linkage = MECHANISMS["standard"]
-    cranks = {"crank 2", "crank 7"}
-    assert prescribed_of(without(linkage, ("C",))) == cranks | {"rod 3", "plate 4"}
-    assert prescribed_of(without(linkage, ("A",))) == cranks
-    assert prescribed_of(replace(linkage, drives=linkage.drives[:1])) == {"crank 2"}
-    assert prescribed_of(replace(linkage, drives=())) == frozenset()
 
 
 def followed(prescribed: Prescribed, motion: Motion) -> list[Array]:
@@ -101,29 +88,6 @@ def test_a_linkage_without_freedom_follows_its_ideal_motion(linkage: Linkage) ->
         assert np.abs(own - exact).max() < 1e-10 * np.abs(exact).max()
 
 
-@pytest.mark.parametrize("name", sorted(GEOMETRIES))
-def test_the_plate_of_the_press_moves_as_the_closed_form(name: str) -> None:
-    press = Press(geometry=GEOMETRIES[name])
-    opened = without(press.linkage(), ("C",))
-    exact = press_motion(press, times_of(opened))
-    q, v, a = followed(pack_prescribed(opened, prescribed_of(opened)), exact)
-    own = [3 * opened.index(body) + c for body in ("rod 3", "plate 4") for c in range(3)]
-    turns = np.round((q - exact.position)[:, own] / (2.0 * math.pi)) * np.array([0, 0, 1] * 2)
-    assert np.abs((q - exact.position)[:, own] - 2.0 * math.pi * turns).max() < 1e-12
-    assert np.abs((v - exact.velocity)[:, own]).max() < 1e-11
-    assert np.abs((a - exact.acceleration)[:, own]).max() < 1e-10 * np.abs(exact.acceleration).max()
-
-
-def test_the_slider_moves_as_the_closed_form() -> None:
-    crank = SliderCrank()
-    linkage = crank.linkage()
-    exact = slider_crank_motion(crank, times_of(linkage))
-    q, v, a = followed(pack_prescribed(linkage, prescribed_of(linkage)), exact)
-    assert np.abs(q - exact.position).max() < 1e-12
-    assert np.abs(v - exact.velocity).max() < 1e-12 * np.abs(exact.velocity).max()
-    assert np.abs(a - exact.acceleration).max() < 1e-11 * np.abs(exact.acceleration).max()
-
-
 @each_mechanism
 def test_torques_are_the_multipliers_of_the_drives(linkage: Linkage) -> None:
     """Forces on every body against all rows at once, M a + J^T lambda = g."""
@@ -144,22 +108,6 @@ def test_torques_are_the_multipliers_of_the_drives(linkage: Linkage) -> None:
     # All the power of the drives goes into the bodies.
     speeds = np.array([drive.motion(ideal.time)[1][0] for drive in linkage.drives])
     assert -forced_power(prescribed, v, a, applied) == pytest.approx(torque @ speeds, rel=1e-9)
-
-
-def test_loops_that_do_not_close_leave_no_finite_state() -> None:
-    short = FOUR_BAR.changed(
-        joints=[
-            Pin("O", (0.0, 0.0), "crank.tail"),
-            Pin("A", "crank.head", "coupler.tail"),
-            Pin("B", "coupler.head", "rocker.head"),
-            Pin("P", (0.5, 0.0), "rocker.tail"),
-        ],
-    )
-    prescribed = pack_prescribed(short, prescribed_of(short))
-    q, v, a, axes = np.zeros((4, 9))
-    begin_motion(prescribed, 0.0, q)
-    place_prescribed(prescribed, 0.0, q, v, a, axes)
-    assert not np.isfinite(q).all()
 
 
 @pytest.mark.parametrize("name", ["four-bar", "six-bar", "standard"])
@@ -192,10 +140,3 @@ def test_what_is_held_twice_is_no_chain() -> None:
     still = replace(PUMP, joints=(*PUMP.joints, Guide("second", "slider", 0.0, 0.0, 1.0)))
     with pytest.raises(ValueError, match="are no chain"):
         pack_prescribed(still, frozenset({"crank", "rod", "slider"}))
-
-
-def test_points_on_the_frame_close_loops_too() -> None:
-    """The rocker's pivot comes last, so that it is a closing pin with one end on the frame."""
-    assert Attachment("frame", 0.18, 0.0) == FOUR_BAR.revolutes[-1].first
-    prescribed = pack_prescribed(FOUR_BAR, prescribed_of(FOUR_BAR))
-    assert prescribed.closings.shape == (1,)

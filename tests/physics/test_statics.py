@@ -187,37 +187,3 @@ def test_what_is_refused() -> None:
         pw.deflection(linkage, 1.0, math.inf)
     with pytest.raises(pw.InputError, match="no bottom dead centre: its output point"):
         pw.total_clearance(replace(held(1.0, 2.0), loads=()))
-
-
-def test_ever_stiffer_joints_become_ideal_ones_with_first_order() -> None:
-    """Under 500 N at bottom dead centre: height, and forces of A and C, of all joints closed.
-
-    The stiffness rises so that a load is as deep in each clearance, part of it.
-    """
-    clearances = np.array([1e-4, 1e-5, 1e-6])
-    rows = []
-    for clearance in clearances:
-        stiff = {"clearance": clearance, "contact_stiffness": 1e11 * (1e-4 / clearance) ** 1.5}
-        scene = pw.scenes.press_blanking(**stiff)
-        found = bottom_of(scene.ideal)
-        assert found is not None
-        at_rest = equilibrium(scene.linkage(), found.time, 500.0)
-        rows.append([at_rest.height - found.height, *at_rest.contacts["normal"]])
-    ideal = np.linalg.norm([_held(pw.scenes.ideal(), 500.0)[name] for name in "AC"], axis=1)
-    off = np.abs(np.array(rows) - [0.0, *ideal])
-    orders = [np.polyfit(np.log(clearances), np.log(own), 1)[0] for own in off.T]
-    assert orders == pytest.approx([1.0, 1.0, 1.0], abs=0.01)
-    assert off[-1, 1:] / ideal == pytest.approx(0.0, abs=1e-4)
-
-
-def _held(scene: pw.Scene, upwards: float) -> dict[str, Array]:
-    """Forces in joints of the ideal press at bottom dead centre by their names: multipliers."""
-    bottom, linkage, rows = bottom_of(scene.ideal), scene.mechanism.linkage(), scene.ideal.rows
-    assert bottom is not None
-    motion = scene.ideal.at(np.array([bottom.time]))
-    jacobian = rows.jacobian(motion.position.reshape(1, -1, 3))[0]
-    given = np.zeros(jacobian.shape[1])
-    given[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    given[3 * linkage.index("slider 6") + 1] += upwards
-    held = np.linalg.solve(jacobian.T, -given)
-    return {name: held[[name == own for own in rows.names]] for name in set(rows.names)}

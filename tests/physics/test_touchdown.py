@@ -22,22 +22,18 @@ from presswear.physics.touchdown import (
     LANDING,
     LEAST_STEPS,
     MEMORY,
-    OVERSHOOT,
     STEPS,
     STORED_CONTACT,
     contact_step,
     crossing,
-    hermite,
     next_step,
     peak_within,
     settle,
     shorter_step,
 )
-from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
 
-NO_CROSSING = 2.0
 MASS = 0.1
 PARTS = 50.0
 FREE = 1e-4
@@ -47,88 +43,17 @@ LINE = replace(JOINT, bearing=Attachment(GROUND, 0.0, 0.0), pin=Attachment("pin"
 """A pin that meets its bearing with the whole mass of its body."""
 
 
-def _cubic(a: float, b: float, c: float, d: float, s: float) -> tuple[float, float]:
-    """Value and slope of a + b s + c s^2 + d s^3."""
-    return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + s * 3.0 * d)
-
-
-coefficients = st.floats(-10.0, 10.0)
-
-
-@given(
-    st.tuples(coefficients, coefficients, coefficients, coefficients),
-    st.floats(1e-3, 10.0),
-    st.floats(0.0, 1.0),
-)
-def test_hermite_reproduces_any_cubic(
-    cubic: tuple[float, float, float, float], h: float, s: float
+@given(st.floats(0.01, 0.9), st.floats(0.02, 0.09), st.floats(-1.0, 3.0), st.floats(1e-7, 1.0))
+def test_crossing_is_the_first_root_of_a_cubic(
+    root: float, length: float, lean: float, h: float
 ) -> None:
-    (p0, slope0), (p1, slope1) = _cubic(*cubic, 0.0), _cubic(*cubic, 1.0)
-    value, rate = hermite(p0, slope0 / h, p1, slope1 / h, h, s)
-    exact, slope = _cubic(*cubic, s)
-    assert value == pytest.approx(exact, abs=1e-13)
-    assert rate == pytest.approx(slope / h, abs=1e-12 / h)
-
-
-@given(st.floats(0.01, 0.99), st.floats(0.1, 5.0), st.floats(0.0, 5.0), st.floats(1e-7, 1e-3))
-def test_crossing_finds_the_root_of_a_rising_cubic(
-    root: float, slope: float, bend: float, h: float
-) -> None:
-    # (s - r)(k + w (s - r)^2) rises throughout and is zero at r alone.
-    def value(s: float) -> tuple[float, float]:
-        x = s - root
-        return 1e-6 * x * (slope + bend * x * x), 1e-6 * (slope + 3.0 * bend * x * x)
-
-    (p0, slope0), (p1, slope1) = value(0.0), value(1.0)
-    # The two states are rounded numbers: some ulp of their size over the slope at the root.
-    rounding = 32.0 * np.finfo(float).eps * (slope + 3.0 * bend) / slope
-    assert crossing(p0, slope0 / h, p1, slope1 / h, h) == pytest.approx(root, abs=rounding)
-
-
-@given(st.floats(0.05, 0.9), st.floats(0.02, 0.09), st.floats(-1.0, 3.0))
-def test_crossing_finds_a_contact_that_ends_within_the_step(
-    root: float, length: float, lean: float
-) -> None:
-    leaves = root + length
-
-    # Positive between the two roots only: the third factor keeps its sign.
-    def value(s: float) -> tuple[float, float]:
-        third = 1.5 + 0.25 * lean * s
-        p = (s - root) * (leaves - s)
-        return p * third, (leaves + root - 2.0 * s) * third + p * 0.25 * lean
-
-    (p0, r0), (p1, r1) = value(0.0), value(1.0)
-    assert p0 < 0.0
-    assert p1 < 0.0
-    assert crossing(p0, r0, p1, r1, 1.0) == pytest.approx(root, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("p0", "r0", "p1", "r1", "found"),
-    [
-        (-1.0, 0.5, -0.5, 0.5, NO_CROSSING),  # still approaching
-        (-1.0, -1.0, -2.0, -1.0, NO_CROSSING),  # leaving
-        (-1.0, 1.0, -1.0, -1.0, NO_CROSSING),  # comes to 3/4 of the way and turns
-        (-1.0, -1.0, -1.0, 1.0, NO_CROSSING),  # turns away from it
-        (-1.0, 0.0, -1.0, 0.0, NO_CROSSING),
-        (-1.0, 1.0, 1e-300, 1.0, 1.0),  # at the end of the step
-        (0.0, 1.0, 1.0, 1.0, 0.0),  # at its start
-        # (s - 0.1)(s - 0.5)(s - 0.7) closes at 0.1, opens at 0.5 and closes again at 0.7.
-        (-0.035, 0.47, 0.135, 0.87, 0.1),
-    ],
-)
-def test_crossing_is_the_first_or_none(
-    p0: float, r0: float, p1: float, r1: float, found: float
-) -> None:
-    assert crossing(p0, r0, p1, r1, 1.0) == pytest.approx(found, rel=0.0, abs=1e-15)
-
-
-def _meeting(stiffness: float, exponent: float = 1.5) -> Records:
-    """A joint whose pin has a body of its own mass."""
-    law = replace(LINE.normal, stiffness=stiffness, exponent=exponent)
-    joint = Pair(replace(LINE, normal=law), np.zeros(3), np.zeros(3)).packed.joints[0]
-    assert joint["effective_mass"] == MASS
-    return joint
+    """A contact that starts and ends within the step."""
+    # Zero where s is root, root + length or -6 / lean, which lies outside.
+    cubic = -np.poly1d([root, root + length], r=True) * np.poly1d([0.25 * lean, 1.5])
+    slope = cubic.deriv()
+    ends = (cubic(0.0), slope(0.0) / h, cubic(1.0), slope(1.0) / h)
+    assert max(cubic(0.0), cubic(1.0)) < 0.0
+    assert crossing(*ends, h) == pytest.approx(root, abs=1e-12)
 
 
 @given(
@@ -142,19 +67,11 @@ def test_contact_step_divides_half_a_period_at_the_deepest_point(
     energy = 0.5 * MASS * speed**2 + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
     deepest = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
     tangent = exponent * stiffness * deepest ** (exponent - 1.0)
-    step = contact_step(_meeting(stiffness, exponent), depth, sign * speed, PARTS)
+    law = replace(LINE.normal, stiffness=stiffness, exponent=exponent)
+    joint = Pair(replace(LINE, normal=law), np.zeros(3), np.zeros(3)).packed.joints[0]
+    assert joint["effective_mass"] == MASS
+    step = contact_step(joint, depth, sign * speed, PARTS)
     assert step == pytest.approx(math.pi * math.sqrt(MASS / tangent) / PARTS, rel=1e-9)
-
-
-def test_contact_step_without_energy_or_give_sets_no_limit() -> None:
-    assert contact_step(_meeting(1e10), 0.0, 0.0, PARTS) == math.inf
-    assert contact_step(_meeting(1e10), -1e-3, 0.0, PARTS) == math.inf
-    # Two driven bodies meet with infinite mass; a step that is no number helps nobody.
-    pair = Pair(JOINT, np.zeros(6), np.zeros(6)).linkage
-    drives = tuple(Drive(body.name, 1.0) for body in pair.bodies)
-    driven = pack(replace(pair, drives=drives)).joints[0]
-    for rate in (0.0, 0.3):
-        assert contact_step(driven, 1e-6, rate, PARTS) == math.inf
 
 
 def test_the_mass_that_meets_is_that_of_two_free_bodies() -> None:
@@ -213,17 +130,16 @@ class _Line:
     def moved(self, h: float) -> tuple[float, float]:
         """Place and speed a step later (Runge-Kutta, exact in free flight)."""
 
-        def rate(x: float, speed: float) -> tuple[float, float]:
-            return speed, self.acceleration(x, speed)
+        def rate(state: Array) -> Array:
+            return np.array([state[1], self.acceleration(float(state[0]), float(state[1]))])
 
-        x, speed = float(self.q[0]), float(self.v[0])
-        a1, b1 = rate(x, speed)
-        a2, b2 = rate(x + 0.5 * h * a1, speed + 0.5 * h * b1)
-        a3, b3 = rate(x + 0.5 * h * a2, speed + 0.5 * h * b2)
-        a4, b4 = rate(x + h * a3, speed + h * b3)
-        return x + h / 6.0 * (a1 + 2 * a2 + 2 * a3 + a4), speed + h / 6.0 * (
-            b1 + 2 * b2 + 2 * b3 + b4
-        )
+        start = np.array([self.q[0], self.v[0]])
+        k1 = rate(start)
+        k2 = rate(start + 0.5 * h * k1)
+        k3 = rate(start + 0.5 * h * k2)
+        k4 = rate(start + h * k3)
+        x, speed = start + h / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
+        return float(x), float(speed)
 
     def flown(self, h: float) -> tuple[float, float]:
         """Place and speed a step later without contact."""
@@ -254,21 +170,6 @@ def test_step_lands_just_behind_a_touchdown(gap: float, speed: float, push: floa
     assert line.shorter(h, x, after) == -1.0
 
 
-def test_free_flight_away_from_the_bearing_takes_the_longest_step() -> None:
-    assert _Line().start(0.0, 0.0).wanted() == FREE
-    assert _Line().start(0.5e-3, 1.0).wanted() == FREE
-    assert _Line().start(LINE.clearance - 1e-6, -1.0).wanted() == FREE
-    # Turned back before it arrives.
-    assert _Line(-100.0).start(LINE.clearance - 1e-4, 0.1).wanted() == FREE
-    # A large acceleration: twenty steps in the time in which it crosses the clearance from rest.
-    flight = math.sqrt(2.0 * LINE.clearance / 1e6)
-    assert _Line(-1e6).start(LINE.clearance - 1e-6, 1.0).wanted() == pytest.approx(flight / 20.0)
-    # Departing, but pulled back within the step.
-    pulled = _Line(1e5).start(LINE.clearance - 1e-7, -0.1)
-    arrival = (0.1 + math.sqrt(0.01 + 2e5 * 1e-7)) / 1e5
-    assert arrival < pulled.wanted() < 1.2 * arrival
-
-
 def test_a_step_past_a_touchdown_is_sent_back_to_it() -> None:
     speed, gap, push = 1.0, 2e-5, 500.0
     line = _Line(push).start(LINE.clearance - gap, speed)
@@ -278,15 +179,6 @@ def test_a_step_past_a_touchdown_is_sent_back_to_it() -> None:
     # Free flight is a parabola: the cubic is exact.
     assert shorter == pytest.approx(touchdown + LANDING * part, rel=1e-9)
     assert line.shorter(shorter, *line.flown(shorter)) == -1.0
-
-
-def test_a_slight_overshoot_is_accepted_a_larger_one_is_not() -> None:
-    speed, gap = 1.0, 2e-5
-    line = _Line().start(LINE.clearance - gap, speed)
-    part = contact_step(line.packed.joints[0], 0.0, speed, PARTS)
-    for share, accepted in ((0.97 * OVERSHOOT, True), (1.03 * OVERSHOOT, False)):
-        h = gap / speed + share * part
-        assert (line.shorter(h, *line.flown(h)) < 0.0) == accepted
 
 
 def test_a_step_over_a_whole_contact_is_sent_back_into_it() -> None:
@@ -316,31 +208,6 @@ def test_a_step_is_not_sent_back_to_the_same_place_again(push: float, closing: f
     assert third < 0.0 or third < 0.9 * second
 
 
-def test_free_flight_and_a_contact_that_goes_on_are_left_alone() -> None:
-    line = _Line().start(0.0, 1.0)
-    assert line.shorter(FREE, *line.flown(FREE)) == -1.0
-    line = _Line().start(LINE.clearance - 1e-6, 1.0)
-    line.onset[0] = 1.0
-    assert line.shorter(FREE, *line.flown(FREE)) == -1.0
-    assert line.memory["longest_step"][0] == 0.0
-
-
-def _leaving(h: float, taken: int) -> _Line:
-    """A pin that leaves at constant speed and is open after half a step, so many steps on."""
-    line = _Line().start(LINE.clearance + 0.5 * h * 0.1, -0.1)
-    line.memory["steps"], line.memory["started_closed"] = taken, False
-    line.memory["longest_step"] = math.inf
-    return line
-
-
-def test_a_contact_that_ends_after_a_few_steps_is_divided() -> None:
-    h = 1e-5
-    line = _leaving(h, 3)
-    wanted = line.shorter(h, *line.flown(h))
-    assert wanted == pytest.approx(0.5 * h / (LEAST_STEPS - 3 + 1), rel=1e-6)
-    assert line.memory["longest_step"][0] == wanted
-
-
 @pytest.mark.parametrize(("power", "is_found"), [(1.5, True), (12.0, False)])
 def test_a_peak_on_a_foundation_is_not_extrapolated_far(power: float, is_found: bool) -> None:
     """Penetrations that rise and fall again within a step, under forces of a steep power."""
@@ -355,17 +222,29 @@ def test_a_peak_on_a_foundation_is_not_extrapolated_far(power: float, is_found: 
     assert peak < 105.0
 
 
-def test_a_contact_of_enough_steps_may_end() -> None:
-    h = 1e-5
-    for taken, accepted in ((LEAST_STEPS - 1, False), (LEAST_STEPS, True), (60, True)):
-        line = _leaving(h, taken)
-        assert (line.shorter(h, *line.flown(h)) < 0.0) == accepted
-    begun_inside = _leaving(h, 3)
-    begun_inside.memory["started_closed"] = True
-    assert begun_inside.shorter(h, *begun_inside.flown(h)) == -1.0
-    # Nor is a step divided that is hardly longer than the shortest.
-    line = _leaving(1.2 * LEAST, 3)
-    assert line.shorter(1.2 * LEAST, *line.flown(1.2 * LEAST)) == -1.0
+@pytest.mark.parametrize(
+    ("h", "steps", "started_closed", "accepted"),
+    [
+        (1e-5, 3, False, False),
+        (1e-5, LEAST_STEPS - 1, False, False),
+        (1e-5, LEAST_STEPS, False, True),
+        (1e-5, 3, True, True),
+        (1.2 * LEAST, 3, False, True),  # hardly longer than the shortest step
+    ],
+)
+def test_a_contact_that_ends_after_a_few_steps_is_divided(
+    h: float, steps: int, started_closed: bool, accepted: bool
+) -> None:
+    """A pin that leaves at constant speed and is open after half a step."""
+    line = _Line().start(LINE.clearance + 0.5 * h * 0.1, -0.1)
+    line.memory["steps"], line.memory["started_closed"] = steps, started_closed
+    line.memory["longest_step"] = math.inf
+    shorter = line.shorter(h, *line.flown(h))
+    if accepted:
+        assert shorter == -1.0
+    else:
+        assert shorter == pytest.approx(0.5 * h / (LEAST_STEPS - steps + 1), rel=1e-6)
+        assert line.memory["longest_step"][0] == shorter
 
 
 @pytest.mark.parametrize("speed", [0.05, 1.0])
@@ -457,11 +336,3 @@ def test_peak_between_fifteen_steps_of_a_contact(shift: float) -> None:
     # Open at its end: no peak is left of the contact.
     line.accept(h, LINE.clearance - 1e-6, -1.0)
     assert line.memory["step_peak"][0] == 0.0
-
-
-def test_a_contact_of_one_state_has_no_peak_between_steps() -> None:
-    line = _Line().start(LINE.clearance - 1e-6, 0.5)
-    for x, speed in ((1e-6, 0.4), (-1e-6, -0.4), (-2e-6, -0.4)):
-        line.accept(4e-6, LINE.clearance + x, speed)
-        assert line.memory["step_peak"][0] == 0.0
-    assert line.counters["contacts"][0] == 1

@@ -1,36 +1,50 @@
-"""Open trees: topology, coordinates, accelerations and virtual work."""
+"""Open trees: topology, coordinates, virtual work, and motion as with Lagrange multipliers."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from branches import branching, placed, tree
+from branches import branching, placed, tree, without
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import GEOMETRIES, Press
+from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import motion_of
-from presswear.physics.prescribed import begin_motion, forced_power, tree_of
-from presswear.physics.tree import CARRIED, accelerate_links, carry_branches, gather_forces
+from presswear.physics.packed import mass_of
+from presswear.physics.prescribed import begin_motion, tree_of
+from presswear.physics.tree import (
+    ARTICULATED,
+    CARRIED,
+    accelerate_links,
+    articulate,
+    carry_branches,
+    gather_forces,
+    release,
+)
 
-Array = NDArray[np.float64]
+PRESS = Press().linkage()
+PARENTS = {
+    "A C": {"plate 4": None, "rod 3": "plate 4", "slider 6": None, "rod 5": "slider 6"},
+    "C": {"slider 6": None, "rod 5": "slider 6"},
+    "E": {"rod 5": None, "slider 6": None},
+    "C E": {"slider 6": None, "rod 5": None},
+    "A C D": {"slider 6": None, "rod 5": "slider 6", "rod 3": None, "plate 4": "rod 3"},
+    "A B C": {"plate 4": None, "slider 6": None, "rod 5": "slider 6", "rod 3": None},
+}
+"""Body that each body of the press hangs from (None: frame or crank), by the open joints."""
 
 
-def without(linkage: Linkage, *names: str) -> Linkage:
-    """The linkage with revolute joints taken out."""
-    return replace(linkage, joints=tuple(j for j in linkage.joints if j.name not in names))
-
-
-@pytest.mark.parametrize("name", sorted(GEOMETRIES))
-def test_the_press_hangs_from_its_crank_and_its_guide(name: str) -> None:
-    found = tree(without(Press(geometry=GEOMETRIES[name]).linkage(), "A", "C"))
-    before = [found.names[link["parent"]] if link["parent"] >= 0 else None for link in found.links]
-    hung = dict(zip(found.names, before, strict=True))
-    assert hung == {"plate 4": None, "rod 3": "plate 4", "slider 6": None, "rod 5": "slider 6"}
-    assert len(found.prescribed.parts) == 2
+@pytest.mark.parametrize("opened", PARENTS)
+def test_bodies_hang_from_frame_crank_or_each_other(opened: str) -> None:
+    result = tree(without(PRESS, *opened.split()))
+    parents = [
+        result.names[link["parent"]] if link["parent"] >= 0 else None for link in result.links
+    ]
+    assert dict(zip(result.names, parents, strict=True)) == PARENTS[opened]
+    # A body that nothing holds has three coordinates.
+    assert result.size == {"A C": 4, "C": 2, "E": 2, "C E": 4, "A C D": 6, "A B C": 6}[opened]
 
 
 @pytest.mark.parametrize(
@@ -41,35 +55,13 @@ def test_the_press_hangs_from_its_crank_and_its_guide(name: str) -> None:
         ("A C O7", "drive of crank 7 turns a body that is free to move"),
     ],
 )
-def test_what_is_no_tree_is_told_in_words(taken_out: str, reason: str) -> None:
-    found = tree_of(without(Press().linkage(), *taken_out.split()))
-    assert isinstance(found, str)
-    assert reason in found
+def test_a_linkage_that_is_no_tree_is_explained(taken_out: str, reason: str) -> None:
+    explanation = tree_of(without(PRESS, *taken_out.split()))
+    assert isinstance(explanation, str)
+    assert reason in explanation
 
 
-def test_what_hangs_from_a_moving_body_or_from_nothing() -> None:
-    """Bodies behind those they hang from; a body that nothing holds has three coordinates."""
-
-    def hung(*names: str) -> tuple[dict[str, str | None], int]:
-        found = tree(without(Press().linkage(), *names))
-        parents = [int(link["parent"]) for link in found.links]
-        before = (found.names[parent] if parent >= 0 else None for parent in parents)
-        return dict(zip(found.names, before, strict=True)), found.size
-
-    assert hung("C") == ({"slider 6": None, "rod 5": "slider 6"}, 2)
-    assert hung("E") == ({"rod 5": None, "slider 6": None}, 2)
-    assert hung("C", "E") == ({"slider 6": None, "rod 5": None}, 4)
-    assert hung("A", "C", "D") == (
-        {"slider 6": None, "rod 5": "slider 6", "rod 3": None, "plate 4": "rod 3"},
-        6,
-    )
-    assert hung("A", "B", "C") == (
-        {"plate 4": None, "slider 6": None, "rod 5": "slider 6", "rod 3": None},
-        6,
-    )
-
-
-@pytest.mark.parametrize("opened", ["A C", "C", "E", "C E", "A B C", "A C D"])
+@pytest.mark.parametrize("opened", PARENTS)
 @pytest.mark.parametrize("name", sorted(GEOMETRIES))
 def test_coordinates_give_back_the_ideal_motion(name: str, opened: str) -> None:
     press = Press(geometry=GEOMETRIES[name])
@@ -91,6 +83,11 @@ def test_coordinates_give_back_the_ideal_motion(name: str, opened: str) -> None:
 numbers = st.floats(-3.0, 3.0)
 TREES = (branching(), without(branching(), "N"))
 """In the second, near and far hang from nothing."""
+START = motion_of(Press()).at(np.array([0.02])).position[0]
+
+
+def drawn(data: st.DataObject, count: int) -> NDArray[np.float64]:
+    return np.array(data.draw(st.lists(numbers, min_size=count, max_size=count)))
 
 
 @settings(max_examples=60, deadline=None)
@@ -98,9 +95,7 @@ TREES = (branching(), without(branching(), "N"))
 def test_forces_are_gathered_by_virtual_work(data: st.DataObject) -> None:
     found = tree(data.draw(st.sampled_from(TREES)))
     count = found.size
-    draw = st.lists(numbers, min_size=count, max_size=count).map(np.array)
-    x, direction = data.draw(draw), data.draw(draw)
-    force = np.array(data.draw(st.lists(numbers, min_size=15, max_size=15)))
+    x, direction, force = drawn(data, count), drawn(data, count), drawn(data, 15)
     t, h = 0.02, 1e-6
     rest = np.zeros(count)
     ahead = placed(found, 5, t, x + h * direction, rest)[0]
@@ -112,46 +107,28 @@ def test_forces_are_gathered_by_virtual_work(data: st.DataObject) -> None:
     assert out @ direction == pytest.approx(work, abs=2e-8)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(data=st.data())
-def test_rates_and_accelerations_are_derivatives(data: st.DataObject) -> None:
-    found = tree(data.draw(st.sampled_from(TREES)))
-    count = found.size
-    draw = st.lists(numbers, min_size=count, max_size=count).map(np.array)
-    x, u, u_t = data.draw(draw), data.draw(draw), data.draw(draw)
-    t, h = 0.01, 1e-5
-    _, v, a, axes = placed(found, 5, t, x, u)
-    accelerate_links(found.links, u_t, v, axes, a)
-
-    def at(time: float) -> tuple[Array, Array]:
-        moved = x + u * time + 0.5 * u_t * time**2
-        return placed(found, 5, t + time, moved, u + u_t * time)[:2]
-
-    (ahead_q, ahead_v), (behind_q, behind_v) = at(h), at(-h)
-    assert v == pytest.approx((ahead_q - behind_q) / (2.0 * h), abs=1e-5)
-    assert a == pytest.approx((ahead_v - behind_v) / (2.0 * h), abs=1e-3)
-
-
-def test_branches_are_carried_by_the_hinge_of_their_crank() -> None:
-    linkage = branching()
-    found = tree(linkage)
-    count = len(found.links)
-    _, v, a, axes = placed(found, 5, 0.03, np.zeros(count), np.zeros(count))
-    carried = np.zeros((count, CARRIED))
-    carry_branches(found.links, v, a, axes, carried)
-    theta = 0.7 - 30.0 * 0.03
-    # The crank turns about H; N is (0.09, 0.01) from it in the crank's frame.
-    rx = 0.09 * math.cos(theta) - 0.01 * math.sin(theta)
-    ry = 0.09 * math.sin(theta) + 0.01 * math.cos(theta)
-    expected = [30.0 * ry, -30.0 * rx, -900.0 * rx, -900.0 * ry]
-    for name, row in zip(found.names, carried, strict=True):
-        hung = name in ("near", "far")
-        assert row == pytest.approx(expected if hung else [0.0] * 4, abs=1e-12)
-
-
-def test_forced_power_is_force_times_velocity_of_the_cranks_only() -> None:
-    found = tree(branching())
-    force, v = np.arange(15.0), np.arange(15.0) - 7.0
-    assert forced_power(found.prescribed, v, 0.0 * v, force) == pytest.approx(
-        float(force[:3] @ v[:3])
-    )
+def test_a_tree_moves_under_forces_as_with_multipliers(data: st.DataObject) -> None:
+    """Articulated bodies against the saddle-point system (equation 18)."""
+    linkage = data.draw(st.sampled_from([*TREES, *(without(PRESS, *n.split()) for n in PARENTS)]))
+    system, bodies, time = tree(linkage), len(linkage.bodies), 0.02
+    force = drawn(data, 3 * bodies)
+    if bodies == START.size // 3:
+        begin_motion(system.prescribed, time, START)  # where its loops close
+    x, u = drawn(data, system.size), drawn(data, system.size)
+    q, v, a, axes = placed(system, bodies, time, x, u)
+    carried, u_t = np.zeros((len(system.links), CARRIED)), np.zeros(system.size)
+    work = np.zeros(len(system.links), ARTICULATED)
+    carry_branches(system.links, v, a, axes, carried)
+    articulate(system.links, v, axes, carried, force, work)
+    release(system.links, work, u_t, a)
+    constraints = constraints_of(linkage)
+    _, _, gamma, jacobian = constraints.evaluate(time, q, v)
+    empty = np.zeros((constraints.rows, constraints.rows))
+    matrix = np.block([[np.diag(mass_of(linkage)), jacobian.T], [jacobian, empty]])
+    exact = np.linalg.solve(matrix, np.concatenate([force, gamma]))[: a.size]
+    scale = np.abs(exact).max()
+    assert a == pytest.approx(exact, abs=1e-9 * scale)
+    accelerate_links(system.links, u_t, v, axes, a)
+    assert a == pytest.approx(exact, abs=1e-9 * scale)
