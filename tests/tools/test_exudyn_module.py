@@ -1,4 +1,4 @@
-"""Which of Exudyn's modules is taken, and that both give the same motion."""
+"""Choice of the module of Exudyn; both modules give the same motion."""
 
 import json
 import os
@@ -18,13 +18,13 @@ from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynJoints, ExudynTree
 from presswear.scene.catalog import wear_times
 import sys
-scene, found = wear_times(), []
+scene, ends = wear_times(), []
 for engine in (ExudynTree(1e-11), ExudynJoints()):
     engine = engine.for_cycle(scene.mechanism.period)
     run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.012, 1, 1))
     contacts = float(run.recorder.records.counters["contacts"].sum())
-    found.append([*map(float, run.end.position), contacts])
-print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, found]))
+    ends.append([*map(float, run.end.position), contacts])
+print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, ends]))
 """
 
 
@@ -33,8 +33,8 @@ def ran(module: str) -> tuple[bool, list[list[float]]]:
     text = subprocess.run(
         [sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True
     ).stdout
-    is_fast, found = json.loads(text)  # nothing else is printed
-    return is_fast, found
+    is_fast, ends = json.loads(text)  # nothing else is printed
+    return is_fast, ends
 
 
 def test_both_modules_give_the_same_motion_through_the_first_touches() -> None:

@@ -77,36 +77,43 @@ def test_message_names_the_place_without_number(body: str, words: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "given_value", ["nothing.py:law", "nothing.py:", ":law", ".py:x", "/:law", print, len]
+    "value", ["nothing.py:law", "nothing.py:", ":law", ".py:x", "/:law", print, len]
 )
-def test_unreadable_function_is_refused(given_value: object) -> None:
+def test_unreadable_function_is_refused(value: object) -> None:
     with pytest.raises(InputError, match="law"):
-        UserFunction.read("law", given_value)
+        UserFunction.read("law", value)
 
 
-def test_loops_subscripts_and_comprehensions_are_laws() -> None:
-    loop = "    k = 0\n    while k < 8:\n        k += 1\n        a += (0, k)[1]\n"
-    text = f"def law(a):\n{loop}    return a\n"
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        # Loops, subscripts and helpers.
+        (
+            "def law(a):\n    k = 0\n    while k < 8:\n        k += 1\n        a += (0, k)[1]\n"
+            "    return a\n",
+            39.0,
+        ),
+        ("K = 2.0\ndef half(x):\n    return 0.5 * x\ndef law(a):\n    return K * half(a)\n", 3.0),
+        # Fails at a = 0 alone.
+        ("def law(a):\n    return math.sqrt(a) / a\n", 3.0**-0.5),
+    ],
+)
+def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
     function = UserFunction("law", text).trusted()
-    check_compiles(function, "normal_law", KNOWN)
-    assert compile_function(function, KNOWN)(3.0, 0.0, 0.0) == 39.0
+    check_compiles(function, "F1", KNOWN)
+    assert compile_function(function, KNOWN)(3.0, 0.0, 0.0) == pytest.approx(value)
 
 
-def test_law_is_run_in_python_before_it_is_compiled() -> None:
-    text = "def law(a):\n    return unknown_name * a\n"
-    with pytest.raises(InputError, match=r"^F1: law fails: name 'unknown_name'"):
-        check_compiles(UserFunction("law", text).trusted(), "F1", KNOWN)
-    text = "def law(a):\n    return math.sqrt(a) / a\n"
-    check_compiles(UserFunction("law", text).trusted(), "F1", KNOWN)
-
-
-def test_message_names_the_law_that_cannot_be_compiled() -> None:
-    function = UserFunction("law", "def law(a):\n    return a + eval('2.0')\n").trusted()
-    with pytest.raises(InputError, match=r"^B\.normal_law: law cannot be compiled: ") as refusal:
-        check_compiles(function, "B.normal_law", KNOWN)
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        # It is run in Python before it is compiled.
+        ("unknown_name * a", "^F1: law fails: name 'unknown_name'"),
+        ("a + eval('2.0')", "^F1: law cannot be compiled: "),
+    ],
+)
+def test_a_law_that_cannot_be_compiled_is_refused_by_name(body: str, message: str) -> None:
+    function = UserFunction("law", f"def law(a):\n    return {body}\n").trusted()
+    with pytest.raises(InputError, match=message) as refusal:
+        check_compiles(function, "F1", KNOWN)
     assert len(str(refusal.value).splitlines()) == 1
-
-
-def test_helper_functions_are_compiled() -> None:
-    text = "K = 2.0\ndef half(x):\n    return 0.5 * x\ndef law(a):\n    return K * half(a)\n"
-    assert compile_function(UserFunction("law", text).trusted(), KNOWN)(3.0, 0.0, 0.0) == 3.0
