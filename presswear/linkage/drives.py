@@ -72,7 +72,6 @@ class Rise:
         Phases, rad; the cycle is 2 pi long.
     by : float
         Way, rad or, of a followed point, m; below zero: a return.
-    law : {"cycloidal", "modified-sine", "3-4-5"}
     """
 
     start: Annotated[float, ANGLE]
@@ -307,8 +306,6 @@ class Follow(_Motion):
     Attributes
     ----------
     point : str, Attachment or OutputPoint
-    direction : float or None
-        Direction of the coordinate, rad; None: along the guide of the body, or else x.
     harmonics, table, rises
         As of a drive, in m.
     """
@@ -345,12 +342,6 @@ class Drive(_Motion):
 
     Attributes
     ----------
-    speed : float
-        Mean speed, rad/s.
-    angle : float
-        Angle at the start, rad.
-    frequency : float
-        w, rad/s; 0: the mean speed, so that the motion repeats with each turn.
     harmonics : tuple of (float, float)
         a_k and b_k, rad.
     table : tuple of (float, float)
@@ -362,8 +353,6 @@ class Drive(_Motion):
     follow : Follow or None
         Motion of a point in place of that of the body; ``angle`` is the body's at the start,
         ``speed`` its mean speed.
-    torque_limit : float or None
-        Greatest torque, N m, which the ideal motion must not need; None: any.
     """
 
     body: str

@@ -57,8 +57,6 @@ class OutputPoint(Checked):
 
     Attributes
     ----------
-    direction : float
-        rad.
     x, y : float
         Point in the frame of the body with origin at the mass centre, m.
     """
@@ -172,12 +170,6 @@ class Guide(Checked):
     ----------
     body : str
         Body whose mass centre stays on the line.
-    x, y : float
-        Point of the line, m.
-    direction : float
-        Angle of the line, rad.
-    angle : float
-        Fixed angle of the body, rad.
     """
 
     name: str

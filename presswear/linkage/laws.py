@@ -264,23 +264,13 @@ class Materials(Checked):
     )
     poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
     wear_coefficient: float = quantity(
-        1.2e-15,
-        "1/Pa",
-        0.0,
-        1e-9,
-        "assumed, one number for all scenes",
-        "K_d of pin and bearing together",
+        1.2e-15, "1/Pa", 0.0, 1e-9, "assumed", "K_d of pin and bearing together"
     )
     bearing_share: float = quantity(
         0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
     )
     wear_scatter: float = quantity(
-        0.5,
-        "",
-        0.0,
-        2.0,
-        "literature",
-        "standard deviation of K_d over its mean; Podra and Andersson 1999: 0.4 to 0.6",
+        0.5, "", 0.0, 2.0, "literature", "standard deviation of K_d over its mean (Podra 1999)"
     )
 
     @property

@@ -68,8 +68,6 @@ class Harmonics:
     ----------
     mean : float
         N or N m.
-    frequency : float
-        w, rad/s.
     harmonics : tuple of (float, float)
         a_k and b_k, N or N m.
     """
@@ -96,9 +94,6 @@ class OverTime:
     ----------
     table : tuple of (float, float)
         Time, s, and force, N, or moment, N m.
-    period : float or None
-        Time after which it repeats, s; None: the cycle of the mechanism; 0: it does not repeat,
-        and its ends are held.
     """
 
     kind: ClassVar[str] = "over-time"
@@ -144,14 +139,9 @@ class OverPosition:
         that one that resists motion against it is positive.
     outside : {"zero", "hold"}
         Beyond the ends of the table: nothing, or the value at the end.
-    zero : float
-        Position at which the table has its zero, m or rad.
     release : bool
         Once the motion has passed the end of the table there is no load until it is back where
         the table begins, as in blanking.
-    unloading : float
-        Slope of the elastic line, N/m or N m/rad; 0: none. The greatest depth is forgotten where
-        the table begins.
     """
 
     kind: ClassVar[str] = "over-position"

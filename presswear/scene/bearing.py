@@ -56,14 +56,10 @@ class Conventions(Checked):
         "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
     )
     wear_distribution: WearDistribution = choice(
-        "bin",
-        get_args(WearDistribution),
-        "wear into the one bin of the contact, or over the contact arc",
+        "bin", get_args(WearDistribution), "wear into the bin of the contact, or over its arc"
     )
     contact: SurfaceContact = choice(
-        "radial",
-        get_args(SurfaceContact),
-        "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
+        "radial", get_args(SurfaceContact), "worn surfaces meet along e, or over an elastic arc"
     )
 
     @property
@@ -100,10 +96,7 @@ class Bearing:
     )
     exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
     elasticity: Elasticity = choice(
-        "power",
-        get_args(Elasticity),
-        "elastic force while round: K delta^n, Liu's for a pin that conforms, or an elastic "
-        "foundation's over the arc",
+        "power", get_args(Elasticity), "force while round: K delta^n, Liu's, or a foundation's"
     )
     normal_law: Law = choice(
         "lankarani-nikravesh", tuple(DAMPINGS), "normal force", NORMAL_PARAMETERS

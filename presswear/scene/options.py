@@ -68,25 +68,16 @@ class Recording(Checked):
     """Recording plan of each stage; see the texts of the fields for units and ranges."""
 
     recorded_cycles: int | None = count(
-        None,
-        1,
-        1000,
-        "chosen",
-        "cycles at the start of a stage whose series and contacts are stored; default: 5, or with "
-        "a process as many as its strokes are judged by",
+        None, 1, 1000, "chosen", "first cycles that are stored; default: 5, or as the process needs"
     )
     rows_per_cycle: int = count(
         2000, 100, 20_000, "chosen", "rows of a series in a cycle, at least; contacts add rows"
     )
     series: str = choice(
-        "all",
-        ("all", "output"),
-        "series that are stored: all, or those of the output point without those of the joints",
+        "all", ("all", "output"), "series that are stored: all, or only those of the output point"
     )
     digits: str = choice(
-        "double",
-        ("double", "single"),
-        "of the series of joints: 16 digits, or 7 in less room",
+        "double", ("double", "single"), "of the series of joints: 16 digits, or 7 in less room"
     )
     sections: int = count(
         0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"
@@ -182,11 +173,7 @@ class Life(Checked):
     replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
     turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
     max_cycles: int = count(
-        10_000,
-        16,
-        10_000_000,
-        "chosen",
-        "cycles of all replicates at most in one pass over the life",
+        10_000, 16, 10_000_000, "chosen", "cycles of all replicates in a pass over the life"
     )
 
     def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:

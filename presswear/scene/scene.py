@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import numpy as np
 
@@ -37,6 +37,8 @@ MECHANISMS: dict[str, type[Press | SliderCrank]] = {
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
+PURPOSES = ("auto", *get_args(Purpose))
+EXTRAPOLATIONS = ("conventions", "single", "steps")  # conventions: steps for wear over an arc
 REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
 LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
 MAX_MASS_RATIO = 1e6  # beyond it accelerations of the light body are round-off of the forces
@@ -64,8 +66,6 @@ class Scene:
         rad, and depth, m, shape (n, 2). Where its angles are not those of the bins of the joint,
         each bin takes the mean of the monotone cubic through the points, which conserves the worn
         volume.
-    process : Blanking, Drawing, Coining or None
-        Work that the output point presses on.
     origins : mapping of str to str
         Origins of values by key, where they differ from those of the fields.
     """
@@ -79,62 +79,34 @@ class Scene:
         "paper", CONVENTIONS, "readings of the wear model: as the paper prints it, or refined"
     )
     numerics: Numerics = field(default_factory=Numerics)
-    joints: str | Any = choice(  # always a text once the scene is made
-        None,
-        _joints,
-        "joints with clearance; default: those of the press or the slider-crank, and none of a "
-        "linkage",
-        several=True,
+    joints: str | Any = choice(
+        None, _joints, "joints with clearance; default: those of the mechanism", several=True
     )
     engine: str = choice(
-        "exudyn",
-        ENGINES,
-        "solver of the motion; exudyn takes the open tree where there is one, or the joints",
+        "exudyn", ENGINES, "solver; exudyn: of the open tree where there is one, else of the joints"
     )
     purpose: str = choice(
-        "auto",
-        ("auto", "trajectory", "forces", "wear"),
-        "purpose of the numbers, which sets the default tolerances; auto: wear where surfaces "
-        "wear, else a trajectory",
+        "auto", PURPOSES, "purpose of the numbers, for the tolerances; auto: wear, or a trajectory"
     )
     drive_torque: str = choice(
-        "auto",
-        ("auto", "off", "on"),
-        "whether drive torques are stored; auto: where there is a process",
+        "auto", ("auto", "off", "on"), "storage of drive torques; auto: where there is a process"
     )
     wear_updates: int = count(2, 0, 20, "paper, per study", "number of wear updates")
     cycles: int | None = count(
-        None,
-        1,
-        100_000,
-        "chosen",
-        "cycles of each stage and replicate; default: until the wear maps have converged",
+        None, 1, 100_000, "chosen", "cycles of a stage; default: until the wear maps have converged"
     )
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps, part of their rms"
     )
     max_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
     cycles_per_update: float = quantity(
-        4e6,
-        "",
-        1.0,
-        1e12,
-        "paper",
-        "cycles that one wear update stands for: 200 x 20,000, which the paper calls 2 million",
+        4e6, "", 1.0, 1e12, "paper", "cycles that one wear update stands for, 200 x 20,000"
     )
     extrapolation: str = choice(
-        "conventions",
-        ("conventions", "single", "steps"),
-        "how a wear update is applied: in a single jump, as the paper does, in steps of a cycle "
-        "each, or in steps only where wear_distribution is an arc",
+        "conventions", EXTRAPOLATIONS, "wear update in one jump, or in steps of a cycle each"
     )
     replicates: int | None = count(
-        None,
-        1,
-        100,
-        "chosen",
-        "independent runs from slightly different initial conditions, each on its own surfaces; "
-        "default: 4 where something wears, else 1",
+        None, 1, 100, "chosen", "independent runs; default: 4 where something wears, else 1"
     )
     seed: int = count(0, 0, 100_000, "chosen", "seed of the initial conditions")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
