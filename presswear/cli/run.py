@@ -64,11 +64,8 @@ def run_scene(
 ) -> int:
     """Run or resume a scene, write its report, and return the exit code.
 
-    Parameters
-    ----------
-    change : callable or None
-        Applies the options; None if there are none, so that a resumed run uses its stored scene
-        and needs no scene file.
+    ``change`` applies the options; without options a resumed run uses its stored scene and needs
+    no scene file.
     """
     terminal.check_resume(arguments.resume, arguments.out)
     is_stored = arguments.resume and (arguments.out / "result.json").exists()
@@ -189,13 +186,7 @@ class RunObserver(Observer):
 
 
 def step_text(scene: Scene, stage: int, step: str) -> str:
-    """Return a description of the present step of a run.
-
-    Parameters
-    ----------
-    step : str
-        ``Progress.word``.
-    """
+    """Return a description of the present step of a run, from ``Progress.word``."""
     if step.startswith(LIFE):
         return step
     if is_wear_update(scene, stage, step):

@@ -63,13 +63,7 @@ def requested_scene(arguments: Namespace) -> Scene:
 
 
 def merge_options(settings: Mapping[str, str], options: Mapping[str, Any]) -> dict[str, str]:
-    """Return the settings with options that set a value too; None is not given.
-
-    Raises
-    ------
-    InputError
-        If a value is given by an option and by ``--set``.
-    """
+    """Return the settings with options that set a value too; a value of None is left out."""
     merged = dict(settings)
     for key, value in options.items():
         if value is None:
@@ -123,10 +117,7 @@ def resume_command(arguments: Namespace, path: Path, scene: Scene) -> str:
 def resumable(command: str, path: Path, stored: Callable[[], str]) -> Iterator[None]:
     """Add the command that continues a run to the message of a failure or an interrupt.
 
-    Parameters
-    ----------
-    stored : callable
-        Returns what is stored, in words.
+    ``stored`` returns what is stored, in words.
     """
     try:
         yield
@@ -170,14 +161,8 @@ def print_table(
 ) -> None:
     """Print a table of texts that wrap, numbers aligned right, and further texts.
 
-    Parameters
-    ----------
-    texts, numbers, more : sequence of str
-        Headings of the columns.
-    rows : iterable of sequence of str
-        Cells in the order of the columns; markup is kept only in those after the numbers.
-    look
-        Options of ``rich.table.Table``.
+    ``texts``, ``numbers`` and ``more`` are headings of columns; markup is kept only in cells after
+    the numbers. ``look`` are options of ``rich.table.Table``.
     """
     table = Table(box=SIMPLE, pad_edge=False, **look)
     for name in texts:

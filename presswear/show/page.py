@@ -113,14 +113,10 @@ def _is_symmetric(value: Estimate) -> bool:
 
 @dataclass(frozen=True)
 class Table:
-    """Table of texts.
+    """Table of texts: column titles, and pairs of a heading and the rows below it.
 
     Attributes
     ----------
-    head : tuple of str
-        Column titles; the first column names the rows.
-    groups : tuple
-        Pairs of a heading, which may be empty, and the rows below it.
     numeric : bool
         True if all columns but the first are numbers.
     meanings : mapping
@@ -141,14 +137,8 @@ def column_table(
 ) -> Table | None:
     """Return a table with a column per record and a line per row; None if no line has a value.
 
-    Parameters
-    ----------
-    corner : str
-        Title of the column of labels.
-    names : sequence of str
-        Titles of the records.
-    groups : mapping of str to sequence of Row
-        Rows by heading; rows without a value in any record are left out.
+    ``corner`` is the title of the column of labels; ``groups`` are rows by heading. Rows without
+    a value in any record are left out.
     """
     filled = {}
     for heading, rows in groups.items():
@@ -226,10 +216,8 @@ def render_page(
 
     Parameters
     ----------
-    sections : sequence of Section
-        Content of a page without a template of its own.
-    figures : sequence of Illustration
-        Figures at the end of the page, or where its own template places them.
+    sections, figures
+        Content of a page without a template of its own; otherwise the template places figures.
     template : str
         File in the ``templates`` of ``package``; it extends ``page.html``.
     content

@@ -33,12 +33,7 @@ from presswear.tools.quantities import Quantity
 
 
 def write_report(result: Result) -> Path:
-    """Draw the figures and write ``report.html`` into the folder of a result.
-
-    Returns
-    -------
-    Path
-        The page.
+    """Draw the figures and write ``report.html`` into the folder of a result; return the page.
 
     Raises
     ------

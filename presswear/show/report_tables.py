@@ -63,10 +63,7 @@ _TEXTS = {  # names in braces that are the same for all results
 def stage_tables(result: Result) -> dict[str, Table | None]:
     """Return the tables with a column per stage, by name; None for a table without any value.
 
-    Parameters
-    ----------
-    result : Result
-        Its stored laws are not executed unless they are trusted.
+    Stored laws of the result are not executed unless they are trusted.
     """
     records = stage_records(result)
     sound = [record for record in records if not record["stage"].failed]
@@ -131,13 +128,8 @@ def expanded(
 ) -> dict[str, list[Row]]:
     """Return rows by heading with all names in braces replaced.
 
-    Parameters
-    ----------
-    groups : mapping of str to sequence of Row
-    texts : mapping
-        Names with one value.
-    names : mapping
-        Names for whose values a heading or a sequence of adjacent rows is repeated.
+    ``texts`` are names with one value. A heading or a sequence of adjacent rows is repeated for
+    the values of ``names``.
     """
 
     def name_in(text: str, used: Mapping[str, str]) -> str:

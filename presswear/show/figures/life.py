@@ -30,15 +30,7 @@ _SERVICE = Pen("bushing serviced", style.REFERENCE, "dotted", 0.9)
 
 @dataclass(frozen=True)
 class _Scale:
-    """Life with the services that were done, and the axis of strokes.
-
-    Attributes
-    ----------
-    end : float
-        Strokes at the end of the axis.
-    factor, unit : float and str
-        Units of the axis per stroke, and their name.
-    """
+    """Life with the services that were done, end of the axis in strokes, and unit of the axis."""
 
     life: LifeResult
     services: tuple[Service, ...]

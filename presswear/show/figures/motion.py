@@ -172,10 +172,7 @@ def _draw_jagged(
 ) -> float:
     """Draw a series with impacts, note its largest magnitude and return it.
 
-    Parameters
-    ----------
-    each_cycle : ndarray
-        Largest value of each cycle. The series is thinned, so a peak may lie between its rows.
+    The series is thinned, so the largest values of each cycle count as well.
     """
     ends = stage.data.time[[0, -1]] - window.run_up
     start, end = (int(time / window.period + 0.02) for time in ends)
@@ -281,16 +278,8 @@ def pin_panels(
 ) -> tuple[Sheet, Pen]:
     """Draw positions of the pin centres in square panels, a row for each joint.
 
-    Parameters
-    ----------
-    draw : callable
-        Draws a stage of a joint with a factor from metres, and returns positions, m, shape (2, n).
-
-    Returns
-    -------
-    Sheet
-    Pen
-        Line of the clearance circle.
+    ``draw`` draws a stage of a joint with a factor from metres, and returns positions, m, shape
+    (2, n). The pen of the clearance circle is returned with the sheet.
     """
     side, gaps = style.square_side(len(shown)), {}
     for joint in result.scene.clearance_joints:
@@ -417,12 +406,7 @@ def _draw_drive(
 
 
 def central_range(time: Array, values: Array, tail: float) -> tuple[float, float]:
-    """Return the quantiles of a sampled quantity over time at ``tail`` and ``1 - tail``.
-
-    Parameters
-    ----------
-    time, values : ndarray, shape (n,)
-    """
+    """Return the quantiles of a sampled quantity over time at ``tail`` and ``1 - tail``."""
     weights = np.gradient(time)
     order = np.argsort(values)
     fraction = np.cumsum(weights[order]) / weights.sum()

@@ -160,12 +160,7 @@ def angle_label(result: Result, side: str) -> str:
 def panels(rows: int, columns: int, height: float, **sharing: Any) -> tuple[Sheet, Any]:
     """Return a sheet of the common width and its grid of axes, an array of shape (rows, columns).
 
-    Parameters
-    ----------
-    height : float
-        Inches; limited to that of a page.
-    sharing
-        Arguments of ``Figure.subplots``: ``sharex``, ``sharey``, ``height_ratios``.
+    The height, inches, is limited to that of a page; ``sharing`` goes to ``Figure.subplots``.
     """
     sheet = Sheet(figsize=(WIDTH, min(height, TALLEST)), layout="constrained")
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)

@@ -89,12 +89,8 @@ def _depth_curves(
 def seam(angle: Array, depths: list[Array]) -> float:
     """Return the angle at which to cut a full turn open, degrees, so that no lobe is cut in two.
 
-    It is 0 if nothing is worn there, else the middle of the widest part with little wear.
-
-    Parameters
-    ----------
-    angle, depths : ndarray, shape (n,) each
-        rad, from 0 to a full turn; m.
+    It is 0 if nothing is worn there, else the middle of the widest part with little wear. Angles
+    are in rad, from 0 to a full turn, depths in m, shape (n,) each.
     """
     deepest = np.max([depth / depth.max(initial=1e-300) for depth in depths], axis=0, initial=0.0)
     is_worn = deepest > max(_BARELY_WORN, float(deepest.min(initial=1.0)))
@@ -181,16 +177,9 @@ def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
 
 @dataclass(frozen=True)
 class _View:
-    """Enlarged part of a surface.
+    """Enlarged part of a surface: middle and half width, rad, and radius of the new surface, m.
 
-    Attributes
-    ----------
-    centre, half : float
-        Middle and half width, rad.
-    radius : float
-        Radius of the new surface, m.
-    scale : float
-        Radial scale relative to the scale along the surface.
+    The radial scale is relative to the scale along the surface.
     """
 
     side: str
@@ -226,15 +215,7 @@ def worn_surfaces(result: Result, stages: Stages) -> list[Drawing]:
 
 
 def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawing:
-    """Draw the outline and enlargement of one joint.
-
-    Parameters
-    ----------
-    result : Result
-        Run with the bearings of the joint.
-    stages : list of ShownStage
-        Stages with the depths; the material of the last is grey.
-    """
+    """Draw the outline and enlargement of one joint; the material of the last stage is grey."""
     bearing = result.scene.bearing(joint)
     worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
     angle = worn[-1][1].angle

@@ -34,20 +34,10 @@ class Chapter:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """State of a mechanism at one time.
+    """State of a mechanism at one time, s.
 
-    Attributes
-    ----------
-    time : float
-        s.
-    positions : ndarray, shape (n, 3 bodies)
-        Of the last frames; the present one is last.
-    joints : ndarray, shape (joints, 6)
-        Columns ``FILM_JOINT``.
-    peaks : ndarray, shape (joints,)
-        Largest normal force of each joint since the previous picture, N.
-    chapter : int
-        Index of the stage.
+    Positions of the last frames, the present one last, have shape (n, 3 bodies); joints have the
+    columns ``FILM_JOINT``; peaks are the largest normal forces, N, since the previous picture.
     """
 
     time: float
@@ -63,15 +53,12 @@ class Clip:
 
     Attributes
     ----------
-    title : str
-        Folder and scene.
     chapters : tuple of Chapter
         Stages; more than one for a service life.
     period : float
         Duration of a cycle, s.
     max_depth, max_force : mapping
         Wear depth, m, and force, N, by joint that the drawing must hold.
-    film : Film
     firsts : tuple of int
         First frame of each chapter.
     """
@@ -129,12 +116,7 @@ class Clip:
 
 
 def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
-    """Return the coordinates, m, of a point and the angle of its body, rad; shape (n, 3).
-
-    Parameters
-    ----------
-    positions : ndarray, shape (n, 3 bodies)
-    """
+    """Return the coordinates, m, of a point and the angle of its body, rad; shape (n, 3)."""
     if point.body == GROUND:
         return np.tile([point.x, point.y, 0.0], (len(positions), 1))
     base = 3 * linkage.index(point.body)
@@ -165,13 +147,7 @@ def stage_clip(result: Result, index: int) -> Clip:
 
 
 def life_clip(result: Result) -> Clip:
-    """Return the clip of a service life: the last cycle of each stage, one after another.
-
-    Raises
-    ------
-    InputError
-        If the result has no service life, or a stage has no whole cycle.
-    """
+    """Return the clip of a service life: the last cycle of each stage, one after another."""
     if result.life is None:
         raise InputError(
             f"{result.path or result.scene.name} has no life: the run had no wear limit; "
@@ -228,13 +204,7 @@ def speed_text(slow: float) -> str:
 
 
 def frames_at(clips: Sequence[Clip], time: float) -> tuple[int, ...]:
-    """Return the frame of each clip at the phase that the first clip has at a time, s.
-
-    Raises
-    ------
-    InputError
-        If a clip does not contain the phase.
-    """
+    """Return the frame of each clip at the phase that the first clip has at a time, s."""
     frames = []
     for clip in clips:
         first, last = clip.span
@@ -254,17 +224,7 @@ def frames_between(
 ) -> list[tuple[int, ...]]:
     """Return the frame of each clip in every picture between two times of the first clip, s.
 
-    Parameters
-    ----------
-    slow : float
-        Time on the screen over time of the first clip.
-    rate : float
-        Pictures per second.
-
-    Raises
-    ------
-    InputError
-        For more than ``MAX_PICTURES``.
+    ``slow`` is time on the screen over time of the clip, ``rate`` are pictures per second.
     """
     count = max(round((end - start) * slow * rate), 1)
     if count > MAX_PICTURES:

@@ -254,12 +254,7 @@ class EnlargedJoint:
     def moving(self, bearing: Array, pin: Array, row: Array, layer: Layer) -> list[Shape]:
         """Return clearance circle, path of the pin, contact and force.
 
-        Parameters
-        ----------
-        bearing, pin : ndarray, shape (n, 3)
-            Last poses.
-        row : ndarray, shape (6,)
-            Columns ``FILM_JOINT``.
+        Poses of bearing and pin have shape (n, 3); the row has the columns ``FILM_JOINT``.
         """
         eccentricity = (pin - bearing)[:, :2]
         play = self.gap_factor * self.joint.clearance
@@ -276,12 +271,7 @@ class EnlargedJoint:
     def contact(self, eccentricity: Array, map_angle: float, row: Array, z: float) -> list[Shape]:
         """Return contact point and force on the bearing; nothing without contact.
 
-        Parameters
-        ----------
-        eccentricity : ndarray, shape (2,)
-            m.
-        map_angle : float
-            Angle of the wear map of the pin, rad.
+        ``map_angle`` is the angle of the wear map of the pin, rad.
         """
         if row[NORMAL] <= 0.0:
             return []

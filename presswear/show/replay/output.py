@@ -95,14 +95,9 @@ def _draw(number: int) -> Pixels:
 def pictures(
     clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]
 ) -> Iterator[Pixels]:
-    """Draw pictures in order with one process per core; raises RunFailed if a process ends early.
+    """Draw pictures of the frames of each clip, in order, with one process per core.
 
-    Parameters
-    ----------
-    frames : sequence of sequence of int
-        Frame of each clip in every picture.
-    note : str
-        Text on the playing speed.
+    ``note`` is a text on the playing speed. RunFailed: a process ended early.
     """
     context = multiprocessing.get_context("spawn")
     jobs = min(cores(), len(frames))
@@ -132,14 +127,7 @@ def write_movie(
 ) -> None:
     """Write pictures as a film; an existing file is replaced only by a complete film.
 
-    Parameters
-    ----------
-    count : int
-        Number of pictures.
-    rate : float
-        Pictures per second.
-    on_progress : callable
-        Receives the share of the pictures written.
+    ``rate`` are pictures per second; ``on_progress`` receives the share of the pictures written.
     """
 
     def counted() -> Iterator[Pixels]:
@@ -295,10 +283,7 @@ class Window:
 class Player:
     """Time that advances, with its limits and the duration of a frame, s.
 
-    Attributes
-    ----------
-    slow : float
-        Time on the screen over time of the clip.
+    ``slow`` is time on the screen over time of the clip.
     """
 
     first: float
@@ -381,11 +366,6 @@ class Live(Observer):
     """Window that shows a running simulation; closing it does not stop the run.
 
     A frame is sent only after the window has shown the previous one, so that the run never waits.
-
-    Raises
-    ------
-    RunFailed
-        If no window can be opened.
     """
 
     frames = PATH_FRAMES

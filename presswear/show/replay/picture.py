@@ -56,16 +56,10 @@ class Layout:
 
 
 def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float) -> Layout:
-    """Arrange clips side by side.
+    """Arrange clips side by side in a picture of an aspect, width over height.
 
-    Parameters
-    ----------
-    boxes : sequence of (ndarray, ndarray)
-        Corners of the box in which each mechanism moves, m.
-    joints : sequence of int
-        Number of enlarged joints of each clip.
-    aspect : float
-        Width over height of the picture.
+    Boxes are the corners, m, between which each mechanism moves; ``joints`` are the numbers of
+    enlarged joints.
     """
     # All lengths except those of the boxes are relative to the height of the picture.
     width = aspect / len(boxes)
@@ -173,12 +167,7 @@ class Picture:
     def show(self, states: Sequence[Snapshot], part: float, note: str) -> None:
         """Set the renderer to the state of each clip.
 
-        Parameters
-        ----------
-        part : float
-            Position of the time bar, 0 to 1.
-        note : str
-            Text on the playing speed.
+        ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the playing speed.
         """
         coordinates, shapes, words = [], self._time_bar(part), []
         parts = zip(self.clips, self.layout.panels, self._joints, states, strict=True)

@@ -22,14 +22,7 @@ SEGMENTS = 48  # of a full circle
 
 
 class Shape(NamedTuple):
-    """Triangles of one colour in a plane of height z, m.
-
-    Attributes
-    ----------
-    points : ndarray, shape (n, 2)
-        m.
-    triangles : ndarray of int, shape (t, 3)
-    """
+    """Triangles, shape (t, 3), of points, shape (n, 2), m, with one colour and height z, m."""
 
     points: Array
     triangles: NDArray[np.int64]
