@@ -11,6 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.results.press_analysis import settled_span
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -21,19 +25,10 @@ MAX_DURATION_RATIO = 2.0  # duration of the longest impact over that of a typica
 
 @dataclass(frozen=True)
 class Timeline:
-    """Sequence of modes.
+    """Sequence of modes."""
 
-    Attributes
-    ----------
-    edges : ndarray, shape (n + 1,)
-        Times at which the modes begin, and the end of the last one, s.
-    mode : ndarray of int, shape (n,)
-        Index into ``names``; two successive modes differ.
-    names : tuple of str
-    """
-
-    edges: Array
-    mode: IntArray
+    edges: Array  # times at which the modes begin, and the end of the last one, s, shape (n + 1,)
+    mode: IntArray  # index into ``names``; two successive modes differ
     names: tuple[str, ...] = MODES
 
     @property
@@ -87,10 +82,8 @@ def impact_limits(duration: Array, closing_speed: Array) -> Array:
 
     Parameters
     ----------
-    duration : ndarray, shape (n,)
-        s.
-    closing_speed : ndarray, shape (n,)
-        m/s.
+    duration, closing_speed : ndarray, shape (n,)
+        s and m/s.
     """
     if not duration.size:
         return np.zeros(0)
@@ -117,7 +110,7 @@ def timeline(
     sliding: tuple[Array, Array],
     sticking_speed: float,
 ) -> Timeline:
-    """Return the contact modes of one joint.
+    """Return the contact modes of one joint between two times.
 
     Parameters
     ----------
@@ -155,7 +148,7 @@ def timeline(
             extend(separation, IMPACT)
             continue
         excess = np.abs(speed) - sticking_speed
-        for moment in [*crossings(time, excess, max(touchdown, start), separation), separation]:
+        for moment in [*_crossings(time, excess, max(touchdown, start), separation), separation]:
             middle = 0.5 * (edges[-1] + moment)
             sticks = abs(float(np.interp(middle, time, speed))) < sticking_speed
             extend(moment, STICKING if sticks else SUSTAINED)
@@ -163,7 +156,7 @@ def timeline(
     return Timeline(np.array(edges), np.array(modes, np.int64))
 
 
-def crossings(time: Array, values: Array, start: float, end: float) -> list[float]:
+def _crossings(time: Array, values: Array, start: float, end: float) -> list[float]:
     """Return the times between ``start`` and ``end``, s, at which a series changes its sign."""
     first, last = np.searchsorted(time, [start, end])
     rows = slice(max(int(first) - 1, 0), min(int(last) + 1, time.size))
@@ -171,6 +164,30 @@ def crossings(time: Array, values: Array, start: float, end: float) -> list[floa
     k = np.flatnonzero((v[:-1] < 0.0) != (v[1:] < 0.0))
     moments = t[k] - v[k] * (t[k + 1] - t[k]) / (v[k + 1] - v[k])
     return [float(moment) for moment in moments[(moments > start) & (moments < end)]]
+
+
+def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
+    """Return the contact modes of a joint in the recorded settled cycles, over time in s."""
+    start, end = settled_span(scene, stage)
+    item = stage.joints[joint]
+    contacts = np.column_stack([item.contact("touchdown"), item.contact("separation")])
+    closing = item.contact("closing_speed")
+    last = float(contacts[-1, 1]) if len(contacts) else float(stage.time[0])
+    # A contact that continues at the end is not recorded as one.
+    lasting = (stage.time > last) & (item.penetration > 0.0)
+    if lasting.any():
+        more = [[stage.time[lasting][0], end + scene.mechanism.period]]
+        contacts, closing = np.append(contacts, more, axis=0), np.append(closing, 0.0)
+    sliding, lower_speed = (stage.time, item.sliding), scene.bearing(joint).lower_speed
+    result = timeline((start, end), contacts, closing, sliding, lower_speed)
+    return Timeline(result.edges - scene.run_up, result.mode, result.names)
+
+
+def resonance(stage: StageResult, joint: str) -> float | None:
+    """Return the frequency of the contact, Hz, or None; see ``resonance_frequency``."""
+    item = stage.joints[joint]
+    duration = item.contact("separation") - item.contact("touchdown")
+    return resonance_frequency(duration, item.contact("closing_speed"))
 
 
 def combine(timelines: Sequence[Timeline]) -> Timeline:

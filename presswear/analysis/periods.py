@@ -1,10 +1,14 @@
-"""Poincaré sections and the period of a motion."""
+"""Poincaré sections, sections at touchdown, and the period of a motion."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.results.press_analysis import settled_span
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -37,26 +41,12 @@ def section(time: Array, values: Array, times: Array) -> Array:
 
 @dataclass(frozen=True)
 class Periodicity:
-    """Period of a motion.
+    """Period of a motion."""
 
-    Attributes
-    ----------
-    period : int or None
-        Smallest number of cycles after which every state returns within the tolerance; None if
-        there is none up to half of the cycles.
-    error : float
-        Largest difference of states one period apart, relative to the scales. Without a period,
-        the smallest of these errors over all candidates; infinite for fewer than two states.
-    cycles : int
-        Number of states.
-    tolerance : float
-        Relative to the scales.
-    """
-
-    period: int | None
-    error: float
-    cycles: int
-    tolerance: float
+    period: int | None  # smallest number of cycles after which every state returns; None: none
+    error: float  # largest difference one period apart, over the scales; smallest of all candidates
+    cycles: int  # number of states
+    tolerance: float  # relative to the scales
 
     def __str__(self) -> str:
         extent = f"within {100.0 * self.tolerance:g} % in {self.cycles} cycles"
@@ -88,3 +78,43 @@ def periodicity(states: Array, scales: Array, tolerance: float = TOLERANCE) -> P
             return Periodicity(period, error, len(scaled), tolerance)
         smallest = min(smallest, error)
     return Periodicity(None, smallest, len(scaled), tolerance)
+
+
+def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, float]:
+    """Return the positions of a pin once a cycle after the start-up, m, and the phase, 0 to 1.
+
+    They are of the first Poincaré section of every cycle, if sections were stored, else of the ends
+    of the recorded cycles.
+    """
+    if "sections" in stage.arrays:
+        both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
+        rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
+        return rows, scene.recording.phases[0]
+    start, end = (instant - scene.run_up for instant in settled_span(scene, stage))
+    at = times_at_phase(start, end, scene.mechanism.period, 0.0)
+    return section(stage.time - scene.run_up, stage.joints[joint].eccentricity, at), 1.0
+
+
+def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
+    """Return the touchdowns of a joint in the recorded settled cycles.
+
+    Returns
+    -------
+    phase : ndarray, shape (n,)
+        Fraction of the cycle, from 0 to 1.
+    closing_speed : ndarray, shape (n,)
+        Rate of penetration, m/s.
+    """
+    start, end = settled_span(scene, stage)
+    item = stage.joints[joint]
+    instant = item.contact("touchdown")
+    inside = (instant >= start) & (instant <= end)
+    phase = (instant[inside] - scene.run_up) / scene.mechanism.period % 1.0
+    return phase, item.contact("closing_speed")[inside]
+
+
+def period_of(scene: Scene, stage: StageResult) -> Periodicity:
+    """Return the period of the positions of all pins relative to their clearances."""
+    places = [section_of(scene, stage, joint)[0] for joint in stage.joint_names]
+    scales = [np.full(2, scene.bearing(joint).clearance) for joint in stage.joint_names]
+    return periodicity(np.concatenate(places, axis=1), np.concatenate(scales))

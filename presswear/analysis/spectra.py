@@ -6,31 +6,24 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from presswear.results.press_analysis import settled_span
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 
+MAX_ORDER = 1000.0  # highest frequency of a spectrum in turns of the crank
+
 
 @dataclass(frozen=True)
 class Spectrum:
-    """One-sided power spectral density.
+    """One-sided power spectral density."""
 
-    Attributes
-    ----------
-    frequency : ndarray, shape (n,)
-        Hz.
-    density : ndarray, shape (n,)
-        Square of the unit of the values per Hz.
-    period : float
-        Duration of a cycle, s.
-    segments : int
-        Number of averaged segments.
-    """
-
-    frequency: Array
-    density: Array
-    period: float
-    segments: int
+    frequency: Array  # Hz
+    density: Array  # square of the unit of the values per Hz
+    period: float  # of a cycle, s
+    segments: int  # number of averaged segments
 
     @property
     def order(self) -> Array:
@@ -120,3 +113,20 @@ def power_spectrum(
     density = power * interval / (window**2).sum()
     frequency = np.asarray(np.fft.rfftfreq(size, interval), dtype=np.float64)
     return Spectrum(frequency, density, period, len(segments))
+
+
+def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
+    """Return spectra of the recorded settled cycles, up to ``MAX_ORDER``.
+
+    By the name of a joint the spectrum of its normal force, N^2/Hz, by ``""`` the spectrum of the
+    acceleration of the output, (m/s^2)^2/Hz.
+    """
+    start, end = settled_span(scene, stage)
+    rows = (stage.time >= start) & (stage.time <= end)
+    series = {"": stage.acceleration}
+    series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}
+    period = scene.mechanism.period
+    return {
+        name: power_spectrum(stage.time[rows], values[rows], period, MAX_ORDER / period)
+        for name, values in series.items()
+    }

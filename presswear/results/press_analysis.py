@@ -1,22 +1,19 @@
-"""Press quantities of a stage: strokes on the work, tonnage, drives, energy, bottom dead centre,
-conformity of contacts, and the kind of motion.
+"""Press quantities of a stage: strokes on the work, tonnage, drives, energy, bottom dead centre and
+deep contacts.
 
 They are computed from the stored arrays of a stage and from the ideal motion of its scene.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.analysis.contact_modes import Timeline, resonance_frequency, timeline
-from presswear.analysis.periods import Periodicity, periodicity, section, times_at_phase
-from presswear.analysis.spectra import Spectrum, power_spectrum
-from presswear.linkage.laws import Elasticity
 from presswear.physics.friction_and_normal import elastic_force, foundation_force, liu_force
 from presswear.physics.ideal import bottom_of
 from presswear.physics.loads import sizes_over
@@ -42,8 +39,6 @@ APPROACH, WORK, SNAP_THROUGH, RETURN = range(len(PHASES))
 SNAP_THROUGH_S = 20e-3  # s after a fracture, in which press builders look for reversed loads
 ENERGY_BOUND = 1e-6  # residual over exchanged energy at the tolerances of a trajectory
 SMALL_CONTACT = 0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
-MAX_ORDER = 1000.0  # highest frequency of a spectrum in turns of the crank
-_NEWTON_STEPS = 3  # to a kink of the force of the work
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 _PIECES, _PIECES_BEFORE = 720, 90  # of the cycle of ideal torques, and of the one before it
 
@@ -55,22 +50,25 @@ _PIECES, _PIECES_BEFORE = 720, 90  # of the cycle of ideal torques, and of the o
 class Strokes:
     """Instants of the recorded strokes on the work.
 
-    Attributes
-    ----------
-    contact, fracture, separation : ndarray, shape (strokes, 2)
-        Time, s, and height over the ideal bottom dead centre, m, at which the output touches the
-        work, at which the work breaks, and at which the output leaves the height of the work again;
-        nan where it does not.
+    Each array has the shape (strokes, 2): time, s, and height over the ideal bottom dead centre, m;
+    nan for a missing instant.
     """
 
-    contact: Array
-    fracture: Array
-    separation: Array
+    contact: Array  # the output touches the work
+    fracture: Array  # the work breaks
+    separation: Array  # the output leaves the height of the work again
 
 
-def height_of(scene: Scene, stage: StageResult) -> Array:
-    """Return the height of the output over the ideal bottom dead centre, shape (n,), m."""
-    return np.asarray(_output(scene, stage) - scene.bottom)
+@dataclass(frozen=True)
+class SettledStroke:
+    """Instants of a stroke after the start-up, s; nan for a missing instant."""
+
+    start: float  # upper dead centre of the ideal motion
+    bottom: float  # bottom dead centre
+    end: float  # next upper dead centre
+    contact: float = math.nan
+    fracture: float = math.nan
+    done: float = math.nan  # the force of the work has vanished
 
 
 def _output(scene: Scene, stage: StageResult) -> Array:
@@ -78,11 +76,15 @@ def _output(scene: Scene, stage: StageResult) -> Array:
     return np.asarray(stage.displacement + start)
 
 
+def height_of(scene: Scene, stage: StageResult) -> Array:
+    """Return the height of the output over the ideal bottom dead centre, shape (n,), m."""
+    return np.asarray(_output(scene, stage) - scene.bottom)
+
+
 def process_force(scene: Scene, stage: StageResult) -> Array | None:
     """Return the force of the work on the output at the times of the series, shape (n,), N.
 
-    Positive away from the work; by the laws and modes of the loads of the run. None if the scene
-    has no process.
+    It is positive away from the work. None if the scene has no process.
     """
     if scene.process is None:
         return None
@@ -114,46 +116,22 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
             instants.append((time[k] + part * h, level + sign * hermite(*ends, part)[0]))
         return instants
 
+    def first(instants: Any, start: float, end: float) -> tuple[float, float]:
+        inside = (instant for instant in instants if start < instant[0] < end)
+        return next(inside, (math.nan, math.nan))
+
     contacts, leaving = crossings(process.height, False), crossings(process.height, True)
     breaks = process.fracture
     broken = [] if breaks is None else crossings(process.height - breaks, False)
     turned = [instant for instant, _ in crossings(process.height + scene.lift, True)]
-    rows, none = [], (np.nan, np.nan)
+    rows = []
     for start, end in pairwise([-np.inf, *turned, np.inf]):
-        first = next((m for m in contacts if start < m[0] < end), None)
-        if first is None:
-            continue
-        # If the run ends before the stroke does, the output may only have bounced.
-        last = reversed(leaving) if np.isfinite(end) else ()
-        rows.append(
-            (
-                first,
-                next((m for m in broken if first[0] < m[0] < end), none),
-                next((m for m in last if first[0] < m[0] < end), none),
-            )
-        )
+        contact = first(contacts, start, end)
+        if not math.isnan(contact[0]):
+            # If the run ends before the stroke does, the output may only have bounced.
+            last = reversed(leaving) if np.isfinite(end) else ()
+            rows.append((contact, first(broken, contact[0], end), first(last, contact[0], end)))
     return Strokes(*np.array(rows).reshape(-1, 3, 2).transpose(1, 0, 2))
-
-
-@dataclass(frozen=True)
-class SettledStroke:
-    """Instants of a stroke after the start-up, s; nan where there is none.
-
-    Attributes
-    ----------
-    begin, bottom, end : float
-        Upper, bottom and next upper dead centre of the ideal motion.
-    contact, fracture : float
-    done : float
-        Instant at which the force of the work has vanished.
-    """
-
-    start: float
-    bottom: float
-    end: float
-    contact: float = math.nan
-    fracture: float = math.nan
-    done: float = math.nan
 
 
 def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
@@ -213,51 +191,27 @@ def phases_of(time: Array, strokes: list[SettledStroke]) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class JointTonnage:
-    """Forces between pin and bearing of a joint over the settled strokes.
+    """Forces between pin and bearing of a joint over the settled strokes, N.
 
-    Attributes
-    ----------
-    peak_by_phase : mapping of str to Estimate
-        Mean over the recorded strokes of the greatest force in each phase, N.
-    largest_by_phase : mapping of str to float
-        Greatest force of all strokes in each phase, N.
-    peak_per_cycle : Estimate or None
-        Greatest normal force of a cycle over all replicates, N.
-    working_force : Estimate or None
-        Greatest force along the working direction, that of the impulse between contact and
-        fracture, N; None, as what follows, where nothing breaks.
-    reversed_force : Estimate or None
-        Greatest force against that direction within ``SNAP_THROUGH_S`` of the fracture, N.
-    reversed_fraction : Estimate or None
-        Reversed over working force, stroke by stroke.
-    reversal_time : Estimate or None
-        Time from the fracture to the first reversed force, over the strokes that have one, s.
+    From ``working_force`` on, None if nothing breaks.
     """
 
-    peak_by_phase: Mapping[str, Estimate]
-    largest_by_phase: Mapping[str, float]
-    peak_per_cycle: Estimate | None
-    working_force: Estimate | None = None
-    reversed_force: Estimate | None = None
-    reversed_fraction: Estimate | None = None
-    reversal_time: Estimate | None = None
+    peak_by_phase: Mapping[str, Estimate]  # mean over strokes of the greatest force in each phase
+    largest_by_phase: Mapping[str, float]  # greatest of all strokes
+    peak_per_cycle: Estimate | None  # greatest normal force of a cycle, over all replicates
+    working_force: Estimate | None = None  # greatest along the impulse from contact to fracture
+    reversed_force: Estimate | None = None  # against it, within SNAP_THROUGH_S of the fracture
+    reversed_fraction: Estimate | None = None  # reversed over working force, stroke by stroke
+    reversal_time: Estimate | None = None  # from the fracture to the first reversed force, s
 
 
 @dataclass(frozen=True)
 class Vibration:
-    """Acceleration of the output less the ideal one, rms over a window in each stroke, m/s^2.
+    """Acceleration of the output minus the ideal one, rms in each stroke, m/s^2."""
 
-    Attributes
-    ----------
-    after, before : Estimate
-        Over ``SNAP_THROUGH_S`` after the fracture, and before the contact.
-    ideal : Estimate
-        Ideal acceleration itself, over the window after the fracture.
-    """
-
-    after: Estimate
-    before: Estimate
-    ideal: Estimate
+    after: Estimate  # over SNAP_THROUGH_S after the fracture
+    before: Estimate  # over SNAP_THROUGH_S before the contact
+    ideal: Estimate  # ideal acceleration itself, after the fracture
 
 
 @dataclass(frozen=True)
@@ -269,28 +223,14 @@ class Tonnage:
     most of its reverse tonnage. Reversed forces are those that inertia, drives at their prescribed
     motion and elastic contacts cause in each joint when the work gives way. They are no bound of a
     press's reverse tonnage.
-
-    Attributes
-    ----------
-    strokes : int
-        Recorded settled strokes, from upper dead centre to the next.
-    peak_force : Estimate or None
-        Greatest force of the work in a stroke, N; None if the scene has no process.
-    work : Estimate or None
-        Work of the process in a stroke, J.
-    joints : mapping of str to JointTonnage
-    vibration : Vibration or None
-        None where nothing breaks.
-    most_loaded : str or None
-        Joint with the greatest mean peak force of a cycle over all replicates.
     """
 
-    strokes: int
-    peak_force: Estimate | None
-    work: Estimate | None
+    strokes: int  # recorded settled strokes, from upper dead centre to the next
+    peak_force: Estimate | None  # greatest force of the work in a stroke, N; None: no process
+    work: Estimate | None  # work of the process in a stroke, J
     joints: Mapping[str, JointTonnage]
-    vibration: Vibration | None
-    most_loaded: str | None
+    vibration: Vibration | None  # None: nothing breaks
+    most_loaded: str | None  # joint with the greatest mean peak force of all replicates
 
 
 def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
@@ -379,7 +319,7 @@ def reversal(time: Array, force: Array, stroke: SettledStroke) -> tuple[float, f
 
 
 def _vibration(scene: Scene, stage: StageResult, strokes: list[SettledStroke]) -> Vibration | None:
-    time, rows = stage.time, []
+    time, samples = stage.time, []
     for stroke in strokes:
         if math.isnan(stroke.fracture):
             continue
@@ -388,23 +328,18 @@ def _vibration(scene: Scene, stage: StageResult, strokes: list[SettledStroke]) -
         if time[after].size < 2 or time[before].size < 2:
             continue
         ideal, calm = (scene.ideal_slider(time[part])[:, 2] for part in (after, before))
-        rows.append(
-            (
-                rms(time[after], stage.acceleration[after] - ideal),
-                rms(time[before], stage.acceleration[before] - calm),
-                rms(time[after], ideal),
-            )
+        windows = (
+            (after, stage.acceleration[after] - ideal),
+            (before, stage.acceleration[before] - calm),
+            (after, ideal),
         )
-    return (
-        Vibration(*(_estimate(list(values)) for values in zip(*rows, strict=True)))
-        if rows
-        else None
-    )
-
-
-def rms(time: Array, values: Array) -> float:
-    """Return the root mean square over time of a sampled quantity, by the trapezoidal rule."""
-    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0]))
+        samples.append(
+            [
+                math.sqrt(float(np.trapezoid(values**2, time[rows]) / np.ptp(time[rows])))
+                for rows, values in windows
+            ]
+        )
+    return Vibration(*map(_estimate, np.transpose(samples))) if samples else None
 
 
 def _rows(time: Array, start: float, end: float) -> slice:
@@ -414,12 +349,12 @@ def _rows(time: Array, start: float, end: float) -> slice:
     return slice(int(ends[0]), int(ends[1]))
 
 
-def _estimate(values: list[float]) -> Estimate:
-    samples = np.array(values)
+def _estimate(values: Array | Sequence[float]) -> Estimate:
+    samples = np.asarray(values)
     return Estimate.symmetric(float(samples.mean()), half_width(batched(samples)), samples.size)
 
 
-def _mean(values: Array | list[float]) -> Estimate | None:
+def _mean(values: Array | Sequence[float]) -> Estimate | None:
     """Return the mean over the values that are numbers; None if there is none."""
     numbers = [float(value) for value in values if not math.isnan(value)]
     return _estimate(numbers) if numbers else None
@@ -430,10 +365,7 @@ def _mean(values: Array | list[float]) -> Estimate | None:
 
 @dataclass(frozen=True)
 class Duty:
-    """Mean, root mean square and peak of a quantity of a drive over time.
-
-    The peak is the value farthest from zero, with its sign.
-    """
+    """Mean, root mean square and peak (farthest from zero, signed) of a quantity of a drive."""
 
     mean: float
     rms: float
@@ -442,7 +374,7 @@ class Duty:
 
 @dataclass(frozen=True)
 class Share:
-    """Fractions of one drive in the sums over all drives; 0 where the sum is 0."""
+    """Fractions of one drive in the sums over all drives; 0 if the sum is 0."""
 
     rms_torque: float
     peak_power: float
@@ -451,22 +383,12 @@ class Share:
 
 @dataclass(frozen=True)
 class DriveDuty:
-    """Duty of a drive.
+    """Duty of a drive."""
 
-    Attributes
-    ----------
-    torque, power : Duty
-        N m and W.
-    supplied, returned : float
-        Energy that the drive supplies in a cycle, and that the linkage returns to it, J.
-    share : Share
-        Fraction of the drive in the sum over all drives.
-    """
-
-    torque: Duty
-    power: Duty
-    supplied: float
-    returned: float
+    torque: Duty  # N m
+    power: Duty  # W
+    supplied: float  # energy that the drive supplies in a cycle, J
+    returned: float  # energy that the linkage returns to it
     share: Share = Share(0.0, 0.0, 0.0)
 
     @property
@@ -477,61 +399,32 @@ class DriveDuty:
 
 @dataclass(frozen=True)
 class DriveCurve:
-    """Drive over time.
+    """Drive over time, shape (n,) each; torque and power are empty if they were not stored."""
 
-    Attributes
-    ----------
-    time, angle, torque, power : ndarray, shape (n,)
-        s; angle of its body, rad; torque on its body, N m, and power, W, both empty if not stored.
-    """
-
-    time: Array
-    angle: Array
-    torque: Array
-    power: Array
+    time: Array  # s
+    angle: Array  # of its body, rad
+    torque: Array  # on its body, N m
+    power: Array  # W
 
 
 @dataclass(frozen=True)
 class DriveResult:
-    """Drive in a stage.
+    """Drive in a stage."""
 
-    Attributes
-    ----------
-    recorded : DriveCurve
-        At the times of the series.
-    duty, ideal : DriveDuty
-        Of the run, integrated over all steps, and of the linkage without clearance.
-    """
-
-    recorded: DriveCurve
-    duty: DriveDuty
-    ideal: DriveDuty
+    recorded: DriveCurve  # at the times of the series
+    duty: DriveDuty  # of the run, integrated over all steps
+    ideal: DriveDuty  # of the linkage without clearance
 
 
 @dataclass(frozen=True)
 class Energy:
-    """Energy of a part, that is of one stroke or cycle.
+    """Energy of a part, that is of one stroke or cycle, J."""
 
-    Attributes
-    ----------
-    process_work : Estimate or None
-        Work that the process takes, over the recorded settled strokes, J.
-    ideal_process_work : float or None
-        Work without clearance and without a cushion, which returns its energy, J.
-    drive_work : Estimate
-        Net work of all drives over the settled cycles of all replicates, J.
-    ideal_drive_work : float
-        J.
-    residual_fraction : float
-        Energy of the stage that does not add up over the energy that the drives exchanged; below
-        ``ENERGY_BOUND`` at the tolerances of a trajectory, some 1e-5 at those for wear.
-    """
-
-    process_work: Estimate | None
-    ideal_process_work: float | None
-    drive_work: Estimate
+    process_work: Estimate | None  # that the process takes, over the recorded settled strokes
+    ideal_process_work: float | None  # without clearance, and without a cushion
+    drive_work: Estimate  # net work of all drives over the settled cycles of all replicates
     ideal_drive_work: float
-    residual_fraction: float
+    residual_fraction: float  # energy that does not add up over energy that the drives exchanged
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
@@ -635,24 +528,15 @@ def _zeros(edges: Array, values: Array) -> Array:
 
 def _kinks(scene: Scene, time: Array) -> Array:
     """Return the instants, s, at which the ideal stroke passes a kink of the force of the work."""
+    from scipy.interpolate import CubicHermiteSpline  # slow to import
+
     process = scene.process
     if process is None:
         return np.zeros(0)
-    ideal = scene.ideal.at(time).output(scene.loaded)
-    depth = process.height - (ideal[:, 0] - scene.bottom)
-    instants = []
-    for level, _ in process.curve:
-        for k in np.flatnonzero((depth[:-1] < level) != (depth[1:] < level)):
-            low, high = time[k], time[k + 1]
-            now = low + (high - low) * (level - depth[k]) / (depth[k + 1] - depth[k])
-            for _ in range(_NEWTON_STEPS):
-                place, speed, _ = scene.ideal.at(np.array([now])).output(scene.loaded)[0]
-                if speed == 0.0:
-                    break
-                off = process.height - (place - scene.bottom) - level
-                now = min(max(now + off / speed, low), high)
-            instants.append(now)
-    return np.array(instants)
+    place, speed, _ = scene.ideal.at(time).output(scene.loaded).T
+    depth = CubicHermiteSpline(time, process.height - (place - scene.bottom), -speed)
+    kinks = np.concatenate([depth.solve(level, False, False) for level, _ in process.curve])
+    return np.asarray(kinks[np.isfinite(kinks)])
 
 
 def _duty_of_cycles(cycles: Array, period: float) -> DriveDuty:
@@ -736,100 +620,55 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     return Estimate.symmetric(later.error.mean - earlier.error.mean, half)
 
 
-# Conformity of contacts ---------------------------------------------------------------------------
+# Deep contacts ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Conformity:
-    """Pin at its deepest penetration in the recorded cycles.
-
-    The surfaces overlap by e cos(x) - c at an angle x from the line of centres: over an arc of
-    which c / (c + penetration) is the cosine of the half.
-
-    Attributes
-    ----------
-    joint : str
-    penetration, clearance : float
-        m.
-    elasticity : {"power", "liu", "foundation"} or None
-        Elastic force in use; None: a user law, or another exponent than 1.5.
-    """
-
-    joint: str
-    penetration: float
-    clearance: float
-    elasticity: Elasticity | None
-
-    @property
-    def part(self) -> float:
-        """Penetration over clearance."""
-        return self.penetration / self.clearance
-
-    @property
-    def arc(self) -> float:
-        """Angle over which the surfaces overlap, rad."""
-        return 2.0 * math.acos(1.0 / (1.0 + max(self.part, 0.0)))
-
-    @property
-    def is_small(self) -> bool:
-        """True where all elastic forces are nearly equal."""
-        return self.part <= SMALL_CONTACT
-
-    @property
-    def forces(self) -> tuple[float, float]:
-        """Forces of K delta^1.5 and of Liu's law over that of the foundation."""
-        depth, law = max(self.part, 0.0), (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
-        whole = foundation_force(depth, *law)
-        return elastic_force(depth, 1.0, 1.5) / whole, liu_force(depth, *law) / whole
-
-    @property
-    def words(self) -> str:
-        """Sentence on the consequence for the forces."""
-        text = (
-            f"joint {self.joint}: the pin sank {readable(1e6 * self.penetration)} µm into its "
-            f"bearing, {readable(self.part)} of the clearance, so that the surfaces overlap over "
-            f"{math.degrees(self.arc):.0f} degrees: no small contact"
-        )
-        if self.elasticity is None:
-            return text
-        power, liu = self.forces
-        text += (
-            f"; there K delta^1.5 pushes with {power:.2f} and Liu's law with {liu:.2f} of the "
-            "foundation's force"
-        )
-        is_power = self.elasticity == "power"
-        return f"{text}; elasticity = liu or foundation are made for it" if is_power else text
+def deepest_penetrations(stage: StageResult) -> dict[str, float]:
+    """Return the deepest recorded penetration of each pin, m."""
+    return {
+        name: float(np.max(joint.arrays.get("penetration", 0.0), initial=0.0))
+        for name, joint in stage.joints.items()
+    }
 
 
-def conformities(scene: Scene, stage: StageResult) -> list[Conformity]:
-    """Return the pins of a stage at their deepest in the recorded cycles."""
-    pins = []
-    for name, joint in stage.joints.items():
-        bearing = scene.bearing(name)
-        law: Elasticity | None = bearing.elasticity
-        if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
-            law = None
-        elif scene.conventions.contact == "foundation" and stage.is_worn:
-            law = "foundation"
-        deepest = float(np.max(joint.arrays.get("penetration", 0.0), initial=0.0))
-        pins.append(Conformity(name, deepest, bearing.clearance, law))
-    return pins
-
-
-def deep_contacts(scene: Scene, stages: tuple[StageResult, ...]) -> list[str]:
+def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on joints whose pins sink in too deep for a law of a small contact.
 
-    Of each joint the stage in which it is deepest counts.
+    Each is on the stage in which the pin is deepest. The surfaces overlap by e cos(x) - c at an
+    angle x from the line of centres: over an arc of which c / (c + penetration) is the cosine of
+    the half.
     """
-    deepest: dict[str, Conformity] = {}
-    for pin in (pin for stage in stages for pin in conformities(scene, stage)):
-        before = deepest.get(pin.joint)
-        if not pin.is_small and (before is None or pin.part > before.part):
-            deepest[pin.joint] = pin
-    return [pin.words for pin in deepest.values()]
+    sentences = []
+    for name in scene.clearance_joints:
+        bearing = scene.bearing(name)
+        depths = [deepest_penetrations(stage).get(name, 0.0) for stage in stages]
+        depth = max(depths, default=0.0)
+        ratio = depth / bearing.clearance
+        if ratio <= SMALL_CONTACT:
+            continue
+        arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
+        text = (
+            f"joint {name}: the pin sank {readable(1e6 * depth)} µm into its bearing, "
+            f"{readable(ratio)} of the clearance, so that the surfaces overlap over {arc:.0f} "
+            "degrees: no small contact"
+        )
+        if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
+            law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
+            whole = foundation_force(ratio, *law)
+            power, liu = elastic_force(ratio, 1.0, 1.5) / whole, liu_force(ratio, *law) / whole
+            text += (
+                f"; there K delta^1.5 pushes with {power:.2f} and Liu's law with {liu:.2f} of the "
+                "foundation's force"
+            )
+            is_worn = stages[depths.index(depth)].is_worn
+            on_foundation = scene.conventions.contact == "foundation" and is_worn
+            if bearing.elasticity == "power" and not on_foundation:
+                text += "; elasticity = liu or foundation are made for it"
+        sentences.append(text)
+    return sentences
 
 
-# Kind of motion -----------------------------------------------------------------------------------
+# Settled motion -----------------------------------------------------------------------------------
 
 
 def has_motion(scene: Scene, stage: StageResult) -> bool:
@@ -847,84 +686,3 @@ def settled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
     first = max(min(STARTUP_CYCLES, whole - 1), 0)
     end = run_up + max(whole, first + 1) * period
     return run_up + first * period, min(end, float(stage.time[-1]))
-
-
-def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
-    """Return the contact modes of a joint in the recorded settled cycles, over time in s."""
-    start, end = settled_span(scene, stage)
-    item = stage.joints[joint]
-    contacts = np.column_stack([item.contact("touchdown"), item.contact("separation")])
-    closing = item.contact("closing_speed")
-    last = float(contacts[-1, 1]) if len(contacts) else float(stage.time[0])
-    # A contact that continues at the end is not recorded as one.
-    lasting = (stage.time > last) & (item.penetration > 0.0)
-    if lasting.any():
-        more = [[stage.time[lasting][0], end + scene.mechanism.period]]
-        contacts, closing = np.append(contacts, more, axis=0), np.append(closing, 0.0)
-    sliding, lower_speed = (stage.time, item.sliding), scene.bearing(joint).lower_speed
-    result = timeline((start, end), contacts, closing, sliding, lower_speed)
-    return Timeline(result.edges - scene.run_up, result.mode, result.names)
-
-
-def resonance(stage: StageResult, joint: str) -> float | None:
-    """Return the frequency of the contact, Hz, or None; see ``resonance_frequency``."""
-    item = stage.joints[joint]
-    lasting = item.contact("separation") - item.contact("touchdown")
-    return resonance_frequency(lasting, item.contact("closing_speed"))
-
-
-def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
-    """Return spectra of the recorded settled cycles, up to ``MAX_ORDER``.
-
-    By a joint's name that of its normal force, N^2/Hz, by ``""`` that of the acceleration of the
-    output, (m/s^2)^2/Hz.
-    """
-    start, end = settled_span(scene, stage)
-    rows = (stage.time >= start) & (stage.time <= end)
-    series = {"": stage.acceleration}
-    series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}
-    period = scene.mechanism.period
-    return {
-        name: power_spectrum(stage.time[rows], values[rows], period, MAX_ORDER / period)
-        for name, values in series.items()
-    }
-
-
-def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, float]:
-    """Return the positions of a pin once a cycle after the start-up, m, and the phase.
-
-    They are of the first Poincare section of every cycle, if sections were stored, else of the ends
-    of the recorded cycles. The phase is a fraction of the cycle.
-    """
-    if "sections" in stage.arrays:
-        both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
-        rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
-        return rows, scene.recording.phases[0]
-    start, end = (instant - scene.run_up for instant in settled_span(scene, stage))
-    at = times_at_phase(start, end, scene.mechanism.period, 0.0)
-    return section(stage.time - scene.run_up, stage.joints[joint].eccentricity, at), 1.0
-
-
-def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
-    """Return the touchdowns of a joint in the recorded settled cycles.
-
-    Returns
-    -------
-    phase : ndarray, shape (n,)
-        Fraction of the cycle, from 0 to 1.
-    closing_speed : ndarray, shape (n,)
-        Rate of penetration, m/s.
-    """
-    start, end = settled_span(scene, stage)
-    item = stage.joints[joint]
-    instant = item.contact("touchdown")
-    inside = (instant >= start) & (instant <= end)
-    phase = (instant[inside] - scene.run_up) / scene.mechanism.period % 1.0
-    return phase, item.contact("closing_speed")[inside]
-
-
-def period_of(scene: Scene, stage: StageResult) -> Periodicity:
-    """Return the period of the positions of all pins relative to their clearances."""
-    places = [section_of(scene, stage, joint)[0] for joint in stage.joint_names]
-    scales = [np.full(2, scene.bearing(joint).clearance) for joint in stage.joint_names]
-    return periodicity(np.concatenate(places, axis=1), np.concatenate(scales))

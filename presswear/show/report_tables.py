@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from presswear.analysis.contact_modes import MODES, Timeline, combine
+from presswear.analysis.contact_modes import MODES, Timeline, combine, resonance, timeline_of
+from presswear.analysis.periods import period_of
+from presswear.analysis.spectra import spectra_of
 from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
@@ -386,11 +388,11 @@ def _motion_record(result: Result, stage: StageResult) -> Record:
     scene, joints = result.scene, result.scene.clearance_joints
     start, end = press.settled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
-    lines = {joint: press.timeline_of(scene, stage, joint) for joint in joints}
+    lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
     together = combine(list(lines.values()))
     labels = [f"acceleration of the {scene.output} (m/s²)"]
     labels += [f"force at {joint} (N)" for joint in joints]
-    spectra = dict(zip(labels, press.spectra_of(scene, stage).values(), strict=True))
+    spectra = dict(zip(labels, spectra_of(scene, stage).values(), strict=True))
     return {
         "cycles": cycles,
         "modes": {
@@ -411,7 +413,7 @@ def _motion_record(result: Result, stage: StageResult) -> Record:
             }
             for joint, line in lines.items()
         },
-        "period": str(press.period_of(scene, stage)),
+        "period": str(period_of(scene, stage)),
         "harmonics": {
             name: ", ".join(readable(spectrum.amplitude(order)) for order in _HARMONICS)
             for name, spectrum in spectra.items()
@@ -420,7 +422,7 @@ def _motion_record(result: Result, stage: StageResult) -> Record:
             name: spectrum.harmonic_share if spectrum.lines >= _MIN_LINES else None
             for name, spectrum in spectra.items()
         },
-        "resonance": {joint: press.resonance(stage, joint) for joint in joints},
+        "resonance": {joint: resonance(stage, joint) for joint in joints},
     }
 
 

@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from presswear.analysis.contact_modes import MODES
+from presswear.analysis.contact_modes import MODES, resonance, timeline_of
+from presswear.analysis.periods import impacts_of, period_of, section_of
+from presswear.analysis.spectra import MAX_ORDER, spectra_of
 from presswear.results import press_analysis as press
 from presswear.results.result import Result
 from presswear.show.figures import style
@@ -70,7 +72,7 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
         nonlocal phase
-        points, phase = press.section_of(scene, stage.data, joint)
+        points, phase = section_of(scene, stage.data, joint)
         counts.append(len(points))
         x, y = factor * points.T
         size = 9.0 if len(points) < 50 else 3.0
@@ -85,7 +87,7 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
         scene=scene,
         angle=360.0 * (phase % 1.0),
         fewest=min(counts),
-        periods=[f"{one.pen.label}: {press.period_of(scene, one.data)}" for one in shown],
+        periods=[f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown],
     )
 
 
@@ -95,7 +97,7 @@ def impact_section(result: Result, stages: Stages) -> list[Drawing]:
     if not shown:
         return []
     joints = scene.clearance_joints
-    impacts = [[press.impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
+    impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
     if not any(speed.any() for row in impacts for _, speed in row):
         return []
     sheet, grid = style.panels(
@@ -122,7 +124,7 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey=True)
     for row, stage in zip(grid, shown, strict=True):
         for axes, joint in zip(row, joints, strict=True):
-            line = press.timeline_of(scene, stage.data, joint)
+            line = timeline_of(scene, stage.data, joint)
             _stack(axes, 100.0 * line.over_phase(scene.mechanism.period, BINS))
             shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
             text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
@@ -150,10 +152,10 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
     sheet, grid = style.panels(1 + len(joints), 1, 0.6 + 1.9 * (1 + len(joints)), sharex=True)
     column, resonances = grid[:, 0], []
     for stage in shown:
-        for axes, density in zip(column, press.spectra_of(scene, stage.data).values(), strict=True):
+        for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
             stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
-        frequencies = [(stage.pen.colour, press.resonance(stage.data, joint)) for stage in shown]
+        frequencies = [(stage.pen.colour, resonance(stage.data, joint)) for stage in shown]
         for colour, frequency in frequencies:
             if frequency is not None:
                 axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
@@ -167,7 +169,7 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_yscale("log")
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
-    column[-1].set_xlim(0.2, press.MAX_ORDER)
+    column[-1].set_xlim(0.2, MAX_ORDER)
     column[-1].set_xlabel("frequency in turns of the cycle (orders)")
     pens = [stage.pen for stage in shown]
     content: dict[str, Any] = {"harmonics": _HARMONICS, "resonances": resonances}

@@ -4,15 +4,9 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.analysis.contact_modes import MODES
-from presswear.results.press_analysis import (
-    impacts_of,
-    period_of,
-    resonance,
-    section_of,
-    settled_span,
-    timeline_of,
-)
+from presswear.analysis.contact_modes import MODES, resonance, timeline_of
+from presswear.analysis.periods import impacts_of, period_of, section_of
+from presswear.results.press_analysis import settled_span
 from presswear.results.result import Result
 
 
