@@ -40,7 +40,6 @@ from presswear.show.figures.style import LINES, SETTINGS, WIDTH
 from presswear.tools.arrays import Array
 from presswear.tools.processes import Workers
 from presswear.validation import reference_problems as references
-from presswear.validation.reference_checks import delivered
 
 matplotlib.use("agg")
 COLOURS = [colour for colour, _ in LINES]
@@ -62,7 +61,9 @@ def restitution(axes: Axes) -> None:
             run = engine.simulate(
                 replace(case.linkage, clearances=(joint,)), case.start, Plan(4e-3, 1)
             )
-            axes.plot(e, delivered(run, case.speed), "o", color=line.get_color(), markersize=4)
+            axes.plot(
+                e, references.delivered(run, case.speed), "o", color=line.get_color(), markersize=4
+            )
     axes.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=0.8, zorder=0)
     axes.set_xlabel("nominal restitution")
     axes.set_ylabel("delivered restitution")

@@ -17,9 +17,9 @@ def verify(arguments: argparse.Namespace, console: Console) -> int:
     """Run the command and return its exit code."""
     if arguments.long and not arguments.hard:
         raise InputError("--long needs --hard; see presswear verify --help")
-    from presswear.validation import cases, hard_cases, reference_checks
+    from presswear.validation import cases, hard_cases, reference_problems
 
-    selected = reference_checks.reference_cases()
+    selected = reference_problems.reference_cases()
     if arguments.hard:
         selected = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
     outcomes: list[Outcome] = []

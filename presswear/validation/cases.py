@@ -1,6 +1,6 @@
-"""Cases with numerical checks, their execution, and functions on runs that all checks share.
+"""Cases with numerical checks, and functions on runs that all checks share.
 
-``presswear verify`` and the tests run the same cases: ``reference_checks.reference_cases`` and
+``presswear verify`` and the tests run the same cases: ``reference_problems.reference_cases`` and
 ``hard_cases.hard_cases``.
 """
 
@@ -12,16 +12,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine
 from presswear.linkage.linkage import Linkage
 from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 
-Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]  # called with a name and the completed fraction
+Status = Literal["pass", "MISS", "refused"]
 
 PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
 # Energy residual allowed, relative to the energy exchanged by the drives. At their default
@@ -32,21 +32,13 @@ ENERGY = {"dae": 1e-6, "exudyn-tree": 1e-6, "exudyn-joints": 1e-4}
 
 @dataclass(frozen=True)
 class Check:
-    """Number with its bound; without a bound it is only reported.
-
-    Attributes
-    ----------
-    value : float
-        Passes if its absolute value is at most the bound; an error if there is a reference.
-    reference : float or None
-        Expected number, in the unit that the quantity names.
-    """
+    """Number whose absolute value may be at most a bound; without a bound it is only reported."""
 
     quantity: str
-    value: float
+    value: float  # an error if there is a reference
     bound: float | None
     unit: str = ""
-    reference: float | None = None
+    reference: float | None = None  # expected number, in the unit that the quantity names
 
     @staticmethod
     def against(quantity: str, reference: float, computed: float, bound: float) -> "Check":
@@ -61,47 +53,25 @@ class Check:
 
 @dataclass(frozen=True)
 class Case:
-    """Problem with its checks.
-
-    Attributes
-    ----------
-    reason : str
-        Source of the reference, or why the case is hard.
-    checks : callable
-        Run the case and yield its checks.
-    refusal : str
-        Pattern of the message with which the case must be refused; empty if it must run.
-    is_long : bool
-        True for more than some ten seconds.
-    """
+    """Problem with its checks."""
 
     name: str
-    reason: str
+    reason: str  # source of the reference, or why the case is hard
     engine: str
-    checks: Callable[[], Iterator[Check]]
-    refusal: str = ""
-    is_long: bool = False
+    checks: Callable[[], Iterator[Check]]  # runs the case
+    refusal: str = ""  # pattern of the message with which the case must be refused
+    is_long: bool = False  # takes more than some ten seconds
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of one check of a case, or of a case that was refused or failed.
-
-    Attributes
-    ----------
-    check : Check or None
-        None for a refusal or a failed run.
-    message : str
-        Message of a refusal or of a failure.
-    seconds : float
-        Wall time since the previous outcome.
-    """
+    """Result of one check of a case, or of a case that was refused or failed."""
 
     case: Case
-    check: Check | None
-    verdict: Literal["pass", "MISS", "refused"]
-    message: str
-    seconds: float
+    check: Check | None  # None for a refusal or a failed run
+    verdict: Status
+    message: str  # of a refusal or of a failure
+    seconds: float  # wall time since the previous outcome
 
     @property
     def label(self) -> str:
@@ -113,9 +83,7 @@ def outcomes(case: Case) -> Iterator[Outcome]:
     """Run a case and yield an outcome for every check and for every way to end."""
     started = clock.perf_counter()
 
-    def outcome(
-        check: Check | None, verdict: Literal["pass", "MISS", "refused"], message: str = ""
-    ) -> Outcome:
+    def outcome(check: Check | None, verdict: Status, message: str = "") -> Outcome:
         nonlocal started
         seconds, started = clock.perf_counter() - started, clock.perf_counter()
         return Outcome(case, check, verdict, message, seconds)
@@ -127,8 +95,8 @@ def outcomes(case: Case) -> Iterator[Outcome]:
                 return
             yield outcome(check, "pass" if check.passed else "MISS")
     except (InputError, RunFailed, ArithmeticError) as error:
-        is_refusal = isinstance(error, InputError | RunFailed) and bool(case.refusal)
-        is_refusal = is_refusal and re.search(case.refusal, str(error)) is not None
+        is_refusal = bool(case.refusal) and re.search(case.refusal, str(error)) is not None
+        is_refusal = is_refusal and isinstance(error, InputError | RunFailed)
         yield outcome(None, "refused" if is_refusal else "MISS", str(error))
 
 
@@ -154,20 +122,17 @@ def sound(run: Run, plan: Plan) -> Run:
         "position": run.end.position,
         "velocity": run.end.velocity,
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
-        **{
-            f"contacts {k}": recorder.stored_contacts(k)
-            for k in range(len(recorder.records.memory))
-        },
     }
+    for k in range(len(recorder.records.memory)):
+        arrays[f"contacts {k}"] = recorder.stored_contacts(k)
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):
             raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
         raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    unresolved = int(recorder.records.counters["unresolved"].sum())
-    if unresolved:
-        total = int(recorder.records.counters["contacts"].sum())
-        raise RunFailed(f"{unresolved} of {total} contacts unresolved")
+    counters = recorder.records.counters
+    if unresolved := int(counters["unresolved"].sum()):
+        raise RunFailed(f"{unresolved} of {int(counters['contacts'].sum())} contacts unresolved")
     return run
 
 
@@ -206,14 +171,9 @@ def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
 
 
 def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Plan:
-    """Return a plan whose run ends with RunFailed when it takes too long.
+    """Return a plan of cycles of a duration, s, that fails after so much CPU time, s.
 
-    Parameters
-    ----------
-    duration : float
-        Duration of one cycle, s.
-    patience : float
-        CPU time from the first report of progress, s.
+    The time counts from the first report of progress.
     """
     started: float | None = None
 

@@ -14,12 +14,10 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.campaign.replicates import disturbed, start_of
-from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.linkage import Linkage
+from presswear.engines.base import Plan, Run
+from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.recording.statistics import Estimate, estimate
 from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
@@ -37,8 +35,6 @@ from presswear.validation.trajectories import (
     trajectory_of,
     velocity_difference,
 )
-
-Array = NDArray[np.float64]
 
 DISTURBANCE = 1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
 GROWTH = 1000.0  # of the disturbance at the horizon
@@ -62,32 +58,16 @@ INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house inte
 
 @dataclass(frozen=True)
 class Crosscheck:
-    """Result of a cross-check.
-
-    Attributes
-    ----------
-    horizon : float
-        s.
-    diverged : bool
-        True if trajectories diverged at the horizon; else the horizon is the end of the runs.
-    touchdowns : tuple of Touchdown
-        Touchdowns of the reference up to the horizon.
-    differences : tuple of Difference
-        The disturbed initial state first, then Exudyn, coarsest first.
-    exudyn : tuple of str
-        Models that Exudyn ran, coarsest first.
-    statistics : dict
-        Means over cycles of both engines.
-    """
+    """Result of a cross-check."""
 
     scene: Scene
-    horizon: float
-    diverged: bool
+    horizon: float  # s
+    diverged: bool  # whether trajectories diverged at the horizon; else it is the end of the runs
     checks: tuple[Check, ...]
-    touchdowns: tuple[Touchdown, ...]
-    differences: tuple[Difference, ...]
-    exudyn: tuple[str, ...]
-    statistics: dict[str, Any]
+    touchdowns: tuple[Touchdown, ...]  # of the reference up to the horizon
+    differences: tuple[Difference, ...]  # the disturbed initial state, then Exudyn, coarsest first
+    exudyn: tuple[str, ...]  # models that Exudyn ran, coarsest first
+    statistics: dict[str, dict[str, Estimate]]  # means over cycles by engine and quantity
 
     @property
     def passed(self) -> bool:
@@ -111,59 +91,54 @@ class Crosscheck:
                 curve.label: float(curve.slider[curve.time <= self.horizon].max())
                 for curve in self.differences
             },
-            "statistics": self.statistics,
+            "statistics": {
+                engine: {name: asdict(mean) for name, mean in means.items()}
+                for engine, means in self.statistics.items()
+            },
         }
 
 
-@dataclass(frozen=True)
 class _Runner:
-    """Run the unworn linkage of a scene and report progress."""
+    """Runs of the unworn linkage of a scene, with their progress."""
 
-    linkage: Linkage
-    report: Progress
+    def __init__(self, scene: Scene, report: Progress) -> None:
+        self.linkage, self.start, self.report = scene.linkage(), start_of(scene), report
 
-    def run(self, word: str, start: Start, engine: Engine, plan: Plan) -> Run:
+    def run(self, word: str, engine: Engine, plan: Plan, is_moved: bool = False) -> Run:
+        """Run from the start, or from the disturbed start."""
         self.report(word, 0.0)
+        start = disturbed(self.linkage, self.start, DISTURBANCE) if is_moved else self.start
+        assert start is not None, "the caller has checked that a direction is free"
         plan = replace(plan, report=lambda part, recorder: self.report(word, part))
         return finished(engine.simulate(self.linkage, start, plan))
 
-    def trajectory(self, word: str, start: Start, engine: Engine, end: float) -> Trajectory:
-        return trajectory_of(self.run(word, start, engine, Plan(end / PARTS, PARTS, PARTS)))
+    def trajectory(
+        self, word: str, engine: Engine, end: float, is_moved: bool = False
+    ) -> Trajectory:
+        return trajectory_of(self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), is_moved))
 
     def separation(
-        self, start: Start, engine: Engine, end: float
+        self, engine: Engine, end: float
     ) -> tuple[float | None, Trajectory, Trajectory] | None:
         """Return the horizon, s, and both trajectories; None if no direction is free.
 
         The horizon is None if the trajectories stay together up to ``end``, s.
         """
-        moved = disturbed(self.linkage, start, DISTURBANCE)
-        if moved is None:
+        if disturbed(self.linkage, self.start, DISTURBANCE) is None:
             return None
-        first = self.trajectory("dae", start, engine, end)
-        second = self.trajectory("dae, disturbed", moved, engine, end)
+        first = self.trajectory("dae", engine, end)
+        second = self.trajectory("dae, disturbed", engine, end, is_moved=True)
         return divergence_time(first, second, GROWTH * DISTURBANCE), first, second
 
 
 def horizon(scene: Scene, engine: Engine, longest: float, report: Progress) -> float:
     """Return the time up to which trajectories of a scene can be compared, s, at most a cycle."""
     end = min(scene.mechanism.period, longest)
-    result = _Runner(scene.linkage(), report).separation(start_of(scene), engine, end)
-    return end if result is None or result[0] is None else result[0]
+    separation = _Runner(scene, report).separation(engine, end)
+    return end if separation is None or separation[0] is None else separation[0]
 
 
-def finer(engine: ExudynJoints, period: float, fineness: int) -> ExudynJoints:
-    """Return an engine with all steps of a cycle of a period, s, divided by a number."""
-    return replace(
-        engine,
-        steps_per_contact=engine.steps_per_contact * fineness,
-        steps_sustained=engine.steps_sustained * fineness,
-        free_step=engine.longest(period) / fineness,
-        newton=engine.newton / fineness**2,
-    )
-
-
-def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
+def exudyn_of(scene: Scene) -> dict[str, Engine]:
     """Return the model of Exudyn for a scene, from its default settings to the finest."""
     scene = replace(scene, engine="exudyn") if scene.engine == "dae" else scene
     scene = replace(scene, purpose="trajectory")
@@ -171,12 +146,17 @@ def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
     period = scene.mechanism.period
     engine = scene.solver.for_cycle(period)
     if isinstance(engine, ExudynTree):
-        trees = [
-            replace(engine, tree_tolerance=engine.tolerance / part) for part in TOLERANCE_PARTS
-        ]
-        return {f"Exudyn's tree at {tree.tree_tolerance:g}": tree for tree in trees}
+        tolerances = [engine.tolerance / part for part in TOLERANCE_PARTS]
+        return {f"Exudyn's tree at {t:g}": replace(engine, tree_tolerance=t) for t in tolerances}
+    joints = scene.numerics.joints
     return {
-        "Exudyn" if n == 1 else f"Exudyn, steps / {n}": finer(scene.numerics.joints, period, n)
+        "Exudyn" if n == 1 else f"Exudyn, steps / {n}": replace(
+            joints,
+            steps_per_contact=joints.steps_per_contact * n,
+            steps_sustained=joints.steps_sustained * n,
+            free_step=joints.longest(period) / n,
+            newton=joints.newton / n**2,
+        )
         for n in FINENESS
     }
 
@@ -190,49 +170,38 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         Longest time over which trajectories are compared, s; None: one cycle.
     """
     end = scene.mechanism.period if duration is None else duration
-    linkage, start = scene.linkage(), start_of(scene)
-    runner = _Runner(linkage, report)
+    runner = _Runner(scene, report)
     precise = InHouse(integration_tolerance=REFERENCE_TOLERANCE, coordinates="all")
-    separation = runner.separation(start, precise, end)
+    separation = runner.separation(precise, end)
     curves, diverged = [], False
     if separation is not None:
         time, calm, moved = separation
         diverged, end = time is not None, time or end
         label = f"in-house, start moved by {DISTURBANCE:g} m"
         curves.append(slider_difference(label, calm, moved))
-    reference = runner.trajectory("dae to the horizon", start, precise, end)
-    first = reference.touchdowns[:FIRST_TOUCHDOWNS]
+    reference = runner.trajectory("dae to the horizon", precise, end)
     engines = exudyn_of(scene)
-    compared = {
-        word: runner.trajectory(word, start, engine, end) for word, engine in engines.items()
-    }
+    compared = {word: runner.trajectory(word, engine, end) for word, engine in engines.items()}
     curves += [slider_difference(word, reference, each) for word, each in compared.items()]
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = _exudyn_checks(is_tree, reference, compared, end)
     if diverged:
         checks += _reported("disturbed start", reference, moved, end)
-    if first:
+    if first := reference.touchdowns[:FIRST_TOUCHDOWNS]:
         # Far enough to include the last of the touchdowns.
-        until = min(1.001 * first[-1].time, end)
+        plan = Plan(min(1.001 * first[-1].time, end), 1, 1)
         second = replace(precise, integrator="dopri5", coordinates="fewest")
-        words = "dae with dopri5 in fewest coordinates"
-        run = runner.run(words, start, second, Plan(until, 1, 1))
+        run = runner.run("dae with dopri5 in fewest coordinates", second, plan)
         largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
-    statistics: dict[str, Any] = {}
+    statistics: dict[str, dict[str, Estimate]] = {}
     if diverged:
-        beyond, statistics = _check_means(scene, start, runner)
+        beyond, statistics = _check_means(scene, runner)
         checks += beyond
+    touchdowns, models = reference.touchdowns, tuple(engines)
     return Crosscheck(
-        scene,
-        end,
-        diverged,
-        tuple(checks),
-        reference.touchdowns,
-        tuple(curves),
-        tuple(engines),
-        statistics,
+        scene, end, diverged, tuple(checks), touchdowns, tuple(curves), models, statistics
     )
 
 
@@ -289,37 +258,35 @@ def _reported(name: str, reference: Trajectory, compared: Trajectory, end: float
     ]
 
 
-def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Check], dict[str, Any]]:
+def _check_means(
+    scene: Scene, runner: _Runner
+) -> tuple[list[Check], dict[str, dict[str, Estimate]]]:
     """Check that the 95 % intervals of means over cycles of both engines overlap."""
     cycles = CYCLES if scene.cycles is None else scene.cycles
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
-    # Name in the cycles of a recorder, joint, and unit.
-    quantities: dict[str, tuple[str, int | None, str]] = {
-        "greatest slider velocity": ("velocity_max", None, "m/s"),
-        "greatest slider acceleration": ("acceleration_max", None, "m/s^2"),
-    }
+    # Quantity, its name in the cycles of a recorder, joint, and unit.
+    quantities: list[tuple[str, str, int | None, str]] = [
+        ("greatest slider velocity", "velocity_max", None, "m/s"),
+        ("greatest slider acceleration", "acceleration_max", None, "m/s^2"),
+    ]
     for k, joint in enumerate(scene.clearance_joints):
-        quantities[f"peak force in {joint}"] = ("force_max", k, "N")
-        quantities[f"load distance in {joint}"] = ("load_distance", k, "N m")
+        quantities.append((f"peak force in {joint}", "force_max", k, "N"))
+        quantities.append((f"load distance in {joint}", "load_distance", k, "N m"))
     means: dict[str, dict[str, Estimate]] = {}
     exudyn = next(iter(exudyn_of(scene).values()))
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
-        recorder = runner.run(f"{word}, {cycles} cycles", start, engine, plan).recorder
+        recorder = runner.run(f"{word}, {cycles} cycles", engine, plan).recorder
         means[word.lower()] = {
-            quantity: estimate(recorder.each_cycle(name, k))
-            for quantity, (name, k, _) in quantities.items()
+            quantity: estimate(recorder.each_cycle(name, k)) for quantity, name, k, _ in quantities
         }
     checks = []
-    for quantity, (*_, unit) in quantities.items():
+    for quantity, *_, unit in quantities:
         one, two = (each[quantity] for each in means.values())
         bound = None  # a single cycle has no interval
         if one.half_width is not None and two.half_width is not None:
             bound = one.half_width + two.half_width
         checks.append(Check(f"mean {quantity}", abs(one.mean - two.mean), bound, unit))
-    plain = {
-        word: {name: asdict(value) for name, value in each.items()} for word, each in means.items()
-    }
-    return checks, plain
+    return checks, means
 
 
 _COLOURS = ("#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
@@ -335,9 +302,8 @@ def draw_differences(result: Crosscheck) -> Drawing:
     colours = _COLOURS if len(result.differences) == len(_COLOURS) else (MUTED, *_COLOURS)
     for curve, colour in zip(result.differences, colours, strict=False):
         shown = (curve.time <= end) & (curve.slider > 0.0)  # a logarithm shows no zeros
-        axes.semilogy(
-            curve.time[shown], curve.slider[shown], color=colour, linewidth=0.9, label=curve.label
-        )
+        x, y = curve.time[shown], curve.slider[shown]
+        axes.semilogy(x, y, color=colour, linewidth=0.9, label=curve.label)
     axes.axhline(SLIDER_BOUND, color=REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
     axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
     if result.diverged:

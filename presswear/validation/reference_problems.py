@@ -1,13 +1,16 @@
-"""Reference problems from the literature: linkages, initial states, values and their source."""
+"""Reference problems from the literature: linkages, published values, and checks of the engines."""
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
+from scipy.interpolate import CubicHermiteSpline
 
-from presswear.engines.base import Start
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -26,76 +29,69 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Load, Spring
+from presswear.recording.observe import SERIES_NAMES
+from presswear.tools.arrays import Array
+from presswear.tools.errors import RunFailed
+from presswear.validation.cases import Case, Check, contacts_of, finished, first_contact, order_of
 
-Array = NDArray[np.float64]
+TIGHT = InHouse(integration_tolerance=1e-11)  # the default, 1e-9, leaves 2e-8 in the restitution
 
-# Andrews' squeezer: IVP test set (andrews.f, Mazzia and Magherini, University of Bari),
-# after Giles 1978 and Manning 1981; IFToMM library of benchmarks A03.  Angles in the
-# order beta, Theta, gamma, Phi, delta, Omega, epsilon.
+# Andrews' squeezer: IVP test set (andrews.f, Mazzia and Magherini, University of Bari), after Giles
+# 1978 and Manning 1981; IFToMM library of benchmarks A03. A row for each of the angles beta, Theta,
+# gamma, Phi, delta, Omega, epsilon: initial value, rad, at rest; angle, rad, and rate, rad/s, at
+# 0.03 s by PSIDE in double precision.
 ANDREWS_DURATION = 0.03  # s
-ANDREWS_START = (  # rad, at rest
-    -0.0617138900142764496,
-    0.0,
-    0.455279819163070380,
-    0.222668390165885885,
-    0.487364979543842550,
-    -0.222668390165885885,
-    1.23054744454982119,
-)
-ANDREWS_ANGLES = (  # rad at 0.03 s, PSIDE in double precision
-    15.81077119629904,
-    -15.75637105984298,
-    0.04082224013073101,
-    -0.5347301163226948,
-    0.5244099658805304,
-    0.5347301163226948,
-    1.048080741042263,
-)
-ANDREWS_RATES = (  # rad/s at 0.03 s
-    1139.920302151208,
-    -1424.379294994111,
-    11.03291221937134,
-    19.29337464421385,
-    0.5735699284790808,
-    -19.29337464421385,
-    0.3231791658026955,
-)
+ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(
+    [
+        [-0.0617138900142764496, 15.81077119629904, 1139.920302151208],
+        [0.0, -15.75637105984298, -1424.379294994111],
+        [0.455279819163070380, 0.04082224013073101, 11.03291221937134],
+        [0.222668390165885885, -0.5347301163226948, 19.29337464421385],
+        [0.487364979543842550, 0.5244099658805304, 0.5735699284790808],
+        [-0.222668390165885885, 0.5347301163226948, -19.29337464421385],
+        [1.23054744454982119, 1.048080741042263, 0.3231791658026955],
+    ]
+).T
+ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
+NEWTON = 1e-12  # of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
 
 # Lengths of andrews.f, m, with its names.
 _D, _DA, _E, _EA = 28e-3, 115e-4, 2e-2, 1421e-5
 _RR, _RA, _SS, _SA, _SB, _SC, _SD = 7e-3, 92e-5, 35e-3, 1874e-5, 1043e-5, 18e-3, 2e-2
 _TA, _TB, _U, _UA, _UB = 2308e-5, 916e-5, 4e-2, 1228e-5, 449e-5
 _ZF, _ZT, _FA = 2e-2, 4e-2, 1421e-5
-_A, _B, _C = (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
-_C0, _L0, _MOMENT = 4530.0, 7785e-5, 33e-3
-
-# Pins of each body in the frame of the body, whose x axis has the angle of _TURNS.
-_PINS = {
-    "K1": {"O": (-_RA, 0.0), "P": (_RR - _RA, 0.0)},
-    "K2": {"P": (_DA, 0.0), "Q": (_DA - _D, 0.0)},
-    "K3": {"B": (-_SB, _SA), "Q": (-_SB, _SA - _SS), "D": (_SD - _SB, _SA - _SC)},
-    "K4": {"Q": (0.0, -_EA), "E": (0.0, _E - _EA)},
-    "K5": {"A": (-_TA, _TB), "E": (_ZT - _TA, _TB)},
-    "K6": {"Q": (_FA, 0.0), "H": (_FA - _ZF, 0.0)},
-    "K7": {"A": (_UB, _UA), "H": (_UB, _UA - _U)},
+_FRAME = {"O": (0.0, 0.0), "A": (-0.06934, -0.00227), "B": (-0.03635, 0.03273)}
+# Bodies in the order in which their pins place them: mass, kg, moment of inertia, kg m^2, and pins
+# in the frame of the body, whose x axis has the angle of _TURNS; the first pin is placed before.
+_BODIES = {
+    "K1": (0.04325, 2.194e-6, {"O": (-_RA, 0.0), "P": (_RR - _RA, 0.0)}),
+    "K2": (0.00365, 4.410e-7, {"P": (_DA, 0.0), "Q": (_DA - _D, 0.0)}),
+    "K3": (
+        0.02373,
+        5.255e-6,
+        {"B": (-_SB, _SA), "Q": (-_SB, _SA - _SS), "D": (_SD - _SB, _SA - _SC)},
+    ),
+    "K5": (0.07050, 1.169e-5, {"A": (-_TA, _TB), "E": (_ZT - _TA, _TB)}),
+    "K7": (0.05498, 1.912e-5, {"A": (_UB, _UA), "H": (_UB, _UA - _U)}),
+    "K4": (0.00706, 5.667e-7, {"E": (0.0, _E - _EA), "Q": (0.0, -_EA)}),
+    "K6": (0.00706, 5.667e-7, {"H": (_FA - _ZF, 0.0), "Q": (_FA, 0.0)}),
 }
-
-# A pin of each body whose position the frame or the bodies before it determine.
-_PARENT_PIN = {"K1": "O", "K2": "P", "K3": "B", "K5": "A", "K7": "A", "K4": "E", "K6": "H"}
-
-# Angles of the seven bodies from the seven angles of the reference.
-_TURNS = np.array(
-    [
-        [1, 0, 0, 0, 0, 0, 0],
-        [1, 1, 0, 0, 0, 0, 0],
-        [0, 0, 1, 0, 0, 0, 0],
-        [0, 0, 0, 1, 1, 0, 0],
-        [0, 0, 0, 0, 1, 0, 0],
-        [0, 0, 0, 0, 0, 1, 1],
-        [0, 0, 0, 0, 0, 0, 1],
-    ],
-    dtype=float,
+_JOINTS = (  # name, whose first letter is that of the pin, and bodies
+    ("O", "K1", GROUND),
+    ("P", "K1", "K2"),
+    ("Q 3", "K2", "K3"),
+    ("Q 4", "K2", "K4"),
+    ("Q 6", "K2", "K6"),
+    ("B", "K3", GROUND),
+    ("A 5", "K5", GROUND),
+    ("A 7", "K7", GROUND),
+    ("E", "K4", "K5"),
+    ("H", "K6", "K7"),
 )
+# Angles of the seven bodies from the seven angles of the reference.
+_TURNS: Array = np.eye(7)
+_TURNS[[1, 3, 5], [0, 4, 6]] = 1.0
+_TURNS[1, 1] = 1.0
 
 
 def free_bodies(
@@ -109,14 +105,11 @@ def free_bodies(
 ) -> Linkage:
     """Return bodies that are connected by clearance joints only.
 
-    Parameters
-    ----------
-    probe, direction : str, float
-        Body whose motion is recorded, along a direction, rad.
+    The motion of the body ``probe`` along a direction, rad, is recorded.
     """
-    watch = OutputPoint(probe, direction)
+    output = OutputPoint(probe, direction)
     return assemble(
-        bodies, output=watch, name=name, gravity=gravity, loads=loads, clearances=joints
+        bodies, output=output, name=name, gravity=gravity, loads=loads, clearances=joints
     )
 
 
@@ -124,53 +117,32 @@ def andrews() -> Linkage:
     """Return Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
 
     def pin(body: str, name: str) -> Attachment:
-        return Attachment(body, *_PINS[body][name])
-
-    def on_frame(place: tuple[float, float]) -> Attachment:
-        return Attachment(GROUND, *place)
+        return Attachment(body, *(_FRAME if body == GROUND else _BODIES[body][2])[name])
 
     return assemble(
         name="Andrews' squeezer",
-        bodies=(
-            Body("K1", 0.04325, 2.194e-6),
-            Body("K2", 0.00365, 4.410e-7),
-            Body("K3", 0.02373, 5.255e-6),
-            Body("K4", 0.00706, 5.667e-7),
-            Body("K5", 0.07050, 1.169e-5),
-            Body("K6", 0.00706, 5.667e-7),
-            Body("K7", 0.05498, 1.912e-5),
-        ),
-        joints=(
-            Revolute("O", pin("K1", "O"), on_frame((0.0, 0.0))),
-            Revolute("P", pin("K1", "P"), pin("K2", "P")),
-            Revolute("Q 3", pin("K2", "Q"), pin("K3", "Q")),
-            Revolute("Q 4", pin("K2", "Q"), pin("K4", "Q")),
-            Revolute("Q 6", pin("K2", "Q"), pin("K6", "Q")),
-            Revolute("B", pin("K3", "B"), on_frame(_B)),
-            Revolute("A 5", pin("K5", "A"), on_frame(_A)),
-            Revolute("A 7", pin("K7", "A"), on_frame(_A)),
-            Revolute("E", pin("K4", "E"), pin("K5", "E")),
-            Revolute("H", pin("K6", "H"), pin("K7", "H")),
-        ),
+        bodies=tuple(Body(name, *_BODIES[name][:2]) for name in sorted(_BODIES)),
+        joints=tuple(Revolute(name, pin(a, name[0]), pin(b, name[0])) for name, a, b in _JOINTS),
         output=OutputPoint("K3", 0.0),
         gravity=0.0,
-        springs=(Spring("spring", pin("K3", "D"), on_frame(_C), _C0, _L0),),
-        loads=(Load("K1", moment=_MOMENT),),
+        springs=(
+            Spring("spring", pin("K3", "D"), Attachment(GROUND, 0.014, 0.072), 4530.0, 7785e-5),
+        ),
+        loads=(Load("K1", moment=33e-3),),
     )
 
 
 def andrews_start() -> Start:
     """Return the bodies at rest at the angles ``ANDREWS_START``."""
-    angles = _TURNS @ np.array(ANDREWS_START)
-    places: dict[str, tuple[float, float]] = {"O": (0.0, 0.0), "A": _A, "B": _B}
+    angles = _TURNS @ ANDREWS_START
+    places = dict(_FRAME)
     position = np.zeros(21)
-    for body, pin in _PARENT_PIN.items():
+    for body, (_, _, pins) in _BODIES.items():
         i = int(body[1]) - 1
         c, s = math.cos(angles[i]), math.sin(angles[i])
-        turned = {
-            name: np.array([c * x - s * y, s * x + c * y]) for name, (x, y) in _PINS[body].items()
-        }
-        centre = np.array(places[pin]) - turned[pin]
+        turned = {name: np.array([c * x - s * y, s * x + c * y]) for name, (x, y) in pins.items()}
+        first = next(iter(pins))
+        centre = np.array(places[first]) - turned[first]
         for name, point in turned.items():
             x, y = centre + point
             places.setdefault(name, (float(x), float(y)))
@@ -180,7 +152,30 @@ def andrews_start() -> Start:
 
 def andrews_angles(coordinates: Array) -> Array:
     """Return the seven angles, or their rates, from the coordinates of all bodies, shape (21,)."""
-    return np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3])
+    return np.asarray(np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3]), np.float64)
+
+
+def _worst(name: str, reference: Sequence[float] | Array, computed: Array, bound: float) -> Check:
+    i = int(np.argmax(np.abs(computed - np.array(reference))))
+    return Check.against(name, float(reference[i]), float(computed[i]), bound)
+
+
+def andrews_checks() -> Iterator[Check]:
+    """Check the angles and rates of Andrews' squeezer at t = 0.03 s, and the order of Exudyn."""
+    problem = andrews(), andrews_start(), Plan(ANDREWS_DURATION, 1, recorded_cycles=1)
+    end = finished(InHouse().simulate(*problem)).end
+    angles, rates = andrews_angles(end.position), andrews_angles(end.velocity)
+    yield _worst("Andrews, dae: worst angle (rad)", ANDREWS_ANGLES, angles, 1e-8)
+    yield _worst("Andrews, dae: worst rate (rad/s)", ANDREWS_RATES, rates, 1e-5)
+    errors = []
+    for step in ANDREWS_STEPS:
+        # A step one part in 1e9 shorter keeps round-off from removing a step.
+        engine = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
+        angles = andrews_angles(finished(engine.simulate(*problem)).end.position)
+        errors.append(float(np.abs(angles - ANDREWS_ANGLES).max()))
+    name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
+    yield _worst(name, ANDREWS_ANGLES, angles, 1e-5)
+    yield Check.against("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
 
 
 # Free impact: F = K delta^n (1 + chi delta_dot / v); see ``presswear.linkage.laws``.
@@ -194,30 +189,19 @@ DELIVERED = {
     "flores": {0.9: 0.8939206927, 0.8: 0.78853913, 0.5: 0.47044478},
     "gonthier": {0.9: 0.8764354239, 0.8: 0.7679997891, 0.5: 0.48774126},
 }
-
-
 REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
+EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}  # 50 steps miss 1e-4 at 0.8 and 0.5
 
 
 @dataclass(frozen=True)
 class Impact:
-    """Central impact of a free shaft on its free ring.
+    """Central impact of a free shaft on its free ring."""
 
-    Attributes
-    ----------
-    nominal : float
-        Restitution in the law, whose name is one of ``DAMPINGS``.
-    stiffness : float
-        K, N/m^1.5.
-    speed, clearance : float
-        Closing speed, m/s, and clearance, m.
-    """
-
-    nominal: float
-    stiffness: float = 1.25e10
-    speed: float = 0.25
-    clearance: float = 0.8e-3
-    law: str = "lankarani-nikravesh"
+    nominal: float  # restitution in the law
+    stiffness: float = 1.25e10  # K, N/m^1.5
+    speed: float = 0.25  # closing speed, m/s
+    clearance: float = 0.8e-3  # m
+    law: str = "lankarani-nikravesh"  # key of DAMPINGS
 
     @property
     def damping(self) -> float:
@@ -285,27 +269,55 @@ class Impact:
         return sum(part[0] for part in parts), sum(part[1] for part in parts)
 
 
+def delivered(run: Run, speed: float) -> float:
+    """Return the restitution of the first contact of a run with a closing speed, m/s."""
+    return -first_contact(run)["release_speed"] / speed
+
+
+def deepest_penetration(run: Run, speed: float) -> float:
+    """Return the largest penetration of a free ``Impact`` between the recorded rows, m."""
+    recorder = finished(run).recorder
+    velocity = recorder.series("velocity")
+    # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the initial one of the shaft.
+    rate = velocity - (speed - velocity) / 3.0
+    curve = CubicHermiteSpline(recorder.series("time"), recorder.series("penetration", 0), rate)
+    return float(curve(curve.derivative().roots(extrapolate=False)).max())
+
+
+def impact_checks() -> Iterator[Check]:
+    """Check restitution, penetration and duration of one free central impact."""
+    plan = Plan(0.005, 1)
+    for law, values in DELIVERED.items():
+        is_default = law == "lankarani-nikravesh"
+        for nominal, expected in values.items():
+            impact, steps = Impact(nominal, law=law), EXUDYN_STEPS_PER_CONTACT[nominal]
+            joints = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
+            engines = (("dae", TIGHT, 1e-8), (f"Exudyn, {steps} steps", joints, 1e-4))
+            for word, engine, bound in engines[: 1 + is_default]:
+                run = engine.simulate(impact.linkage, impact.start, plan)
+                name = f"restitution, {'' if is_default else f'{law}, '}nominal {nominal}, {word}"
+                yield Check.against(name, expected, delivered(run, impact.speed), bound)
+    impact = Impact(0.9, clearance=1e-5)
+    run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
+    ratio = deepest_penetration(run, impact.speed) / impact.deepest
+    yield Check.against("penetration over closed form, dae", 1.0, ratio, 1e-8)
+    impact = Impact(1.0)
+    contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
+    duration = (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
+    yield Check.against("Hertz: duration (delta_max/v), dae", HERTZ_DURATION, duration, 1e-8)
+
+
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
 SDND100_EXTREMA = (0.85e-3, -0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3)  # m
 SDND100_INTERVAL = math.pi / 100.0  # s between two extrema
 SDND100_STIFFNESS, SDND100_GRAVITY, SDND100_FRICTION = 1e4, 10.0, 0.1
+SHARP = 1e-6  # m/s above which friction is full, 0.001 of the largest speed
 
-_FLOOR_CLEARANCE = 1e4  # m
+FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
+GRAVITY = 9.81  # m/s^2
+SLOPE = 0.05
+_FLOOR_CLEARANCE = 1e4  # m: the slope of the floor changes by 1e-4 in a metre
 _FLOOR_STIFFNESS = 1e5  # N/m^1.5
-
-
-def _floor(friction: FrictionLaw) -> ClearanceJoint:
-    """Return a bearing of 10 km on the frame, whose slope changes by 1e-4 in a metre."""
-    return ClearanceJoint(
-        "floor",
-        bearing=Attachment(GROUND, 0.0, _FLOOR_CLEARANCE),
-        pin=Attachment("block", 0.0, 0.0),
-        bearing_radius=_FLOOR_CLEARANCE + 0.01,
-        clearance=_FLOOR_CLEARANCE,
-        width=0.02,
-        normal=NormalLaw(_FLOOR_STIFFNESS),
-        friction=friction,
-    )
 
 
 def _block_at(x: float, weight: float) -> Array:
@@ -317,7 +329,9 @@ def _block_at(x: float, weight: float) -> Array:
 
 
 def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tuple[Linkage, Start]:
-    """Return a block of 1 kg on a floor, which cannot turn, and its initial state at x = 0.
+    """Return a block of 1 kg that cannot turn on a floor, and its initial state at x = 0.
+
+    The floor is a bearing of 10 km on the frame.
 
     Parameters
     ----------
@@ -326,22 +340,33 @@ def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tup
     speed : float
         Initial speed, m/s.
     """
+    floor = ClearanceJoint(
+        "floor",
+        bearing=Attachment(GROUND, 0.0, _FLOOR_CLEARANCE),
+        pin=Attachment("block", 0.0, 0.0),
+        bearing_radius=_FLOOR_CLEARANCE + 0.01,
+        clearance=_FLOOR_CLEARANCE,
+        width=0.02,
+        normal=NormalLaw(_FLOOR_STIFFNESS),
+        friction=friction,
+    )
     heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
-    linkage = free_bodies("block on a floor", (heavy,), (_floor(friction),), "block", loads=(load,))
+    linkage = free_bodies("block on a floor", (heavy,), (floor,), "block", loads=(load,))
     return linkage, Start(_block_at(0.0, press), np.array([speed, 0.0, 0.0]))
+
+
+def on_incline(slope: float, speed: float) -> tuple[Linkage, Start]:
+    """Return a block on an incline with an initial speed, m/s."""
+    angle = math.atan(slope)
+    return block(GRAVITY * math.sin(angle), GRAVITY * math.cos(angle), FRICTION, speed)
 
 
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
     """Return a mass on a spring of 1 km, released; friction is full above ``upper``, m/s."""
     friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
     linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
-    spring = Spring(
-        "spring",
-        Attachment(GROUND, -1e3, float(rest.position[1])),
-        Attachment("block", 0.0, 0.0),
-        SDND100_STIFFNESS,
-        1e3,
-    )
+    frame = Attachment(GROUND, -1e3, float(rest.position[1]))
+    spring = Spring("spring", frame, Attachment("block", 0.0, 0.0), SDND100_STIFFNESS, 1e3)
     release = Start(_block_at(SDND100_EXTREMA[0], SDND100_GRAVITY), np.zeros(3))
     return replace(linkage, name="SDND100", springs=(spring,)), release
 
@@ -367,24 +392,47 @@ def slowed_speed(friction: FrictionLaw, speed: float, gravity: float, time: floa
     return friction.lower + width * math.exp(-slowing * late / width)
 
 
+def friction_checks() -> Iterator[Check]:
+    """Check SDND100, creep on an incline, and slowing on the flat."""
+
+    def final(problem: tuple[Linkage, Start], time: float) -> Run:
+        return finished(TIGHT.simulate(*problem, Plan(time, 1, recorded_cycles=1)))
+
+    run = final(sdnd100(SHARP), 4.5 * SDND100_INTERVAL)
+    released, *extrema = SDND100_EXTREMA
+    # Each turn is extrapolated from the last row before it, because friction changes sign there.
+    velocity = run.recorder.series("velocity")
+    before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0.0)
+    if len(before) != len(extrema):
+        raise RunFailed(f"SDND100: expected {len(extrema)} turning points, found {len(before)}")
+    t, x, v, a = (run.recorder.series(name)[before] for name in SERIES_NAMES)
+    left = -v / a
+    positions = released + x + left * (v + 0.5 * a * left)
+    millimetres = [1e3 * x for x in extrema]
+    yield _worst("SDND100, dae: worst turning point (mm)", millimetres, 1e3 * positions, 1e-5)
+    expected = [SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
+    yield _worst("SDND100, dae: its time (s)", expected, t + left, 1e-5)
+    rest = 1e3 * float(run.end.position[0])
+    yield Check.against("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
+    # The approach decays with mu g cos(theta) / (v1 - v0), 1090 per second.
+    creeping = creep_speed(FRICTION, SLOPE)
+    speed = float(final(on_incline(SLOPE, 0.005), 0.2).end.velocity[0])
+    yield Check.against("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * speed, 1e-6)
+    for time in (0.005, 0.011):
+        slowing = slowed_speed(FRICTION, 0.01, GRAVITY, time)
+        speed = float(final(block(0.0, GRAVITY, FRICTION, 0.01), time).end.velocity[0])
+        name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
+        yield Check.against(name, 1e3 * slowing, 1e3 * speed, 1e-6)
+
+
 @dataclass(frozen=True)
 class Ball:
-    """Ball that is thrown up from the floor of a large bearing on the frame.
+    """Ball that is thrown up from the floor of a large bearing on the frame."""
 
-    Attributes
-    ----------
-    nominal : float
-        Restitution in the law of Lankarani and Nikravesh.
-    stiffness : float
-        K, N/m^1.5; the effect of gravity during contact falls with the contact time, K^(-2/5).
-    speed : float
-        Initial upward speed, m/s; the ball stays below the middle of the bearing.
-    """
-
-    nominal: float
-    stiffness: float = 1e14
-    speed: float = 3.0
-    gravity: float = 9.81
+    nominal: float  # restitution in the law of Lankarani and Nikravesh
+    stiffness: float = 1e14  # K, N/m^1.5; gravity acts during a contact time that goes with K^-2/5
+    speed: float = 3.0  # initial upward speed, m/s; the ball stays below the middle of the bearing
+    gravity: float = 9.81  # m/s^2
 
     @property
     def linkage(self) -> Linkage:
@@ -398,11 +446,89 @@ class Ball:
             width=0.02,
             normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
         )
-        bodies = (Body("ball", 0.1, 1e-4),)
-        upwards = math.pi / 2.0
-        return free_bodies("bouncing ball", bodies, (joint,), "ball", upwards, self.gravity)
+        bodies, up = (Body("ball", 0.1, 1e-4),), math.pi / 2.0
+        return free_bodies("bouncing ball", bodies, (joint,), "ball", up, self.gravity)
 
     @property
     def start(self) -> Start:
         """Ball on the floor, moving up."""
         return Start(np.array([0.0, -1.0, 0.0]), np.array([0.0, self.speed, 0.0]))
+
+
+BOUNCES = 20
+
+
+class Bounces(NamedTuple):
+    """Flights between bounces, s, and rebound speeds, m/s."""
+
+    flights: Array
+    rebounds: Array
+
+
+def bounced(ball: Ball, duration: float) -> Bounces:
+    """Run a bouncing ball for a time, s, in ``dae``."""
+    run = TIGHT.simulate(ball.linkage, ball.start, Plan(duration, 1, recorded_cycles=1))
+    first_contact(run)
+    contacts = contacts_of(run)
+    left = np.concatenate([[0.0], contacts["separation"][:-1]])
+    return Bounces(contacts["touchdown"] - left, -contacts["release_speed"])
+
+
+def stiff_limit(stiff: float, stiffer: float, ratio: float) -> float:
+    """Return the limit for short contacts of a quantity, from its values at two stiffnesses.
+
+    The effect of gravity during contact is proportional to the contact time, K^(-2/5). The ratio is
+    that of the stiffnesses, above 1.
+    """
+    return stiffer + (stiffer - stiff) / (ratio**0.4 - 1.0)
+
+
+def bouncing_checks() -> Iterator[Check]:
+    """Check twenty bounces of a ball and the total time, with the rest as a geometric series."""
+    restitution = DELIVERED["lankarani-nikravesh"][0.9]
+    stiffer = Ball(0.9)
+    series = 2.0 / stiffer.gravity / (1.0 - restitution)
+    totals, rebounds = [], []
+    for ball in (replace(stiffer, stiffness=0.1 * stiffer.stiffness), stiffer):
+        bounces = bounced(ball, 6.0)
+        if len(bounces.rebounds) < BOUNCES:
+            raise RunFailed(f"expected {BOUNCES} bounces, found {len(bounces.rebounds)}")
+        last = float(bounces.rebounds[BOUNCES - 1])
+        totals.append(float(bounces.flights[:BOUNCES].sum()) + series * last)
+        rebounds.append(last)
+    total, rebound = (stiff_limit(one[0], one[1], 10.0) for one in (totals, rebounds))
+    yield Check.against("bouncing ball, dae: total time (s)", series * stiffer.speed, total, 1e-6)
+    expected = stiffer.speed * restitution**BOUNCES
+    yield Check.against(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
+
+
+_CASES = (
+    (
+        "Andrews' squeezer",
+        "IVP test set (Mazzia and Magherini, University of Bari), after Giles 1978 and Manning "
+        "1981; IFToMM library A03. Order 2 is that of the trapezoidal rule.",
+        andrews_checks,
+    ),
+    (
+        "impact",
+        "Roots e' of (1 + e') chi = ln((1 + chi) / (1 - chi e')) for chi of Lankarani and "
+        "Nikravesh 1990, Hunt and Crossley 1975, Flores and others 2011, Gonthier and others 2004; "
+        "depth and duration in closed form (Hertz).",
+        impact_checks,
+    ),
+    (
+        "friction",
+        "code_aster V5.01.100, test SDND100; creep and slowing under the ramp law in closed form.",
+        friction_checks,
+    ),
+    (
+        "bouncing ball",
+        "Geometric series of the delivered restitution in the limit of short contacts.",
+        bouncing_checks,
+    ),
+)
+
+
+def reference_cases() -> list[Case]:
+    """Return the cases with a published solution or a closed form."""
+    return [Case(name, source, "all", checks) for name, source, checks in _CASES]

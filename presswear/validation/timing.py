@@ -35,28 +35,14 @@ class TimedRun:
 
 @dataclass(frozen=True)
 class Timing:
-    """Repeated runs with equal steps.
+    """Repeated runs with equal steps."""
 
-    Attributes
-    ----------
-    model : str
-        Coordinates and joints that the engine solves for.
-    simulated : float
-        Simulated time, s.
-    steps, rejected : int
-        Accepted steps, and steps that were repeated with a shorter length.
-    evaluations : int or None
-        Evaluations of the accelerations, if the engine counts them.
-    walls : tuple of float
-        Wall times of the solution, s.
-    """
-
-    model: str
-    simulated: float
+    model: str  # coordinates and joints that the engine solves for
+    simulated: float  # simulated time, s
     steps: int
-    rejected: int
-    evaluations: int | None
-    walls: tuple[float, ...]
+    rejected: int  # steps that were repeated with a shorter length
+    evaluations: int | None  # of the accelerations, if the engine counts them
+    walls: tuple[float, ...]  # wall times of the solution, s
 
     @property
     def wall(self) -> float:
@@ -92,7 +78,16 @@ def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[
     for repeat in range(repeats):
         for i, timed in enumerate(runs):
             report(timed.name, (repeat * len(runs) + i) / (repeats * len(runs)))
-            timing = _timing(timed.run())
+            run = timed.run()
+            numbers, evaluations = run.diagnostics, run.diagnostics.get("evaluations")
+            timing = Timing(
+                str(numbers["model"]).partition(";")[0],
+                run.time,
+                int(numbers["steps"]),
+                int(numbers["steps_sent_back"]),
+                None if evaluations is None else int(evaluations),
+                (float(numbers["wall_solve_s"]),),
+            )
             if repeat == 0:
                 timings.append(timing)
                 continue
@@ -101,18 +96,6 @@ def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[
                 raise RunFailed(f"{timed.name}: a repeated run took other steps")
             timings[i] = replace(first, walls=(*first.walls, *timing.walls))
     return timings
-
-
-def _timing(run: Run) -> Timing:
-    evaluations = run.diagnostics.get("evaluations")
-    return Timing(
-        str(run.diagnostics["model"]).partition(";")[0],
-        run.time,
-        int(run.diagnostics["steps"]),
-        int(run.diagnostics["steps_sent_back"]),
-        None if evaluations is None else int(evaluations),
-        (float(run.diagnostics["wall_solve_s"]),),
-    )
 
 
 def write_csv(rows: Sequence[Mapping[str, object]], file: Path) -> None:

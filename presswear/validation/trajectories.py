@@ -6,15 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
-from presswear.linkage.linkage import Linkage
-from presswear.physics.ideal import Motion
+from presswear.tools.arrays import Array
 from presswear.validation.cases import contacts_of, finished
-
-Array = NDArray[np.float64]
 
 GRID = 2001  # common times at which series are compared
 PEAK_SAMPLES = 3  # on each side of the largest sample, for the polynomial through a peak
@@ -32,27 +28,15 @@ class Touchdown:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Recorded series that are compared.
+    """Recorded series that are compared."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        s.
-    slider : ndarray, shape (n, 2)
-        Position along the recorded direction, m, and velocity, m/s.
-    eccentricity : ndarray, shape (n, 2 joints)
-        m.
-    touchdowns : tuple of Touchdown
-        In the order of their times.
-    """
-
-    time: Array
-    slider: Array
-    eccentricity: Array
-    touchdowns: tuple[Touchdown, ...]
+    time: Array  # s, shape (n,)
+    slider: Array  # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
+    eccentricity: Array  # m, shape (n, 2 joints)
+    touchdowns: tuple[Touchdown, ...]  # in the order of their times
 
     def slider_at(self, time: Array) -> tuple[Array, Array]:
-        """Return position, m, and velocity, m/s, at given times."""
+        """Return position, m, and velocity, m/s, at specified times."""
         cubic = CubicHermiteSpline(self.time, self.slider[:, 0], self.slider[:, 1])
         return cubic(time), cubic.derivative()(time)
 
@@ -64,12 +48,6 @@ class Difference:
     label: str
     time: Array
     slider: Array
-
-
-def slider_at_end(linkage: Linkage, run: Run) -> Array:
-    """Return position, m, and velocity, m/s, along the recorded direction at the end of a run."""
-    q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
-    return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[0, :2]
 
 
 def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:

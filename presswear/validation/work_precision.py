@@ -6,13 +6,12 @@ apart have separated a thousandfold; beyond it, a trajectory has no meaning.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import matplotlib
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
@@ -28,11 +27,12 @@ from presswear.linkage.elements import Guide
 from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ideal import followed
+from presswear.physics.ideal import Motion, followed
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import (
@@ -45,17 +45,12 @@ from presswear.validation.cases import (
 )
 from presswear.validation.crosscheck import FIRST_TOUCHDOWNS, horizon
 from presswear.validation.timing import TimedRun, Timing, time_runs
-from presswear.validation.trajectories import (
-    slider_at_end,
-    touchdown_differences,
-    touchdowns_of,
-)
-
-Array = NDArray[np.float64]
+from presswear.validation.trajectories import touchdown_differences, touchdowns_of
 
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
 TRAPEZOIDAL, EQUAL = "trapezoidal rule", "trapezoidal rule, equal steps"
 TIGHT = InHouse(integration_tolerance=1e-13)  # reference solution
+PAPER = InHouse("rk4-paper").resolved()
 SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the order
 SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
 CYCLES = 1.25  # of the ideal mechanism; over whole cycles errors of periodic motion cancel
@@ -111,7 +106,11 @@ class Method:
     parameter: str  # STEP, IMPACT or TOLERANCE
     value: float
     is_default: bool = False  # settings that a scene uses for trajectories
-    is_paper: bool = False  # RK4 at 1e-4 s
+
+    @property
+    def is_paper(self) -> bool:
+        """True for RK4 at 1e-4 s."""
+        return self.engine == PAPER
 
     @property
     def family(self) -> str:
@@ -126,24 +125,16 @@ class Method:
 
 @dataclass(frozen=True)
 class Problem:
-    """Reference problem that every method solves.
-
-    Attributes
-    ----------
-    quantities : mapping
-        Names of the errors, with units, and the uncertainty of the reference; 0 if exact.
-    errors : callable
-        Return the errors of a completed run in the order of ``quantities``; RunFailed if the run
-        lacks what is compared.
-    """
+    """Reference problem that every method solves."""
 
     name: str
-    quantities: Mapping[str, float]
+    quantities: Mapping[str, float]  # names of the errors, uncertainty of the reference; 0 if exact
     linkage: Linkage
     start: Start
     plan: Plan
     methods: tuple[Method, ...]
-    errors: Callable[[Run], Sequence[float]]
+    # Errors of a completed run in the order of ``quantities``; RunFailed if it lacks some.
+    errors: Callable[[Run], Iterable[float]]
 
 
 @dataclass(frozen=True)
@@ -159,25 +150,22 @@ class Point:
 
 def dae_methods(
     tolerances: Sequence[float], steps: Sequence[float], default: InHouse
-) -> Iterator[Method]:
-    """Yield DOP853, DOPRI5 and RK4 with equal steps, s, in ``dae``, and the paper's setting."""
+) -> list[Method]:
+    """Return DOP853, DOPRI5 and RK4 with equal steps, s, in ``dae``, and the paper's setting."""
+    methods = []
     controlled: tuple[Integrator, ...] = ("dop853", "dopri5")
     for name in controlled:
-        values = {*tolerances, default.tolerance} if default.integrator == name else {*tolerances}
+        values = {*tolerances, *([default.tolerance] if default.integrator == name else [])}
         for value in sorted(values, reverse=True):
             engine = replace(default, integrator=name, integration_tolerance=value)
-            yield Method(engine, name.upper(), TOLERANCE, value, is_default=engine == default)
-    paper = InHouse("rk4-paper").resolved()
-    values = {*steps, default.step} if default.integrator == "rk4" else {*steps}
-    engines = [replace(default, integrator="rk4", equal_step=step) for step in values]
-    methods = [
-        Method(engine, "RK4", STEP, engine.step, is_default=engine == default)
-        for engine in engines
-        if not math.isclose(engine.step, paper.step)
-    ]
-    is_default = default.integrator == "rk4-paper"
-    methods.append(Method(paper, "RK4", STEP, paper.step, is_default, is_paper=True))
-    yield from sorted(methods, key=lambda method: -method.value)
+            methods.append(Method(engine, name.upper(), TOLERANCE, value, engine == default))
+    values = {*steps, *([default.step] if default.integrator == "rk4" else [])}
+    engines = [replace(default, integrator="rk4", equal_step=value) for value in values]
+    engines = [one for one in engines if not math.isclose(one.step, PAPER.step)]
+    for engine in sorted([*engines, PAPER], key=lambda one: -one.step):
+        is_default = default.integrator == engine.integrator and engine.step == default.step
+        methods.append(Method(engine, "RK4", STEP, engine.step, is_default))
+    return methods
 
 
 def smooth_methods(
@@ -190,21 +178,17 @@ def smooth_methods(
         engine = ExudynJoints(50, 10, free_step=step * SHORTER, newton=SMOOTH_NEWTON)
         joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
     if period is not None:
-        default = numerics.joints.for_cycle(period)
-        joints.append(Method(default, TRAPEZOIDAL, STEP, default.longest(period), is_default=True))
+        engine = numerics.joints.for_cycle(period)
+        joints.append(Method(engine, TRAPEZOIDAL, STEP, engine.longest(period), is_default=True))
     steps = [duration / count for count in extent.rk4_steps]
     dae = replace(numerics.dae, free_step=duration)
-    return (
-        *sorted(joints, key=lambda method: -method.value),
-        *dae_methods(extent.tolerances, steps, dae),
-    )
+    joints.sort(key=lambda method: -method.value)
+    return (*joints, *dae_methods(extent.tolerances, steps, dae))
 
 
-def joints_over_impacts(
-    counts: Sequence[int], numerics: Numerics, period: float
-) -> Iterator[Method]:
-    """Yield the trapezoidal rule at several steps in an impact; all its steps shrink together."""
-    default = numerics.joints.for_cycle(period)
+def joints_over_impacts(counts: Sequence[int], numerics: Numerics, period: float) -> list[Method]:
+    """Return the trapezoidal rule at several steps in an impact; all its steps shrink together."""
+    default, methods = numerics.joints.for_cycle(period), []
     for count in sorted({*counts, default.steps_per_contact}):
         finer = count / default.steps_per_contact
         engine = replace(
@@ -214,7 +198,8 @@ def joints_over_impacts(
             free_step=default.longest(period) / finer,
             newton=default.newton / max(finer, 1.0) ** 2,
         )
-        yield Method(engine, TRAPEZOIDAL, IMPACT, count, is_default=engine == default)
+        methods.append(Method(engine, TRAPEZOIDAL, IMPACT, count, engine == default))
+    return methods
 
 
 def contact_methods(
@@ -232,21 +217,16 @@ def contact_methods(
         True if the linkage is an open tree.
     """
     numerics = numerics.resolved("trajectory")
+    methods = joints_over_impacts(extent.impact_steps, numerics, period)
+    for step in extent.equal_steps:
+        # The longest step allowed is shorter than any step of a contact, so that steps are equal.
+        methods.append(Method(ExudynJoints(1, 1, free_step=step), EQUAL, STEP, step))
     tree = numerics.tree.for_cycle(period)
-    trees = [
-        replace(tree, tree_tolerance=value)
-        for value in sorted({*extent.tree_tolerances, tree.tolerance}, reverse=True)
-        if has_tree
-    ]
-    # The longest step allowed is shorter than any step of a contact, so that steps are equal.
-    equal = [ExudynJoints(1, 1, free_step=step) for step in extent.equal_steps]
+    for value in sorted({*extent.tree_tolerances, tree.tolerance}, reverse=True) * has_tree:
+        engine = replace(tree, tree_tolerance=value)
+        methods.append(Method(engine, "DOPRI5", TOLERANCE, value, engine == tree))
     dae = replace(numerics.dae, free_step=longest)
-    return (
-        *joints_over_impacts(extent.impact_steps, numerics, period),
-        *(Method(engine, EQUAL, STEP, engine.longest(period)) for engine in equal),
-        *(Method(t, "DOPRI5", TOLERANCE, t.tolerance, is_default=t == tree) for t in trees),
-        *dae_methods(extent.tolerances, extent.rk4_impact_steps, dae),
-    )
+    return (*methods, *dae_methods(extent.tolerances, extent.rk4_impact_steps, dae))
 
 
 def constraint_error(linkage: Linkage, run: Run) -> float:
@@ -256,10 +236,7 @@ def constraint_error(linkage: Linkage, run: Run) -> float:
 
 
 def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
-    """Return the mechanism of a scene with every joint ideal.
-
-    The reference is the closed form; its uncertainty is round-off after 1e5 steps.
-    """
+    """Return the mechanism of a scene with every joint ideal, whose reference is a closed form."""
     linkage, period = followed(scene.mechanism.linkage()), scene.mechanism.period
     motion = scene.ideal.at(np.zeros(1))
     duration = CYCLES * period
@@ -272,6 +249,7 @@ def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
 
     return Problem(
         "ideal mechanism",
+        # Round-off after 1e5 steps.
         {"slider (m)": 5e-14, "slider velocity (m/s)": 1e-12, "constraints (m, rad)": 1e-12},
         linkage,
         Start(motion.position[0], motion.velocity[0]),
@@ -291,20 +269,14 @@ def andrews(extent: Extent) -> Problem:
     plan = Plan(duration, 1, 1, torques=False)
 
     def errors(run: Run) -> Sequence[float]:
-        angles = references.andrews_angles(run.end.position) - np.array(references.ANDREWS_ANGLES)
-        rates = references.andrews_angles(run.end.velocity) - np.array(references.ANDREWS_RATES)
+        angles = references.andrews_angles(run.end.position) - references.ANDREWS_ANGLES
+        rates = references.andrews_angles(run.end.velocity) - references.ANDREWS_RATES
         return [np.abs(angles).max(), np.abs(rates).max(), constraint_error(linkage, run)]
 
     angles, rates, _ = map(float, errors(finite(TIGHT.simulate(linkage, start, plan))))
-    return Problem(
-        "Andrews' squeezer",
-        {"angles (rad)": angles, "rates (rad/s)": rates, "constraints (m)": 1e-12},
-        linkage,
-        start,
-        plan,
-        smooth_methods(extent, duration, Numerics(), None),
-        errors,
-    )
+    quantities = {"angles (rad)": angles, "rates (rad/s)": rates, "constraints (m)": 1e-12}
+    methods = smooth_methods(extent, duration, Numerics(), None)
+    return Problem("Andrews' squeezer", quantities, linkage, start, plan, methods, errors)
 
 
 def single_impact(scene: Scene, extent: Extent) -> Problem:
@@ -339,14 +311,13 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
             abs(float(run.diagnostics["energy_residual_J"])) / kinetic,
         ]
 
-    quantities = {
-        "restitution": 1e-14,
-        "contact time (s)": max(uncertainty, 1e-14 * contact_time),
-        "energy residual / kinetic": 0.0,
-    }
     return Problem(
         "one impact",
-        quantities,
+        {
+            "restitution": 1e-14,
+            "contact time (s)": max(uncertainty, 1e-14 * contact_time),
+            "energy residual / kinetic": 0.0,
+        },
         replace(linkage, joints=guides),
         start,
         Plan(duration, 1, 1, torques=False),
@@ -366,15 +337,19 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
     plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
     has_tree = isinstance(tree_of(linkage), Tree)
     second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
-    runs = [
+    exact, check = (
         finite(engine.for_cycle(period).simulate(linkage, start, plan))
         for engine in (TIGHT, second)
-    ]
+    )
     names = (
         *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),
         *("closing speeds, relative", "peak forces, relative", "energy residual / exchanged"),
     )
-    first = touchdowns_of(runs[0])[:FIRST_TOUCHDOWNS]
+    first = touchdowns_of(exact)[:FIRST_TOUCHDOWNS]
+
+    def slider_at_end(run: Run) -> Array:
+        q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
+        return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[0, :2]
 
     def errors(run: Run) -> Sequence[float]:
         differences = touchdown_differences(first, touchdowns_of(run))
@@ -382,21 +357,15 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
         if missing:
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
         times, speeds, forces = differences.max(axis=0, initial=0.0)
-        ends = slider_at_end(linkage, run), slider_at_end(linkage, runs[0])
-        position, velocity = np.abs(ends[0] - ends[1])
+        position, velocity = np.abs(slider_at_end(run) - slider_at_end(exact))
         numbers = position, times, velocity, speeds, forces, missing_energy(run)
         return [float(number) for number in numbers]
 
-    return Problem(
-        f"scene {scene.name}, {end:.3g} s",
-        # Energy is conserved exactly, so that the residual needs no reference.
-        dict(zip(names, [*errors(runs[1])[:-1], 0.0], strict=True)),
-        linkage,
-        start,
-        plan,
-        contact_methods(extent, scene.numerics, period, period / LEAST_STEPS, has_tree),
-        errors,
-    )
+    # Energy is conserved exactly, so that the residual needs no reference.
+    quantities = dict(zip(names, [*errors(check)[:-1], 0.0], strict=True))
+    methods = contact_methods(extent, scene.numerics, period, period / LEAST_STEPS, has_tree)
+    name = f"scene {scene.name}, {end:.3g} s"
+    return Problem(name, quantities, linkage, start, plan, methods, errors)
 
 
 def finite(run: Run) -> Run:
@@ -409,9 +378,8 @@ def finite(run: Run) -> Run:
 
 def first_run(problem: Problem, method: Method) -> Point:
     """Run a method once for its errors; a failure of any kind becomes a point with a failure."""
-    plan = replace(
-        problem.plan, observers=guarded(problem.plan.cycle, problem.plan.cycles).observers
-    )
+    plan = problem.plan
+    plan = replace(plan, report=guarded(plan.cycle, plan.cycles).report)
     try:
         with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
             run = finite(method.engine.simulate(problem.linkage, problem.start, plan))
@@ -470,27 +438,26 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
 
 def table(points: Sequence[Point]) -> list[dict[str, object]]:
     """Return one row for each problem, method and quantity; a method that failed has no numbers."""
-    rows = []
-    for point in points:
-        method, timing = point.method, point.timing
-        for quantity, uncertainty in point.problem.quantities.items():
-            rows.append(
-                {
-                    "problem": point.problem.name,
-                    "engine": method.engine.word,
-                    "integrator": method.integrator,
-                    "parameter": method.parameter,
-                    "value": method.value,
-                    "is_default": method.is_default,
-                    "is_paper": method.is_paper,
-                    "quantity": quantity,
-                    "error": point.errors.get(quantity, ""),
-                    "reference_uncertainty": uncertainty,
-                    **({} if timing is None else timing.columns()),
-                    "failure": point.failure,
-                }
-            )
-    return rows
+    names = ("integrator", "parameter", "value", "is_default", "is_paper")
+    return [
+        {
+            "problem": point.problem.name,
+            "engine": point.method.engine.word,
+            **{name: getattr(point.method, name) for name in names},
+            "quantity": quantity,
+            "error": point.errors.get(quantity, ""),
+            "reference_uncertainty": uncertainty,
+            **(point.timing.columns() if point.timing else {}),
+            "failure": point.failure,
+        }
+        for point in points
+        for quantity, uncertainty in point.problem.quantities.items()
+    ]
+
+
+_MARKERS = ("o", "s", "^", "D", "v", "P")
+_STYLES = (*LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
+_MARK: dict[str, Any] = {"color": REFERENCE, "markerfacecolor": "none", "linestyle": "none"}
 
 
 @matplotlib.rc_context(SETTINGS)
@@ -504,6 +471,8 @@ def draw_work_precision(points: Sequence[Point]) -> Drawing:
         timed = [p for p in points if p.problem is problem and p.timing is not None]
         for axes, quantity in zip(row, list(problem.quantities)[:2], strict=True):
             _draw_errors(axes, timed, quantity, families)
+            if uncertainty := problem.quantities[quantity]:
+                axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
             axes.set_title(problem.name)
     pairs = [axes.get_legend_handles_labels() for axes in grid[:, 0]]
     by_label = {label: handle for pair in pairs for handle, label in zip(*pair, strict=True)}
@@ -516,19 +485,11 @@ def draw_work_precision(points: Sequence[Point]) -> Drawing:
     return Drawing("benchmark.png", "Error against wall time", caption, sheet)
 
 
-_MARKERS = ("o", "s", "^", "D", "v", "P")
-_STYLES = (*LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
-_MARK: dict[str, Any] = {"color": REFERENCE, "markerfacecolor": "none", "linestyle": "none"}
-
-
 def _draw_errors(
     axes: Axes, points: Sequence[Point], quantity: str, families: Sequence[str]
 ) -> None:
     """Draw one error of all methods of a problem; rings and stars mark default and paper."""
     axes.set(xscale="log", yscale="log", xlabel="wall time (ms)", ylabel=quantity)
-    uncertainty = points[0].problem.quantities[quantity] if points else 0.0
-    if uncertainty > 0.0:
-        axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
     for family, marker, (colour, dashes) in zip(families, _MARKERS, _STYLES, strict=False):
         curve = [
             (1e3 * p.timing.wall, max(p.errors[quantity], 1e-17), p.method)

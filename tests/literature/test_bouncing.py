@@ -8,7 +8,7 @@ from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact, order_of
-from presswear.validation.reference_checks import (
+from presswear.validation.reference_problems import (
     TIGHT,
     bounced,
     deepest_penetration,
@@ -100,5 +100,5 @@ def test_ball_rebounds_with_the_delivered_restitution(nominal: float) -> None:
         ratios.append(rebounds / np.concatenate([[ball.speed], rebounds[:-1]]))
     np.testing.assert_allclose((ratios[0] - expected) / (ratios[1] - expected), 10**0.4, rtol=5e-3)
     for bounce in range(4):
-        limit = stiff_limit([ratios[1][bounce], ratios[2][bounce]], 10.0)
+        limit = stiff_limit(ratios[1][bounce], ratios[2][bounce], 10.0)
         assert limit == pytest.approx(expected, abs=5e-9)

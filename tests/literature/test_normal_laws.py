@@ -12,7 +12,7 @@ from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
-from presswear.validation.reference_checks import delivered
+from presswear.validation.reference_problems import delivered
 
 CLEARANCE, STIFFNESS, SPEED = 1e-4, 1.25e10, 0.25
 MASS = 0.3 * 0.1 / 0.4

@@ -21,7 +21,6 @@ from presswear.validation.feature_costs import (
     FeatureCost,
     FeatureExtent,
     timed_run,
-    worn_surfaces,
 )
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
 from presswear.validation.timing import time_runs
@@ -91,13 +90,6 @@ def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]) -> 
     for quantity in ("angles (rad)", "rates (rad/s)"):
         assert order(family(points, 1, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.1)
         assert order(family(points, 1, RK4), quantity) == pytest.approx(4.0, abs=0.5)
-
-
-def test_a_smaller_tolerance_gives_a_smaller_error(points: list[Point]) -> None:
-    for name in ("dae, DOP853", "dae, DOPRI5"):
-        errors = [point.errors["slider (m)"] for point in family(points, 0, name)]
-        assert errors == sorted(errors, reverse=True)
-        assert errors[-1] < 1e-2 * errors[0]
 
 
 def test_the_uncertainty_of_the_references_is_known(points: list[Point]) -> None:
@@ -276,11 +268,6 @@ def test_every_feature_is_timed_on_and_off(costs: list[FeatureCost]) -> None:
     for feature in SWITCHES:
         is_equal = feature in ("wear account", "torques stored")
         assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
-
-
-def test_worn_surfaces_have_the_depth_of_one_update() -> None:
-    depths = worn_surfaces(SCENE, 1).max(axis=2).sum(axis=1)
-    assert all(1e-6 < depth < 1e-3 for depth in depths)
 
 
 def test_the_features_command_writes_its_table(

@@ -11,7 +11,7 @@ from presswear.__main__ import main
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.tools.errors import InputError, RunFailed
-from presswear.validation import hard_cases, hard_impacts, reference_checks
+from presswear.validation import hard_cases, reference_problems
 from presswear.validation.cases import (
     Case,
     Check,
@@ -22,10 +22,9 @@ from presswear.validation.cases import (
     run_sound,
     sound,
 )
-from presswear.validation.reference_problems import block
 
 HARD = list(hard_cases.hard_cases())
-CASES = [*reference_checks.reference_cases(), *HARD]
+CASES = [*reference_problems.reference_cases(), *HARD]
 SLOW = (  # some ten seconds each
     "deeper than c, radial",
     "deeper than c, foundation",
@@ -34,7 +33,7 @@ SLOW = (  # some ten seconds each
     "clearance at A alone",
     "100 cycles at 40 pi",
 )
-TIGHT, GRAVITY = reference_checks.TIGHT, reference_checks.GRAVITY
+TIGHT, GRAVITY = reference_problems.TIGHT, reference_problems.GRAVITY
 
 
 def _marked(case: Case) -> object:
@@ -50,39 +49,34 @@ def test_case_is_within_its_bounds_or_refused(case: Case) -> None:
     assert all((each.verdict == "refused") == bool(case.refusal) for each in results)
 
 
-def test_cases_and_reference_checks_have_unique_names() -> None:
+def test_cases_have_unique_names() -> None:
     counts = Counter((case.name, case.engine) for case in CASES)
     assert [name for name, count in counts.items() if count > 1] == []
     assert len(HARD) == 135
 
 
-def test_limit_for_short_contacts() -> None:
-    values = [5.0 + 3.0 * stiffness**-0.4 for stiffness in (1e3, 8e3)]
-    assert reference_checks.stiff_limit(values, 8.0) == pytest.approx(5.0, rel=1e-14)
-
-
 def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reference_checks, "TIGHT", InHouse("rk4", equal_step=5e-6))
-    missed = [check.quantity for check in reference_checks.impact_checks() if not check.passed]
+    monkeypatch.setattr(reference_problems, "TIGHT", InHouse("rk4", equal_step=5e-6))
+    missed = [check.quantity for check in reference_problems.impact_checks() if not check.passed]
     assert "restitution, nominal 0.9, dae" in missed
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
     coarse = InHouse("rk4", equal_step=1e-5)
-    checks = hard_impacts.strikes(coarse, 8e-4, 0.25, None, 0.9)
+    checks = hard_cases.strikes(coarse, 8e-4, 0.25, None, 0.9)
     assert [check.passed for check in checks] == [False, False]
 
 
 def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hard_impacts, "ONSET_SPEED_FLOOR", 2e-6)
-    assert not next(iter(hard_impacts.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
-    monkeypatch.setattr(hard_impacts, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
-    on_flat = block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
-    monkeypatch.setattr(hard_impacts, "on_incline", lambda *arguments: on_flat)
-    assert not next(iter(hard_impacts.creeps(TIGHT, 0.05))).passed
+    monkeypatch.setattr(hard_cases, "ONSET_SPEED_FLOOR", 2e-6)
+    assert not next(iter(hard_cases.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
+    monkeypatch.setattr(hard_cases, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
+    on_flat = reference_problems.block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
+    monkeypatch.setattr(hard_cases, "on_incline", lambda *arguments: on_flat)
+    assert not next(iter(hard_cases.creeps(TIGHT, 0.05))).passed
 
 
 def test_lost_energy_contacts_and_numbers_miss() -> None:
     plan = guarded(0.01)
-    run = run_sound(*hard_impacts.twins(), TIGHT, plan)
+    run = run_sound(*hard_cases.twins(), TIGHT, plan)
     run.diagnostics["drive_exchange_J"] = 1.0
     run.diagnostics["energy_residual_J"] = -1e-5
     assert not energy_check(run, "dae").passed
@@ -165,7 +159,7 @@ def test_the_command_prints_references_and_fails_on_a_miss(
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
     checks = [Check.against(name, -15.75637105984, -15.756371, 1e-3)]
     cases = [Case("one", "", "all", lambda: iter(checks))]
-    monkeypatch.setattr(reference_checks, "reference_cases", lambda: cases)
+    monkeypatch.setattr(reference_problems, "reference_cases", lambda: cases)
     assert main(["verify"]) == 0
     out = capsys.readouterr().out
     for words in (name, "-15.7563711", "pass", "1 of 1"):

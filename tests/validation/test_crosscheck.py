@@ -12,11 +12,11 @@ import pytest
 
 from presswear.__main__ import main
 from presswear.campaign.replicates import disturbed, start_of
-from presswear.engines.settings import ExudynJoints, ExudynTree
+from presswear.engines.settings import ExudynTree
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import ideal, wear_times
-from presswear.validation.crosscheck import DISTURBANCE, finer
+from presswear.validation.crosscheck import DISTURBANCE
 from presswear.validation.trajectories import (
     Touchdown,
     Trajectory,
@@ -76,12 +76,6 @@ def test_a_peak_between_samples_is_found() -> None:
     time = np.array([0.0, 0.1, 0.25, 0.3, 0.5])
     assert peak(time, 7.0 - 3.0 * (time - 0.21) ** 2) == pytest.approx(7.0, rel=1e-12)
     assert peak(time, 2.0 * time) == 1.0
-
-
-def test_finer_divides_every_step() -> None:
-    engine = finer(ExudynJoints(50, 10, free_step=1e-5, newton=1e-6), 1.0, 4)
-    assert (engine.steps_per_contact, engine.steps_sustained) == (200, 40)
-    assert (engine.free_step, engine.newton) == (2.5e-6, 6.25e-8)
 
 
 # Three touches, and steps of RK4 no finer than they need.
