@@ -79,18 +79,17 @@ def parse_group(scene: Scene, text: str) -> Group:
             values = values_of(key, listed, setting.meaning)
         else:
             choices = tuple(word.strip() for word in listed.split(","))
-            if isinstance(setting.meaning, Choice):
-                for word in choices:
-                    setting.meaning.check(key, word)
             values = [float(index) for index in range(len(choices))]
+        if isinstance(setting.meaning, Choice):
+            for word in choices:
+                setting.meaning.check(key, word)
         if len(set(choices or values)) < len(values) and TOGETHER not in text:
             raise InputError(f"--vary {text}: a value is repeated")
         columns.append(column_of(setting, choices))
         rows.append(values)
-    counts = [len(values) for values in rows]
-    if len(set(counts)) > 1:
-        listed = " and ".join(map(str, counts))
-        raise InputError(f"--vary {text}: expected as many values of each key, got {listed}")
+    if len({len(values) for values in rows}) > 1:
+        counts = " and ".join(str(len(values)) for values in rows)
+        raise InputError(f"--vary {text}: expected as many values of each key, got {counts}")
     return Group(tuple(columns), np.array(rows, dtype=float).T)
 
 
@@ -100,25 +99,24 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
     A value is a text as on the command line, or a list of numbers in SI units or of words; for
     several keys joined by ``&`` a list of rows.
     """
-    return tuple(_text_of(scene, key, values) for key, values in vary.items())
-
-
-def _text_of(scene: Scene, key: str, values: object) -> str:
-    if isinstance(values, str):
-        return f"{key}={values}"
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    if not isinstance(values, Sequence) or len(values) == 0:
-        raise InputError(f"{key} = {shown(values)}: expected a text or a list of values")
-    keys = [word.strip() for word in key.split(TOGETHER)]
-    rows = [list(row) if len(keys) > 1 and isinstance(row, Sequence) else [row] for row in values]
-    if any(len(row) != len(keys) for row in rows):
-        raise InputError(f"{key}: expected rows of {len(keys)} values")
-    parts = []
-    for index, name in enumerate(keys):
-        setting = setting_of(scene, name)
-        parts.append(f"{name}={','.join(_value_text(setting, row[index]) for row in rows)}")
-    return f" {TOGETHER} ".join(parts)
+    texts = []
+    for key, values in vary.items():
+        if isinstance(values, str):
+            texts.append(f"{key}={values}")
+            continue
+        listed = values.tolist() if isinstance(values, np.ndarray) else values
+        if not isinstance(listed, Sequence) or len(listed) == 0:
+            raise InputError(f"{key} = {shown(values)}: expected a text or a list of values")
+        keys = [word.strip() for word in key.split(TOGETHER)]
+        rows = [row if len(keys) > 1 and isinstance(row, Sequence) else [row] for row in listed]
+        if any(len(row) != len(keys) for row in rows):
+            raise InputError(f"{key}: expected rows of {len(keys)} values")
+        parts = []
+        for name, column in zip(keys, zip(*rows, strict=True), strict=True):
+            setting = setting_of(scene, name)
+            parts.append(f"{name}={','.join(_value_text(setting, value) for value in column)}")
+        texts.append(f" {TOGETHER} ".join(parts))
+    return tuple(texts)
 
 
 def _value_text(setting: Setting, value: object) -> str:
@@ -132,14 +130,11 @@ def _value_text(setting: Setting, value: object) -> str:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Frozen distribution of `scipy.stats`, truncated to the allowed range of a parameter.
-
-    `low` and `high` are the cumulative probabilities at the ends of that range.
-    """
+    """Frozen distribution of `scipy.stats`, truncated to the allowed range of a parameter."""
 
     text: str
     frozen: Any
-    low: float = 0.0
+    low: float = 0.0  # cumulative probability at the lower end of the range
     high: float = 1.0
 
     def ppf(self, probability: Array) -> Array:
@@ -204,20 +199,22 @@ def _frozen(kind: str, words: list[str], key: str, meaning: Quantity) -> Any:
         if not first < last:
             raise InputError(f"{key} = {', '.join(words)}: the first end must be below the second")
         return stats.uniform(first, last - first)
+
+    def above(name: str, text: str, unit: str, low: float, high: float) -> float:
+        return float(parse_quantity(name, text, Quantity(unit, low, high, "", "", open_low=True)))
+
+    spread = words[1]
     if kind == "normal":
-        positive = Quantity(meaning.unit, 0.0, math.inf, "", "", open_low=True)
-        return stats.norm(first, parse_quantity(f"standard deviation of {key}", words[1], positive))
+        name = f"standard deviation of {key}"
+        return stats.norm(first, above(name, spread, meaning.unit, 0.0, math.inf))
     if first <= 0.0:
         raise InputError(f"{key} = {words[0]}: the median must be positive")
-    spread = words[1]
     if spread.endswith("%"):
-        limits = Quantity("", 0.0, 1e4, "", "", open_low=True)
-        part = parse_quantity(f"coefficient of variation of {key}, %,", spread[:-1], limits) / 100.0
+        part = above(f"coefficient of variation of {key}, %,", spread[:-1], "", 0.0, 1e4) / 100.0
         # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter 14.
         return stats.lognorm(math.sqrt(math.log1p(part**2)), scale=first)
     if spread.startswith("x"):
-        limits = Quantity("", 1.0, 1e4, "", "", open_low=True)
-        factor = parse_quantity(f"factor of {key}", spread[1:], limits)
+        factor = above(f"factor of {key}", spread[1:], "", 1.0, 1e4)
         return stats.lognorm(math.log(factor), scale=first)
     raise InputError(
         f"spread of {key} = {spread!r}: expected a factor such as x1.6 or a coefficient of "
@@ -230,16 +227,15 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
     from scipy import stats
 
     check_file(file)
-    weight = Quantity("", 0.0, math.inf, "", "")
-    rows = []
+    weight, rows = Quantity("", 0.0, math.inf, "", ""), []
     try:
         lines = read_checked(file).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise InputError(f"{file} is not a text file: {error}") from None
     for number, line in enumerate(lines, start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
+        value, _, share = (part.strip() for part in line.partition("#")[0].partition(","))
+        if not value:
             continue
-        value, _, share = (part.strip() for part in line.partition(","))
         try:
             pair = (
                 parse_quantity(key, value, meaning),
@@ -247,7 +243,7 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
             )
         except InputError as error:
             raise InputError(f"{file}, line {number}: {error}") from None
-        rows.append((float(pair[0]), float(pair[1])))
+        rows.append([float(item) for item in pair])
     values, weights = np.array(sorted(rows)).reshape(-1, 2).T
     if len(values) < 2 or weights.sum() <= 0.0:
         raise InputError(f"{file}: expected at least two values and a positive weight")
@@ -289,9 +285,19 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
         )
     random = np.random.default_rng(seed)
     if kind == "morris":
-        return _morris(size, dimension, random)
+        paths = np.empty((size, dimension + 1, dimension))
+        for path in paths:
+            start = random.integers(MORRIS_LEVELS, size=dimension)
+            path[:] = (start + 0.5) / MORRIS_LEVELS
+            for step, k in enumerate(random.permutation(dimension), start=1):
+                path[step:, k] += MORRIS_JUMP if start[k] < MORRIS_LEVELS // 2 else -MORRIS_JUMP
+        return paths.reshape(-1, dimension)
     if kind == "oat":
-        return _one_at_a_time(size, dimension)
+        steps = OAT_REACH * np.arange(1, size + 1) / size
+        around = np.concatenate([-steps[::-1], steps])
+        return np.vstack(
+            [np.full(dimension, 0.5), 0.5 + np.kron(np.eye(dimension), around[:, None])]
+        )
     from scipy.stats import qmc  # slow to import
 
     if kind == "latin":
@@ -308,22 +314,3 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
         blocks[:, k + 1, k] = second[:, k]
     blocks[:, -1] = second
     return blocks.reshape(-1, dimension)
-
-
-def _morris(size: int, dimension: int, random: np.random.Generator) -> Array:
-    points = np.empty((size, dimension + 1, dimension))
-    for trajectory in points:
-        start = random.integers(MORRIS_LEVELS, size=dimension)
-        trajectory[:] = (start + 0.5) / MORRIS_LEVELS
-        for step, k in enumerate(random.permutation(dimension), start=1):
-            trajectory[step:, k] += MORRIS_JUMP if start[k] < MORRIS_LEVELS // 2 else -MORRIS_JUMP
-    return points.reshape(-1, dimension)
-
-
-def _one_at_a_time(size: int, dimension: int) -> Array:
-    steps = OAT_REACH * np.arange(1, size + 1) / size
-    points = np.full((1 + 2 * size * dimension, dimension), 0.5)
-    for k in range(dimension):
-        first = 1 + 2 * size * k
-        points[first : first + 2 * size, k] += np.concatenate([-steps[::-1], steps])
-    return points

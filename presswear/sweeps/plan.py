@@ -5,7 +5,7 @@ import io
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -90,23 +90,27 @@ class Plan:
                 raise InputError("scenes: two of them have the same name; use a mapping by name")
             column = Column("scene", "", "scene", names)
             return (Group((column,), np.arange(float(len(names)))[:, None]),)
+        if not self.sample:
+            return self._varied
+        kind, _, size = self.sample.partition(":")
+        if not (size.isascii() and size.isdigit() and len(size) < 9):
+            raise InputError(f"--sample {self.sample}: expected KIND:SIZE, such as sobol:512")
+        columns, distributions = zip(*self._sampled, strict=True)
+        unit = design(kind, int(size), len(columns), self.seed)
+        values = [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
+        return (Group(columns, np.column_stack(values)), *self._varied)
+
+    @cached_property
+    def _varied(self) -> tuple[Group, ...]:
         # A process or a mechanism has keys of its own, so words are read first.
         read: dict[str, Group] = {}
         for text in sorted(self.vary, key=lambda text: "." in text.partition("=")[0]):
             read[text] = parse_group(_with_words(self.scene, read.values()), text)
-        groups = tuple(read[text] for text in self.vary)
-        if not self.sample:
-            return groups
-        kind, _, size = self.sample.partition(":")
-        if not (size.isascii() and size.isdigit() and len(size) < 9):
-            raise InputError(f"--sample {self.sample}: expected KIND:SIZE, such as sobol:512")
-        columns, distributions = self._sampled(_with_words(self.scene, groups))
-        unit = design(kind, int(size), len(columns), self.seed)
-        values = [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
-        return (Group(columns, np.column_stack(values)), *groups)
+        return tuple(read[text] for text in self.vary)
 
-    def _sampled(self, scene: Scene) -> tuple[tuple[Column, ...], tuple[Distribution, ...]]:
-        columns, distributions = [], []
+    @cached_property
+    def _sampled(self) -> list[tuple[Column, Distribution]]:
+        scene, sampled = _with_words(self.scene, self._varied), []
         for text in self.ranges:
             key, _, words = (part.strip() for part in text.partition("="))
             if not words:
@@ -114,17 +118,14 @@ class Plan:
             setting = setting_of(scene, key)
             if not isinstance(setting.meaning, Quantity):
                 raise InputError(f"--range {text}: {key} is not a number; use --vary for words")
-            columns.append(column_of(setting))
-            distributions.append(parse_distribution(words, key, setting.meaning))
-        return tuple(columns), tuple(distributions)
+            distribution = parse_distribution(words, key, setting.meaning)
+            sampled.append((column_of(setting), distribution))
+        return sampled
 
-    @cached_property
+    @property
     def distributions(self) -> dict[str, Distribution]:
         """Distributions of the sampled parameters by key."""
-        if not self.sample:
-            return {}
-        columns, distributions = self._sampled(_with_words(self.scene, self.groups[1:]))
-        return {column.key: item for column, item in zip(columns, distributions, strict=True)}
+        return {column.key: distribution for column, distribution in self._sampled}
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -167,21 +168,21 @@ class Plan:
 
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
+        base, values = self._identities[row // self.replicates if self.scenes else 0]
         settings = {
             key: value
             for key, value in self.settings(row).items()
-            if key not in self._values or self._values[key] != value
+            if key not in values or values[key] != value
         }
-        base = scene_digest(self._base(row)) if self.scenes else self._digest
         return json.dumps([base, settings], sort_keys=True)
 
     @cached_property
-    def _digest(self) -> str:
-        return scene_digest(self.scene)
-
-    @cached_property
-    def _values(self) -> dict[str, Any]:
-        return {} if self.scenes else {item.key: item.value for item in settings_of(self.scene)}
+    def _identities(self) -> list[tuple[str, dict[str, Any]]]:
+        """Digest of each scene, and the values that a row may set without effect."""
+        if self.scenes:
+            return [(scene_digest(scene), {}) for scene in self.scenes]
+        values = {item.key: item.value for item in settings_of(self.scene)}
+        return [(scene_digest(self.scene), values)]
 
     @cached_property
     def example(self) -> Scene:
@@ -196,25 +197,16 @@ class Plan:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the plan as plain data."""
-        plain = {item.name: getattr(self, item.name) for item in fields(self)}
-        return {
-            **plain,
-            "scene": self.scene.as_dict(),
-            "scenes": [scene.as_dict() for scene in self.scenes],
-        }
+        data = {item.name: getattr(self, item.name) for item in fields(self)}
+        scenes = [scene.as_dict() for scene in self.scenes]
+        return {**data, "scene": self.scene.as_dict(), "scenes": scenes}
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Plan":
         """Return the plan of `as_dict`."""
-        return Plan(
-            Scene.from_dict(data["scene"]),
-            tuple(data["vary"]),
-            data["sample"],
-            tuple(data["ranges"]),
-            data["replicates"],
-            data["seed"],
-            tuple(map(Scene.from_dict, data["scenes"])),
-        )
+        scene, scenes = Scene.from_dict(data["scene"]), tuple(map(Scene.from_dict, data["scenes"]))
+        vary, ranges = tuple(data["vary"]), tuple(data["ranges"])
+        return Plan(scene, vary, data["sample"], ranges, data["replicates"], data["seed"], scenes)
 
 
 def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
@@ -292,16 +284,15 @@ class Table:
     def at(self, values: Array) -> "Table":
         """Return the rows at which the last parameters have some values, without these columns."""
         count = len(values)
-        rows = (self.points[:, -count:] == values).all(axis=1)
-        return Table(
-            self.parameters[:-count],
-            self.responses,
-            self.points[rows, :-count],
-            self.values[rows],
-            self.half_widths[rows],
-            self.censored[rows],
-            tuple(error for error, is_in in zip(self.errors, rows, strict=True) if is_in),
-            self.replicates,
+        rows = np.flatnonzero((self.points[:, -count:] == values).all(axis=1))
+        return replace(
+            self,
+            parameters=self.parameters[:-count],
+            points=self.points[rows, :-count],
+            values=self.values[rows],
+            half_widths=self.half_widths[rows],
+            censored=self.censored[rows],
+            errors=tuple(self.errors[row] for row in rows),
         )
 
     def columns(self) -> dict[str, list[Any]]:

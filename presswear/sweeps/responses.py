@@ -8,7 +8,7 @@ import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -38,22 +38,19 @@ class Response(NamedTuple):
 
 
 User = Callable[[Result], float]
-OfJoint = Callable[[Result, StageResult, JointResult], Response | None]
-OfStage = Callable[[Result, StageResult], Response | None]
 
 
-@dataclass(frozen=True)
-class Definition:
-    """Definition of a response, by a function of a joint, of a stage or of a whole result.
+class Definition(NamedTuple):
+    """Definition of a response.
 
-    The function returns None where the result has no such number.
+    The function gets a result, a stage and a joint. The stage is None for a response of the whole
+    result, the joint for one of a stage. It returns None where the result has no such number.
     """
 
     unit: str
     text: str
-    joint: OfJoint | None = None
-    stage: OfStage | None = None
-    result: Callable[[Result], Response | None] | None = None
+    scope: Literal["joint", "stage", "result"]
+    function: Callable[[Result, Any, Any], Response | None]
     optional: bool = False  # computed only if requested, because it takes long
 
 
@@ -88,64 +85,60 @@ def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
 
 
 def _rate(result: Result, stage: StageResult, joint: JointResult) -> Response | None:
-    if joint.stored is None:
-        return None
-    return _response(joint.stored.wear_volume.scaled(1.0 / result.scene.cycles_per_update))
+    per_stroke = 1.0 / result.scene.cycles_per_update
+    return _response(joint.stored and joint.stored.wear_volume.scaled(per_stroke))
 
 
-def _drift(result: Result, stage: StageResult) -> Response | None:
+def _drift(result: Result, stage: StageResult, joint: None) -> Response | None:
     change = rise(stage, result.stages[0])
     return Response(0.0, 0.0) if change and stage.index == 0 else _response(change)
 
 
-def _clearance(result: Result, stage: StageResult) -> Response:
+def _clearance(result: Result, stage: StageResult, joint: None) -> Response:
     return Response(total_clearance(result.scene.linkage(stage.surfaces)))
 
 
-def _life(result: Result) -> Response | None:
+def _life(result: Result, stage: None, joint: None) -> Response | None:
     if result.life is None:
         return None
     half = result.life.interval.half_width
     return Response(result.life.strokes, half, result.life.first is None)
 
 
-def _followed(name: str, **function: Any) -> dict[str, Definition]:
-    """Return a response that a life also follows, with the same unit and text."""
-    return {name: Definition(FOLLOWED[name].unit, FOLLOWED[name].text, **function)}
+def _of_joint(name: str) -> Callable[..., Response | None]:
+    return lambda _, stage, joint: _response(joint.stored and getattr(joint.stored, name))
 
 
-RESPONSES: dict[str, Definition] = {
-    **_followed(
-        "force_max",
-        joint=lambda _, stage, joint: _response(joint.stored and joint.stored.peak_force_per_cycle),
-    ),
-    **_followed("depth", joint=_depth),
-    **_followed("wear_volume", joint=_volume),
-    "wear_rate": Definition("m^3", "volume that bearing and pin lose in a stroke", joint=_rate),
-    "contacts": Definition(
-        "",
-        "contacts in a cycle",
-        joint=lambda _, stage, joint: _response(joint.stored and joint.stored.contacts_per_cycle),
-    ),
-    **_followed(
-        "bdc_error",
-        stage=lambda _, one: _response(one.statistics.bdc and one.statistics.bdc.error),
-    ),
-    **_followed("bdc_drift", stage=_drift),
-    **_followed(
-        "repeatability",
-        stage=lambda _, one: _response(
-            one.statistics.bdc and one.statistics.bdc.standard_deviation
-        ),
-    ),
-    **_followed("total_clearance", stage=_clearance, optional=True),
-    "drive_work": Definition(
-        "J",
-        "work of all drives in a cycle",
-        stage=lambda _, one: _response(one.statistics.drive_work_per_cycle),
-    ),
-    "life": Definition("", "strokes until the first limit is passed", result=_life),
+def _of_bottom(name: str) -> Callable[..., Response | None]:
+    return lambda _, stage, joint: _response(
+        stage.statistics.bdc and getattr(stage.statistics.bdc, name)
+    )
+
+
+def _work(result: Result, stage: StageResult, joint: None) -> Response | None:
+    return _response(stage.statistics.drive_work_per_cycle)
+
+
+_TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
+    "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
+    "contacts": ("", "contacts in a cycle"),
+    "drive_work": ("J", "work of all drives in a cycle"),
+    "life": ("", "strokes until the first limit is passed"),
 }
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "force_max": ("joint", _of_joint("peak_force_per_cycle")),
+    "depth": ("joint", _depth),
+    "wear_volume": ("joint", _volume),
+    "wear_rate": ("joint", _rate),
+    "contacts": ("joint", _of_joint("contacts_per_cycle")),
+    "bdc_error": ("stage", _of_bottom("error")),
+    "bdc_drift": ("stage", _drift),
+    "repeatability": ("stage", _of_bottom("standard_deviation")),
+    "total_clearance": ("stage", _clearance, True),
+    "drive_work": ("stage", _work),
+    "life": ("result", _life),
+}
+RESPONSES = {name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()}
 
 
 @dataclass(frozen=True)
@@ -163,7 +156,7 @@ def available(scene: Scene) -> dict[str, Definition]:
     """Return all responses of a scene by name, those of joints first."""
     responses: dict[str, Definition] = {}
     for name, definition in RESPONSES.items():
-        if definition.joint:
+        if definition.scope == "joint":
             responses |= {f"{joint}.{name}": definition for joint in scene.clearance_joints}
         elif name != "life" or scene.life is not None:
             responses[name] = definition
@@ -189,14 +182,15 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
         if name not in usual:
             raise unknown("response", name, usual)
         definition = usual[name]
-        if at and (definition.result or not (stage.isascii() and stage.isdigit())):
+        is_whole = definition.scope == "result"
+        if at and (is_whole or not (stage.isascii() and stage.isdigit())):
             raise InputError(f"response {item}: expected NAME or NAME@STAGE, with a stage from 0")
         if at and int(stage) > scene.wear_updates:
             raise InputError(
                 f"response {item}: the stage must be 0 to wear_updates = {scene.wear_updates}"
             )
         columns.append(Column(item.strip(), definition.unit, definition.text))
-        keys.append(name if definition.result else f"{name}@{int(stage) if at else LAST}")
+        keys.append(name if is_whole else f"{name}@{int(stage) if at else LAST}")
         if definition.optional and name not in optional:
             optional.append(name)
     names = [column.key for column in columns]
@@ -221,32 +215,24 @@ def _source(function: User) -> str:
         return f"{function.__module__}.{function.__qualname__}"
 
 
-def stored_key(key: str, stages: int) -> str:
-    """Return the key of a response with the index of the last of some stages."""
-    name, at, stage = key.partition("@")
-    return f"{name}@{stages - 1}" if at and stage == LAST else key
-
-
 def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
     """Return the usual responses of all stages and the requested ones by key."""
     values: dict[str, Response | None] = {}
-    for name, definition in RESPONSES.items():
-        if definition.result is not None:
-            values[name] = definition.result(result)
-        if definition.optional and name not in requested.optional:
-            continue
-        for stage in result.stages:
-            if definition.stage is not None:
-                values[f"{name}@{stage.index}"] = definition.stage(result, stage)
-            if definition.joint is not None:
+    for name, (_, _, scope, function, is_optional) in RESPONSES.items():
+        if scope == "result":
+            values[name] = function(result, None, None)
+        elif not is_optional or name in requested.optional:
+            for stage in result.stages:
+                if scope == "stage":
+                    values[f"{name}@{stage.index}"] = function(result, stage, None)
+                    continue
                 for joint in stage.joints.values():
-                    key = f"{joint.name}.{name}@{stage.index}"
-                    values[key] = definition.joint(result, stage, joint)
-    for function in requested.functions:
-        number = function(result)
+                    values[f"{joint.name}.{name}@{stage.index}"] = function(result, stage, joint)
+    for user in requested.functions:
+        number = user(result)
         if isinstance(number, bool) or not isinstance(number, int | float):
-            raise InputError(f"response {function.__name__} = {number!r}: must be a number")
-        values[function.__name__] = Response(float(number))
+            raise InputError(f"response {user.__name__} = {number!r}: must be a number")
+        values[user.__name__] = Response(float(number))
     return {key: value for key, value in values.items() if value is not None}
 
 

@@ -23,15 +23,15 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing import active_children, current_process, get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from presswear.results.folder import program_digest
 from presswear.scene.scene import Scene
-from presswear.sweeps.responses import Requested, Response, responses_of
+from presswear.sweeps.responses import LAST, Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import holder, write_bytes
 from presswear.tools.processes import cores, end_with_parent, is_stopped, starting_processes
@@ -54,9 +54,13 @@ class Outcome:
     error: str = ""
     seconds: float = 0.0  # wall time
 
+    def response(self, key: str) -> Response | None:
+        """Return a response by its key, in which ``@last`` stands for the last stage."""
+        name, _, stage = key.partition("@")
+        return self.values.get(f"{name}@{self.stages - 1}" if stage == LAST else key)
 
-@dataclass(frozen=True)
-class Progress:
+
+class Progress(NamedTuple):
     """Progress of a sweep."""
 
     rows: int
@@ -120,7 +124,7 @@ def run_rows(
     keep_results: bool = False,
     on_progress: Callable[[Progress], object] = lambda progress: None,
 ) -> None:
-    """Run the rows that a sweep folder does not hold.
+    """Run the rows that a sweep folder does not hold; `RunFailed` if the executor fails.
 
     Parameters
     ----------
@@ -132,24 +136,19 @@ def run_rows(
         Whether the complete result of each row is stored as well.
     on_progress : callable
         Called several times a second; an exception ends the sweep.
-
-    Raises
-    ------
-    RunFailed
-        If the executor fails; completed rows are kept.
     """
     import msgspec
 
-    rows, runs = folder / ROWS, folder / RUNS
-    rows.mkdir(exist_ok=True)
+    (folder / ROWS).mkdir(exist_ok=True)
+    files = {name: folder / ROWS / f"{name}.json" for name in scenes}
     done: list[Outcome] = []
     missing, claims = [], set()
-    for name in scenes:
+    for name, file in files.items():
         outcome = read_row(folder, name)
-        if outcome and (outcome.error or not keep_results or (runs / name).exists()):
+        if outcome and (outcome.error or not keep_results or (folder / RUNS / name).exists()):
             done.append(outcome)
         else:
-            (rows / f"{name}.json").unlink(missing_ok=True)
+            file.unlink(missing_ok=True)
             missing.append(name)
     running: dict[Future[Outcome], str] = {}
     program = program_digest()
@@ -161,7 +160,7 @@ def run_rows(
         on_progress(Progress(len(scenes), len(done), failed, slots, median))
 
     def store(name: str, outcome: Outcome) -> None:
-        write_bytes(rows / f"{name}.json", msgspec.json.encode(outcome))
+        write_bytes(files[name], msgspec.json.encode(outcome))
         claims.discard(name)
         done.append(outcome)
 
@@ -174,7 +173,7 @@ def run_rows(
         report()
         for name in missing:
             try:
-                (rows / f"{name}.json").open("x").close()
+                files[name].open("x").close()
             except FileExistsError:
                 continue  # another part of the sweep has an equal row
             claims.add(name)
@@ -183,7 +182,7 @@ def run_rows(
             except InputError as error:
                 store(name, Outcome(error=str(error)))
                 continue
-            path = runs / name if keep_results else None
+            path = folder / RUNS / name if keep_results else None
             running[executor.submit(run_row, scene, requested, path, program)] = name
             while len(running) >= QUEUED * slots - 1:
                 collect()
@@ -195,7 +194,7 @@ def run_rows(
             future.cancel()
         for name in claims:
             if read_row(folder, name) is None:  # a signal may come just after a row is written
-                (rows / f"{name}.json").unlink(missing_ok=True)
+                files[name].unlink(missing_ok=True)
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:
@@ -310,27 +309,31 @@ def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Execut
         raise InputError(f"--on {on}: expected dask://HOST:PORT, such as dask://head:8786")
     for name in ("distributed", "tornado", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    with dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}):
-        cluster = None
+    with (
+        dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}),
+        ExitStack() as stack,
+    ):
+
+        def close(opened: Any) -> None:
+            with suppress(Exception):  # the scheduler may be gone
+                opened.close(timeout=CLOSE)
+
+        target: Any = f"tcp://{address}"
         if not address:
-            cluster = LocalCluster(
+            target = LocalCluster(
                 host=LOCAL,
                 n_workers=count,
                 threads_per_worker=1,
                 dashboard_address=f"{LOCAL}:0",
                 silence_logs=logging.CRITICAL,
             )
-            notify(f"Dask dashboard at {cluster.dashboard_link}")
+            stack.callback(close, target)
+            notify(f"Dask dashboard at {target.dashboard_link}")
         try:
-            client = Client(cluster or f"tcp://{address}", timeout=CONNECT)
+            client = Client(target, timeout=CONNECT)
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(
                 f"--on {on}: no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
             ) from None
-        try:
-            yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
-        finally:
-            opened: Any
-            for opened in filter(None, (client, cluster)):
-                with suppress(Exception):  # the scheduler may be gone
-                    opened.close(timeout=CLOSE)
+        stack.callback(close, client)
+        yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)

@@ -7,7 +7,7 @@ large it is, it is subtracted.
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ class Points:
     variances: Array  # shape (n,), of a single run about the mean of its point; 0 if unknown
     counts: Array  # shape (n,), replicates with a value
     censored: NDArray[np.bool_]  # shape (n,), whether the value of a replicate is a lower bound
-    noise_source: Literal["replicates", "intervals", "none"]  # origin of the variances
+    noise_source: str  # origin of the variances: replicates, intervals of the runs, or none
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
@@ -59,9 +59,8 @@ class Points:
     @property
     def freedom(self) -> float:
         """Degrees of freedom of the pooled variance; infinite for intervals of the runs."""
-        if self.noise_source != "replicates":
-            return math.inf
-        return float(np.maximum(self.counts - 1.0, 0.0).sum())
+        is_pooled = self.noise_source == "replicates"
+        return float(np.maximum(self.counts - 1.0, 0.0).sum()) if is_pooled else math.inf
 
     def half_widths(self, variances: Array) -> Array:
         """Return half widths of 95 % intervals of means with some variances; NaN if unknown."""
@@ -76,8 +75,9 @@ def points_of(table: Table, key: str) -> Points:
     Replicates share one pooled variance. Without replicates the intervals of the runs are used.
     """
     k, shape = table.index(key), (-1, table.replicates)
-    values = table.values[:, k].reshape(shape)
-    halves = table.half_widths[:, k].reshape(shape)
+    values, halves, censored = (
+        array[:, k].reshape(shape) for array in (table.values, table.half_widths, table.censored)
+    )
     is_valid = np.isfinite(values)
     counts = is_valid.sum(axis=1).astype(float)
     with np.errstate(invalid="ignore"):
@@ -90,16 +90,10 @@ def points_of(table: Table, key: str) -> Points:
     elif is_valid.any() and np.isfinite(halves[is_valid]).all():
         squared = np.where(is_valid, halves / quantile(math.inf), 0.0) ** 2
         variances, source = squared.sum(axis=1) / np.maximum(counts, 1.0), "intervals"
-    return Points(
-        table.parameters,
-        table.responses[k],
-        table.points[:: table.replicates],
-        means,
-        variances,
-        counts,
-        np.logical_or.reduce(table.censored[:, k].reshape(shape) & is_valid, axis=1),
-        source,  # type: ignore[arg-type]
-    )
+    points = table.points[:: table.replicates]
+    bounds = np.logical_or.reduce(censored & is_valid, axis=1)
+    response = table.responses[k]
+    return Points(table.parameters, response, points, means, variances, counts, bounds, source)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from presswear.results.folder import Provenance, program_digest, provenance
+from presswear.results.folder import program_digest, provenance
 from presswear.results.result import Result, load
 from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
@@ -24,7 +24,6 @@ from presswear.sweeps.responses import (
     digest_of,
     parse_limits,
     request,
-    stored_key,
 )
 from presswear.sweeps.runner import (
     ROWS,
@@ -49,40 +48,15 @@ EXUDYN_KEYS = ("computationIndex", "functionData")  # added to the parameters by
 
 
 @dataclass(frozen=True)
-class StoredSweep:
-    """Content of ``sweep.json``."""
-
-    plan: dict[str, Any]
-    requested: Requested
-    limits: tuple[str, ...]
-    keep: Keep
-    program: str
-    provenance: Provenance
-    schema: int = SCHEMA
-
-
-@dataclass(frozen=True)
 class Sweep:
-    """Sweep in its folder, with the table of its rows.
-
-    Attributes
-    ----------
-    plan : Plan
-    requested : Requested
-        Responses of the table.
-    path : Path
-    keep : {"responses", "results"}
-    limits : tuple of str
-    program : str
-        Digest of the program that computed the rows.
-    """
+    """Sweep in its folder, with the table of its rows."""
 
     plan: Plan
-    requested: Requested
+    requested: Requested  # responses of the table
     path: Path
     keep: Keep = "responses"
     limits: tuple[str, ...] = ()
-    program: str = field(default_factory=program_digest)
+    program: str = field(default_factory=program_digest)  # digest of what computed the rows
 
     def __post_init__(self) -> None:
         """Check the options; `InputError` names the one that does not fit."""
@@ -114,18 +88,22 @@ class Sweep:
             outcome = read_row(self.path, self.name(row))
             errors.append(NOT_RUN if outcome is None else outcome.error)
             for k, key in enumerate(keys):
-                response = outcome and outcome.values.get(stored_key(key, outcome.stages))
-                if response:
-                    numbers = (response.value, response.half_width)
-                    values[row, k], halves[row, k] = (
-                        math.nan if number is None else number for number in numbers
-                    )
+                if response := outcome and outcome.response(key):
+                    values[row, k] = math.nan if response.value is None else response.value
+                    half = response.half_width
+                    halves[row, k] = math.nan if half is None else half
                     censored[row, k] = response.censored
-        points = np.repeat(plan.points, plan.replicates, axis=0)
-        columns = self.requested.columns
+        points, columns = np.repeat(plan.points, plan.replicates, axis=0), self.requested.columns
         return Table(
             plan.columns, columns, points, values, halves, censored, tuple(errors), plan.replicates
         )
+
+    def write(self, file: Path) -> None:
+        """Write everything but the rows."""
+        data = {"schema": SCHEMA, "provenance": provenance(), "plan": self.plan.as_dict()}
+        requested = asdict(replace(self.requested, functions=()))
+        rest = {"keep": self.keep, "limits": self.limits, "program": self.program}
+        write_json(file, {**data, "requested": requested, **rest})
 
     def report(self) -> Path:
         """Write figures, ``table.csv`` and ``report.html`` into the folder; return the page."""
@@ -163,12 +141,13 @@ def load_sweep(folder: Path) -> Sweep:
     """Return the sweep of a folder; `InputError` if it holds none."""
     file = folder / FILE
     data = read_json(file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA)
-    stored = typed(data, StoredSweep, f"{file}")
     try:
-        plan = Plan.from_dict(stored.plan)
+        plan = Plan.from_dict(data["plan"])
+        requested = typed(data["requested"], Requested, f"{file}")
+        limits, program = (typed(data["limits"], tuple[str, ...], f"{file}"), str(data["program"]))
+        return Sweep(plan, requested, folder, data["keep"], limits, program)
     except (KeyError, TypeError) as error:
-        raise InputError(f"{file}: the plan cannot be read: {error}") from None
-    return Sweep(plan, stored.requested, folder, stored.keep, stored.limits, stored.program)
+        raise InputError(f"{file} cannot be read: {error}") from None
 
 
 def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
@@ -229,7 +208,7 @@ def run_sweep(
     """
     for scene in sweep.plan.scenes or (sweep.plan.scene,):
         scene.check_trusted()
-    requested = sweep.requested
+    requested, keep_results = sweep.requested, sweep.keep == "results"
     if requested.extra != digest_of(requested.optional, requested.functions):
         raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
     for name in (ROWS, RUNS):
@@ -243,21 +222,12 @@ def run_sweep(
         folder = sweep.path if shard[1] == 1 else part
         lock = FolderLock(folder)
         try:
-            write_json(folder / FILE, asdict(_stored(sweep)))
+            sweep.write(folder / FILE)
             os.replace(folder / FILE, sweep.path / FILE)
-            keep_results = sweep.keep == "results"
-            run_rows(
-                sweep.path, scenes, sweep.requested, executor, slots, keep_results, on_progress
-            )
+            run_rows(sweep.path, scenes, requested, executor, slots, keep_results, on_progress)
         finally:
             lock.release()
     return sweep
-
-
-def _stored(sweep: Sweep) -> StoredSweep:
-    plan, requested = sweep.plan.as_dict(), replace(sweep.requested, functions=())
-    program, origin = sweep.program, provenance()
-    return StoredSweep(plan, requested, sweep.limits, sweep.keep, program, origin)
 
 
 def sweep(
@@ -362,7 +332,7 @@ def function_of(
         Value of a run that fails, such as 1e9 for an optimizer; None: `RunFailed` is raised.
     """
     is_scalar = isinstance(responses, str) or callable(responses)
-    items = [responses] if isinstance(responses, str) or callable(responses) else list(responses)
+    items: Any = [responses] if is_scalar else responses
     return partial(_evaluate, scene, request(scene, items), is_scalar, failed)
 
 
@@ -381,7 +351,7 @@ def _evaluate(
         raise RunFailed(outcome.error)
     numbers = []
     for key in requested.keys:
-        response = outcome.values.get(stored_key(key, outcome.stages))
+        response = outcome.response(key)
         value = response.value if response else failed if outcome.error else None
         numbers.append(math.nan if value is None else value)
     return numbers[0] if is_scalar else numbers

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,6 @@ from presswear.scene.files import example_file, scene_from
 from presswear.sweeps import sweep as sweeps
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.responses import request
-from presswear.tools.serialize import write_json
 from presswear.tools.user_function import UntrustedLaw, UserFunction
 
 PROBE = """
@@ -59,7 +57,7 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
     plan = Plan(scene, ("friction=0.01,0.02",))
     sweep = sweeps.Sweep(plan, request(scene, ["B.force_max"]), folder / "sweep")
     (folder / "sweep").mkdir()
-    write_json(folder / "sweep" / sweeps.FILE, asdict(sweeps._stored(sweep)))
+    sweep.write(sweep.path / sweeps.FILE)
     for name in ("executed", "laws.py", "mine.toml"):
         (folder / name).unlink()
     return folder
