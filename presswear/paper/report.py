@@ -1,29 +1,30 @@
 """Report page of the paper's study: verdicts, printed numbers, figures, assumptions and runs."""
 
 import math
+import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 
 import presswear as pw
-from presswear.paper import settings
+from presswear.paper import settings, verdicts
 from presswear.paper.claims import DEPTH_RATIOS, HIGHLIGHTS, Comparison
 from presswear.paper.evidence import OF_MAPS, QUANTITIES, Evidence
 from presswear.paper.figures import drawers
 from presswear.paper.printed import DOUBTFUL, PRINTED, RANGES, Place, Printed, printed_at
 from presswear.paper.settings import BASE, GEOMETRIES, JOINTS, JUDGED, LONG, SETTINGS, WEAR
-from presswear.paper.verdicts import Judged, Position, Verdict, agreement, compared, judge
-
-from presswear.paper.verdicts import position, positions, ratio, verdict  # isort: skip
-from presswear.show.page import NOTHING, Line, Row, Section, Table, illustrated, render_page
-
-from presswear.show.page import row_table, text_of  # isort: skip
+from presswear.paper.verdicts import Judged, Position, Verdict, compared
+from presswear.show import page
+from presswear.show.figures.style import TEMPLATES
+from presswear.show.page import NOTHING, Line, Row, Section, Table, row_table, text_of
 from presswear.show.report_tables import convention_table, parameter_table, provenance_table
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
 
+TEXTS = tomllib.loads(files("presswear.paper").joinpath("report.toml").read_text("utf-8"))
 TITLE = "Chen, Tang and Gao's worn press, computed again"
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first runs away
 
@@ -48,11 +49,11 @@ _LONG = (
 def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a folder; return the answer and the path."""
     evidence, path = Evidence(results), folder / "report.html"
-    claims = judge(evidence)
+    claims = verdicts.judge(evidence)
     answer, sections = headline(evidence, claims), page_sections(evidence, claims)
-    figures = illustrated(drawers(evidence), inside(folder, "figures"))
+    figures = page.illustrated(drawers(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures))
-    write_bytes(path, render_page(TITLE, sections, answer=[answer]).encode())
+    write_bytes(path, page.render_page(TITLE, sections, answer=[answer]).encode())
     return answer, path
 
 
@@ -79,41 +80,74 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         ("Ratios of depths", ratio_table(evidence)),
         ("Ranges of wear", range_table(evidence)),
     ]
-    verdicts = [("Verdicts", count_table(claims))]
+    counts, trends = [("Verdicts", count_table(claims))], [("", claim_table(evidence, claims))]
+    printed = "Every printed number of sections 5.3 and 5.4"
+    accuracy = [("", long_table(evidence))]
     return [
-        Section("In short", findings(evidence, failures), verdicts),
-        Section("Claims on trends", [CLAIMS_TEXT], [("", claim_table(evidence, claims))]),
-        Section("Every printed number of sections 5.3 and 5.4", [NUMBERS_TEXT], numbers),
-        Section("Assumptions, their fit and their effect", [ASSUMPTIONS_TEXT], assumptions),
-        Section("Accuracy of the statistics", [STATISTICS_TEXT], [("", long_table(evidence))]),
+        Section("In short", findings(evidence, failures), counts),
+        Section("Claims on trends", [TEXTS["claims"]], trends),
+        Section(printed, [TEXTS["numbers"]], numbers),
+        Section("Assumptions, their fit and their effect", [TEXTS["assumptions"]], assumptions),
+        Section("Accuracy of the statistics", [TEXTS["statistics"]], accuracy),
         Section("Runs", tables=runs),
     ]
 
 
-CLAIMS_TEXT = """
-A claim holds if the 95 % interval of each of its ratios (or differences) lies on the claimed side,
-and does not hold if one lies on the other side; otherwise it is undecided. Of a hundred comparisons
-at 95 % some five are wrong. Below each claim: our values on the standard geometry, and what the
-paper prints."""
-NUMBERS_TEXT = """
-Ours: mean over the cycles of all replicates after the start-up, with its 95 % interval. The paper
-reads its peaks from the first cycle of one run, so a printed peak is compared with the range of
-95 % of our single cycles and with our first cycles, which begin with the pins amid their bearings.
-Depths scale with K_d / b, which the paper does not print; their ratios are compared."""
-ASSUMPTIONS_TEXT = """
-The paper does not print the place of the second frame joint, which side of the plate is which, the
-wear coefficient and the width of the bearings. Three geometries were chosen by the printed peaks of
-the smooth motion. One K_d / b is assumed for all scenes; the second table shows what it would have
-to be for each printed depth, relative to the assumed one. The last table has ratios to the standard
-runs at 3.5π with 95 % intervals, with one assumption changed; those marked * are certainly not 1.
-Engine and step should bear few marks."""
-STATISTICS_TEXT = """
-The motion is chaotic: replicates from slightly different positions separate within a cycle or two.
-The first two cycles are left out; the others are samples, in batches where there are many.
-Intervals of means are Student's. After a wear, and where replicates differ by more than their
-cycles explain (analysis of variance, 1 %), the replicates are the samples. Intervals of the deepest
-place of a map are from a bootstrap over the same samples. The table has the runs beside others in
-which each replicate takes 200 cycles."""
+def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
+    """Return the answer of the study in a few sentences."""
+    count = Counter(claim.verdict() for claim in claims)
+    peaks = Counter(
+        one
+        for number, one in verdicts.positions(evidence)
+        if number.quantity not in ("depth", "angle")
+    )
+    values = {
+        "claims": len(claims),
+        "holds": count[Verdict.HOLDS],
+        "in_part": count[Verdict.IN_PART],
+        "fails": count[Verdict.FAILS],
+        "undecided": count[Verdict.OPEN] + count[Verdict.MISSING],
+        "same": sum(claim.geometry.startswith("same") for claim in claims),
+        "peaks": peaks.total() - peaks[Position.MISSING],
+        **{one.name.lower(): peaks[one] for one in Position if one.name in ("ABOVE", "BELOW")},
+        "inside": peaks[Position.INSIDE],
+    }
+    return TEMPLATES.from_string(TEXTS["headline"]).render(values).strip()
+
+
+def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
+    """Return the most important results, each with its numbers, as far as they were computed."""
+    ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
+    second = ours["second wear"]
+    new, worn = (  # positions of printed peaks, where the stage is known
+        Counter(
+            one.value
+            for number, one in verdicts.positions(evidence)
+            if len(number.places) == 1
+            and one in (Position.INSIDE, Position.ABOVE, Position.BELOW)
+            and (number.place.wear_updates > 0) is is_worn
+        )
+        for is_worn in (False, True)
+    )
+    best, spread = fit(depth_factors(evidence, BASE))
+    text = TEMPLATES.from_string(TEXTS["findings"]).render(
+        ours=ours,
+        text={name: text_of(one) for name, one in ours.items()},
+        printed={name: f"printed: {readable(one.printed)}" for name, one in HIGHLIGHTS.items()},
+        # The ratio of total depths has the first wear in it.
+        runs_away=second is not None and second.mean - 1.0 > RUNAWAY,
+        new=new,
+        worn=worn,
+        best=best,
+        spread=spread,
+        doubtful=len(DOUBTFUL),
+        failure=failures.get(settings.PAPER_STEP, ""),
+    )
+    return [line for line in text.splitlines() if line.strip()]
+
+
+def _table(head: Sequence[str], lines: Iterable[Line], numeric: bool = True) -> Table:
+    return Table(tuple(head), (("", tuple(lines)),), numeric)
 
 
 def range_text(ends: tuple[float, float] | None, unit: str, digits: int = 3) -> str:
@@ -130,10 +164,11 @@ def value_text(evidence: Evidence, case: str, place: Place, quantity: str) -> st
     return text_of(evidence.estimate(case, place, quantity), row.unit, row.digits)
 
 
-def printed_text(value: float | None, quantity: str) -> str:
+def printed_text(number: Printed | None) -> str:
     """Return a printed value with all its digits, in our unit."""
-    factor = unit_factor(QUANTITIES[quantity].unit)
-    return readable(None if value is None else factor * value, 4)
+    if number is None:
+        return readable(None)
+    return readable(unit_factor(QUANTITIES[number.quantity].unit) * number.value, 4)
 
 
 def stage_text(place: Place, quantity: str) -> str:
@@ -158,11 +193,11 @@ def comparison_text(part: Comparison) -> str:
     """Return both sides of a comparison, in words."""
     first, second = part.under[0], part.over[0]
     stage = stage_text(second, part.quantity)
-    settings = [SETTINGS[place.setting].short for place in (first, second)]
+    names = [SETTINGS[place.setting].short for place in (first, second)]
     if first.setting != second.setting:
-        change = f"{' → '.join(settings)}, {stage}"
+        change = f"{' → '.join(names)}, {stage}"
     else:
-        change = f"{settings[1]}, {stage_text(first, part.quantity)} → {stage}"
+        change = f"{names[1]}, {stage_text(first, part.quantity)} → {stage}"
     if len(part.over) > 1:
         return f"{change}, growth at A over growth at C"
     if first.joint != second.joint:
@@ -177,7 +212,7 @@ def detail(evidence: Evidence, part: Comparison) -> str:
     text = f"{row.label}, {comparison_text(part)}: {sign}{text_of(ours, unit)}{after}"
     if part.printed is not None:
         text += f"; printed {sign}{readable(unit_factor(unit) * part.printed)}{after}"
-    return f"{text}; {verdict(ours, part)}"
+    return f"{text}; {verdicts.verdict(ours, part)}"
 
 
 def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
@@ -194,11 +229,11 @@ def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
 
 def count_table(claims: Sequence[Judged]) -> Table:
     """Return how many claims have which verdict, by case."""
-    lines = tuple(
+    lines = (
         (str(word), *(str(sum(one.verdict(case) is word for one in claims)) for case in JUDGED))
         for word in Verdict
     )
-    return Table(("claims", *GEOMETRIES, "refined conventions"), (("", lines),))
+    return _table(("claims", *GEOMETRIES, "refined conventions"), lines)
 
 
 def number_table(evidence: Evidence) -> Table:
@@ -206,39 +241,38 @@ def number_table(evidence: Evidence) -> Table:
     groups: dict[str, list[Line]] = {}
     meanings = {}
     for number in PRINTED:
-        heading = f"Section {number.section}: {SETTINGS[number.place.setting].label}"
+        setting, row = SETTINGS[number.place.setting], QUANTITIES[number.quantity]
+        heading = f"Section {number.section}: {setting.label}"
         for place in number.places:
-            label, line, remark = _number_line(evidence, number, place)
-            groups.setdefault(heading, []).append((label, *line))
-            if remark:
-                meanings[label] = remark
-    ours = ("ours (95 % interval)", "single cycles (95 %)", "first cycles")
-    head = ("printed number", "paper", *ours, "paper / ours", "printed number is")
+            ours = evidence.measured(BASE, place, number.quantity)
+            label = f"{setting.short}: {place_text(place, number.quantity)}, Fig. {number.figure}"
+            over = None
+            if ours is not None and ours.estimate.mean > 0.0 and number.quantity != "angle":
+                over = number.value / ours.estimate.mean
+            ranges = (ours.single_cycles, ours.first_cycles) if ours else (None, None)
+            line = (
+                label,
+                printed_text(number),
+                value_text(evidence, BASE, place, number.quantity),
+                *(range_text(ends, row.unit, row.digits) for ends in ranges),
+                readable(over),
+                str(verdicts.position(number, ours)),
+            )
+            groups.setdefault(heading, []).append(line)
+            remarks = {
+                number.misprint: bool(number.misprint),
+                "the paper does not say before or after which wear; both are shown": (
+                    len(number.places) > 1
+                ),
+                "our replicates differ, so that the interval is over replicates": (
+                    ours is not None and ours.differ
+                ),
+            }
+            if any(remarks.values()):
+                meanings[label] = "; ".join(text for text, applies in remarks.items() if applies)
+    ours_heads = ("ours (95 % interval)", "single cycles (95 %)", "first cycles")
+    head = ("printed number", "paper", *ours_heads, "paper / ours", "printed number is")
     return Table(head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings)
-
-
-def _number_line(evidence: Evidence, number: Printed, place: Place) -> tuple[str, Line, str]:
-    """Return label, texts and remark of a printed number."""
-    ours = evidence.measured(BASE, place, number.quantity)
-    row = QUANTITIES[number.quantity]
-    label = f"{SETTINGS[place.setting].short}: {place_text(place, number.quantity)}"
-    remarks = [number.misprint] if number.misprint else []
-    if len(number.places) > 1:
-        remarks.append("the paper does not say before or after which wear; both are shown")
-    if ours is not None and ours.differ:
-        remarks.append("our replicates differ, so that the interval is over replicates")
-    over = None
-    if ours is not None and ours.estimate.mean > 0.0 and number.quantity != "angle":
-        over = number.value / ours.estimate.mean
-    line = (
-        printed_text(number.value, number.quantity),
-        value_text(evidence, BASE, place, number.quantity),
-        range_text(ours.single_cycles if ours else None, row.unit, row.digits),
-        range_text(ours.first_cycles if ours else None, row.unit, row.digits),
-        readable(over),
-        str(position(number, ours)),
-    )
-    return f"{label}, Fig. {number.figure}", line, "; ".join(remarks)
 
 
 def ratio_table(evidence: Evidence) -> Table:
@@ -248,10 +282,10 @@ def ratio_table(evidence: Evidence) -> Table:
         ours, printed = compared(evidence, BASE, part), part.printed
         assert printed is not None, "only printed depths are compared"
         over = readable(printed / ours.mean if ours else None)
-        texts = (readable(printed), text_of(ours), over, str(agreement(printed, ours)))
-        lines.append((comparison_text(part), *texts))
+        agrees = str(verdicts.agreement(printed, ours))
+        lines.append((comparison_text(part), readable(printed), text_of(ours), over, agrees))
     head = ("ratio of deepest wears", "paper", "ours (95 % interval)", "paper / ours", "the paper")
-    return Table(head, (("", tuple(lines)),), numeric=False)
+    return _table(head, lines, numeric=False)
 
 
 def range_table(evidence: Evidence) -> Table:
@@ -261,16 +295,16 @@ def range_table(evidence: Evidence) -> Table:
         degrees = np.degrees(arcs)
         for setting in (settings.FRICTION, settings.HIGH_FRICTION):
             place = Place(setting, 1, joint)
-            ours, part = evidence.wear_map(BASE, place), None
+            ours, text = evidence.wear_map(BASE, place), NOTHING
             if ours is not None:
                 inside_arcs = [(low <= ours.angle) & (ours.angle <= high) for low, high in arcs]
                 part = float(ours.mean[np.any(inside_arcs, axis=0)].sum() / ours.mean.sum())
+                text = f"{readable(100.0 * part)} %"
             printed = ", ".join(f"{low:.4g}° to {high:.4g}°" for low, high in degrees)
             circle = f"{np.diff(degrees).sum() / 3.6:.3g} %"
-            ours_text = NOTHING if part is None else f"{readable(100.0 * part)} %"
-            lines.append((joint_text(place), figure, printed, circle, ours_text))
+            lines.append((joint_text(place), figure, printed, circle, text))
     head = ("main wear area", "Fig.", "paper", "part of the circle", "part of our wear inside")
-    return Table(head, (("", tuple(lines)),), numeric=False)
+    return _table(head, lines, numeric=False)
 
 
 def geometry_table(evidence: Evidence) -> Table:
@@ -278,11 +312,10 @@ def geometry_table(evidence: Evidence) -> Table:
     lines = []
     for quantity, wear_updates in _SMOOTH:
         place = Place(WEAR, wear_updates)
-        printed = printed_at(place, quantity)
         texts = (value_text(evidence, name, place, quantity) for name in GEOMETRIES)
-        value = printed_text(printed.value if printed else None, quantity)
+        value = printed_text(printed_at(place, quantity))
         lines.append((place_text(place, quantity), value, *texts))
-    return Table(("", "paper", *GEOMETRIES), (("", tuple(lines)),))
+    return _table(("", "paper", *GEOMETRIES), lines)
 
 
 def depth_factors(evidence: Evidence, case: str) -> dict[Place, float]:
@@ -327,18 +360,15 @@ def fit_table(evidence: Evidence) -> Table:
 
 def case_ratio(
     evidence: Evidence, place: Place, quantity: str, case: str, reference: str = BASE
-) -> pw.Estimate | None:
-    """Return a quantity under a case divided by itself under another case."""
+) -> tuple[str, bool]:
+    """Return a quantity under a case over that under another, and whether it is certainly not 1."""
     pair = [evidence.estimate(name, place, quantity) for name in (case, reference)]
     positive = [one for one in pair if one is not None and one.mean > 0.0]
-    return ratio(positive[:1], positive[1:]) if len(positive) == 2 else None
-
-
-def differs_from_one(estimate: pw.Estimate | None) -> bool:
-    """Return whether the interval of a ratio excludes 1."""
-    if estimate is None or estimate.low is None or estimate.high is None:
-        return False
-    return not estimate.low <= 1.0 <= estimate.high
+    if len(positive) < 2:
+        return text_of(None), False
+    ratio = verdicts.ratio(positive[:1], positive[1:])
+    is_known = ratio.low is not None and ratio.high is not None
+    return text_of(ratio), is_known and not (ratio.low or 0.0) <= 1.0 <= (ratio.high or 0.0)
 
 
 def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
@@ -346,12 +376,12 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     lines = []
     for case, (label, _) in settings.SENSITIVITIES.items():
         ratios = [case_ratio(evidence, place, quantity, case) for quantity, place in _SENSITIVE]
-        cells = (f"{text_of(one)}{' *' * differs_from_one(one)}" for one in ratios)
+        cells = (f"{text}{' *' * differs}" for text, differs in ratios)
         lines.append((f"{label}: {failures[case]}" if case in failures else label, *cells))
     heads = (
         f"{quantity} {place.joint} {stage_text(place, quantity)}" for quantity, place in _SENSITIVE
     )
-    return Table(("changed alone", *heads), (("", tuple(lines)),))
+    return _table(("changed alone", *heads), lines)
 
 
 def long_table(evidence: Evidence) -> Table:
@@ -365,16 +395,15 @@ def long_table(evidence: Evidence) -> Table:
     ]
     for place, quantity in places:
         short, long = (evidence.measured(case, place, quantity) for case in (BASE, LONG))
-        over = case_ratio(evidence, place, quantity, BASE, LONG)
-        if short is None or long is None or over is None:
+        text, differs = case_ratio(evidence, place, quantity, BASE, LONG)
+        if short is None or long is None or text == NOTHING:
             continue
         cycles = f"{short.estimate.samples} of {short.replicates}", str(long.estimate.samples)
         texts = (value_text(evidence, case, place, quantity) for case in (BASE, LONG))
         ours = [text for pair in zip(texts, cycles, strict=True) for text in pair]
-        agrees = "no" if differs_from_one(over) else "yes"
-        lines.append((place_text(place, quantity), *ours, text_of(over), agrees))
+        lines.append((place_text(place, quantity), *ours, text, "no" if differs else "yes"))
     heads = ("run", "cycles, replicates", "200 of each", "cycles", "ratio", "may be the same")
-    return Table(("", *heads), (("", tuple(lines)),), numeric=False)
+    return _table(("", *heads), lines, numeric=False)
 
 
 def run_table(evidence: Evidence) -> Table:
@@ -395,91 +424,3 @@ def run_table(evidence: Evidence) -> Table:
     columns = [Row("run", "label"), Row("cycles of each stage", "cycles"), Row("status", "status")]
     columns += [Row("energy residual", "residual", digits=1), Row("wall time", "wall", "s")]
     return row_table(columns, records, numeric=False)
-
-
-def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
-    """Return the answer of the study in a few sentences."""
-    count = Counter(claim.verdict() for claim in claims)
-    same = sum(claim.geometry.startswith("same") for claim in claims)
-    peaks = Counter(
-        one for number, one in positions(evidence) if number.quantity not in ("depth", "angle")
-    )
-    computed = peaks.total() - peaks[Position.MISSING]
-    return (
-        f"Of {len(claims)} claims on trends, {count[Verdict.HOLDS]} hold, "
-        f"{count[Verdict.IN_PART]} hold in part, {count[Verdict.FAILS]} do not hold and "
-        f"{count[Verdict.OPEN] + count[Verdict.MISSING]} are undecided; {same} verdicts are the "
-        f"same on all three geometries that fit the paper. Of {computed} printed peaks compared "
-        f"with our single cycles, {peaks[Position.INSIDE]} lie within their scatter, "
-        f"{peaks[Position.ABOVE]} above and {peaks[Position.BELOW]} below."
-    )
-
-
-def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
-    """Return the most important results, each with its numbers."""
-    sentences = [*_trends(evidence), *_peaks(evidence)]
-    best, spread = fit(depth_factors(evidence, BASE))
-    if not math.isnan(best):
-        sentences.append(
-            f"One number for K_d / b, {readable(best)} times ours, meets the other printed "
-            f"first-wear depths within a factor of {readable(spread)}; {len(DOUBTFUL)} at A are "
-            "printed ten times or more below it and below C, against the paper's own text: their "
-            "power of ten is probably a misprint."
-        )
-    if settings.PAPER_STEP in failures:
-        sentences.append(
-            "The paper's step, 1e-4 s, is as long as a contact: the same equations with this step "
-            f"end early ({failures[settings.PAPER_STEP]})."
-        )
-    return sentences
-
-
-def _trends(evidence: Evidence) -> list[str]:
-    """Return the changes by a second wear, friction and speed, as far as they were computed."""
-    ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
-    text = {name: text_of(one) for name, one in ours.items()}
-    printed = {name: f"printed: {readable(part.printed)}" for name, part in HIGHLIGHTS.items()}
-    sentences = []
-    if second := ours["second wear"]:
-        # The ratio of total depths has the first wear in it.
-        runs_away = "runs away" if second.mean - 1.0 > RUNAWAY else "does not run away"
-        sentences.append(
-            f"The second wear {runs_away}: after it the deepest wear at A is {text['second wear']} "
-            f"times that after the first ({printed['second wear']}). scenarios/runaway.py asks why."
-        )
-    if ours["friction, wear"] and ours["friction, force"]:
-        sentences.append(
-            f"Doubling the friction coefficient changes the deepest wear at A by a factor of "
-            f"{text['friction, wear']} ({printed['friction, wear']}), the mean peak force of a "
-            f"cycle by {text['friction, force']} ({printed['friction, force']})."
-        )
-    if ours["speed"] and ours["joints"]:
-        sentences.append(
-            f"Twice the speed makes the wear at A {text['speed']} times deeper "
-            f"({printed['speed']}), and A wears {text['joints']} times deeper than C at 8π "
-            f"({printed['joints']})."
-        )
-    return sentences
-
-
-def _peaks(evidence: Evidence) -> list[str]:
-    """Return the positions of printed peaks without and after a wear, where the stage is known."""
-    compared_peaks = [
-        (number.place.wear_updates > 0, one)
-        for number, one in positions(evidence)
-        if len(number.places) == 1 and one in (Position.INSIDE, Position.ABOVE, Position.BELOW)
-    ]
-    new, worn = (
-        Counter(one for is_worn, one in compared_peaks if is_worn is wanted)
-        for wanted in (False, True)
-    )
-    if not new or not worn:
-        return []
-    below = worn[Position.BELOW]
-    others = f"{below} of the others are lower" if below else "the others are higher"
-    return [
-        f"A peak of one cycle is one draw of many. Without wear {new[Position.INSIDE]} of "
-        f"{new.total()} printed peaks lie within the scatter of our single cycles; after a wear "
-        f"{worn[Position.INSIDE]} of {worn.total()} do, and {others} than any but the rarest of "
-        "ours."
-    ]
