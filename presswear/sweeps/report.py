@@ -13,7 +13,7 @@ from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.show.page import NOTHING, Row, Section, illustrate, render_page, row_table
 from presswear.show.page import Table as Texts
 from presswear.sweeps import figures
-from presswear.sweeps.figures import display
+from presswear.sweeps.figures import Display
 from presswear.sweeps.parameters import Column
 from presswear.sweeps.plan import Plan, Table
 from presswear.sweeps.responses import Limit
@@ -142,27 +142,22 @@ def _parts(table: Table, plan: Plan) -> dict[str, Table]:
 
 def _point(columns: tuple[Column, ...], values: np.ndarray) -> str:
     pairs = zip(columns, values, strict=True)
-    return ", ".join(f"{c.key} = {display(c, np.array([v])).text(v)}" for c, v in pairs)
+    return ", ".join(f"{c.key} = {Display(c, np.array([v])).text(v)}" for c, v in pairs)
 
 
 def drawings(analysis: Analysis) -> list[Drawing]:
     """Return the figures of a response."""
-    points, drawn = analysis.points, []
+    points, result, spread = analysis.points, analysis.sensitivity, analysis.spread
     if points.is_constant:
         return []
-    order = list(range(len(points.parameters)))
-    if analysis.sensitivity is not None:
-        drawn.append(figures.bars(points, analysis.sensitivity))
-        order = analysis.sensitivity.order
-    if analysis.spread is not None and np.isfinite(analysis.spread.values).sum() > 1:
-        drawn.append(figures.distribution(points, analysis.spread, analysis.limit))
-    if (lines := figures.curves(points)) is not None:
-        drawn.append(lines)
+    drawn = [] if result is None else figures.bars(points, result)
+    if spread is not None and np.isfinite(spread.values).sum() > 1:
+        drawn += figures.distribution(points, spread, analysis.limit)
+    drawn += figures.curves(points)
+    order = range(len(points.parameters)) if result is None else result.order
     numbers = [k for k in order if not points.parameters[k].choices]
-    numbers = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0]
-    if len(numbers) > 1:
-        drawn.append(figures.heat_map(points, (numbers[0], numbers[1]), analysis.surrogate))
-    return drawn
+    first, *rest = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0] or [0]
+    return drawn + (figures.heat_map(points, (first, rest[0]), analysis.surrogate) if rest else [])
 
 
 def findings(analysis: Analysis) -> list[str]:
@@ -179,7 +174,7 @@ def findings(analysis: Analysis) -> list[str]:
         )
     if limit is None:
         return lines
-    value = display(points.response, points.means).text(limit.value)
+    value = Display(points.response, points.means).text(limit.value)
     name = f"the {'lower' if limit.is_lower else 'upper'} limit {value} of {key}"
     if analysis.spread is not None and analysis.spread.violation is not None:
         share, low, high = (readable(100.0 * part) for part in analysis.spread.violation)
@@ -198,7 +193,7 @@ def findings(analysis: Analysis) -> list[str]:
 def result_tables(analysis: Analysis) -> list[tuple[str, Texts]]:
     """Return the tables of a response with their headings."""
     points, tables = analysis.points, []
-    shown = display(points.response, points.means)
+    shown = Display(points.response, points.means)
     if (result := analysis.sensitivity) is not None:
         factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
         lines = []
@@ -229,7 +224,7 @@ def _columns(
     records = []
     for k, column in enumerate(columns):
         finite = values[np.isfinite(values[:, k]), k]
-        shown = display(column, finite)
+        shown = Display(column, finite)
         scatter = plan.distributions.get(column.key)
         remark = scatter.text if scatter else ", ".join(column.choices) or NOTHING
         bounds = 0 if table is None else int(table.censored[:, k].sum())
@@ -265,10 +260,10 @@ def text_table(table: Table, count: int) -> list[list[str]]:
     """
     columns = []
     for column, values in zip(table.parameters, table.points.T, strict=True):
-        shown = display(column, values)
+        shown = Display(column, values)
         columns.append([shown.label, *(shown.number(value, 4) for value in values[:count])])
     for k, column in enumerate(table.responses):
-        shown, texts = display(column, table.values[:, k]), []
+        shown, texts = Display(column, table.values[:, k]), []
         for row in range(min(count, len(table.errors))):
             half = table.half_widths[row, k]
             interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"

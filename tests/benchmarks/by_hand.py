@@ -27,8 +27,8 @@ from presswear.tools.compile import Records, compiled
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Four = tuple[float, float, float, float]
+# Final state, joint and time, s, of the touchdowns, attempted steps, and evaluations.
 Solution = tuple[Array, Sequence[tuple[int, float]], int, int]
-"""Final state, joint and time, s, of the touchdowns, attempted steps, and evaluations."""
 
 SIZE = 8  # coordinates, rad and m, and their rates
 OPEN = -1.0  # closing speed of a joint without contact
@@ -217,7 +217,6 @@ def accelerations(
 
 @compiled
 def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
-    """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
     a, forces, one, two = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
@@ -276,13 +275,11 @@ def land(
 
 @compiled
 def ahead(x: Four, h: float, u: Four) -> Four:
-    """Return x + h u."""
     return x[0] + h * u[0], x[1] + h * u[1], x[2] + h * u[2], x[3] + h * u[3]
 
 
 @compiled
 def averaged(a: Four, b: Four, c: Four, d: Four) -> Four:
-    """Return the sum of four slopes with the weights 1, 2, 2 and 1."""
     return (
         a[0] + 2.0 * (b[0] + c[0]) + d[0],
         a[1] + 2.0 * (b[1] + c[1]) + d[1],
@@ -362,19 +359,16 @@ class Touchdowns:
 
     @property
     def times(self) -> Sequence[tuple[int, float]]:
-        """Joint and time, s, of the first touchdowns."""
         return [(int(k), float(t)) for k, t in self.touches[: int(self.noted[0])]]
 
 
 def measured(run: Callable[[], Solution]) -> Outcome:
-    """Run and measure the wall time."""
     started = clock.perf_counter()
     solution = run()
     return Outcome(*solution, clock.perf_counter() - started)
 
 
 def state_of(linkage: Linkage, start: Start) -> Array:
-    """Return the coordinates of the press and their rates from the state of all bodies."""
     coordinates = (("plate 4", 2), ("rod 3", 2), ("slider 6", 1), ("rod 5", 2))
     places = [3 * linkage.index(name) + part for name, part in coordinates]
     return np.concatenate([start.position[places], start.velocity[places]])

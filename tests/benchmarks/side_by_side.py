@@ -161,7 +161,6 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
 
 
 def distance(press: Records, one: Array, two: Array) -> float:
-    """Return the largest distance of the slider and of the ends of the links, m."""
     p = press[0]
     lengths = np.array([np.hypot(p["b_x"], p["b_y"]), p["length_3"], 1.0, p["length_5"]])
     return float(np.abs(lengths * (one - two)[:4]).max())

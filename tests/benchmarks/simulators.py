@@ -22,7 +22,6 @@ JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")  # coordinates rel
 
 
 def installed(package: str) -> bool:
-    """Return whether a package can be imported."""
     return find_spec(package) is not None
 
 
@@ -41,19 +40,16 @@ class _Contacts:
         self._kernel = specialised(relative_forces, press, 0.0, self.q, self.v, *self._fixed)
 
     def forces(self, t: float, q: Array, v: Array) -> Array:
-        """Return the forces in a state."""
         self.calls += 1
         self._kernel(self._press, t, q, v, *self._fixed)
         return self._fixed[-1]
 
     def accept(self, t: float, last: float, q: Array, v: Array) -> None:
-        """Update the closing speeds after a step from ``last`` to ``t``, s."""
         self._kernel(self._press, t, q, v, *self._fixed)
         store = self.touchdowns
         land(store.onset, store.gaps[0], store.gaps[1], store.touches, store.noted, last)
 
     def solution(self, steps: int) -> Solution:
-        """Return the last accepted state, touchdowns and counts."""
         return self._fixed[1][:8].copy(), self.touchdowns.times, steps, self.calls
 
 

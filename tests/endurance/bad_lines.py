@@ -15,13 +15,13 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import settings_of
 from presswear.tools.quantities import Choice, Quantity
 
-Family = Callable[[Random], list[str]]
-"""Draws a command line of a kind."""
+Family = Callable[[Random], list[str]]  # Draws a command line of a kind
 
+# A file and a folder that holds something, as seen from where the lines are given.
 FILE, FOLDER = "../a-file", "../a-folder"
-"""A file and a folder that holds something, as seen from where the lines are given."""
 _PRESS, _CRANK = wear_times(), slider_crank()
 _KEYS = {scene.name: {setting.key for setting in settings_of(scene)} for scene in (_PRESS, _CRANK)}
+# Units that are none of a dimension.
 NOT_UNITS_OF = {
     "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
     "rad/s": "m, kg, s, rad, m/s, 1/s",
@@ -41,20 +41,19 @@ NOT_UNITS_OF = {
     "s": "m, Hz, 1/s, h",
     "": "m, mm, rad, kg, x, pi",
 }
-"""Units that are none of a dimension."""
 _NO_NUMBER_TEXTS = (
     "nan NaN -nan inf -inf Infinity none None null True e5 . - --5 +-5 1e 0x10 1,5 1_000 1+1 2*3 "
     "2**8 1/3 (1) __import__('os').getcwd() ${HOME} `ls` %s {0} 1e400 -1e400 1e99999999 ١٢٣ １２ "
     "² ½ −5 \x1b[31m5 \udcff \u202e5"
 )
+# What is no number that a computer can hold, with or without a unit behind it.
 _NO_NUMBERS = (*_NO_NUMBER_TEXTS.split(), "", " ", "5\x00", "5\n6", "9" * 5000)
-"""What is no number that a computer can hold, with or without a unit behind it."""
 _NO_COUNTS = ("0", "-1", "1.5", "many", "", "1e400", "nan", "٣", "9" * 5000)
+# Folders that cannot be written into, as they are somebody's or no folders.
 _PLACES = (
     *(FOLDER, FILE, f"{FILE}/below", "", " ", "a\0b", "n" * 300, "x/" + "y" * 256),
     *("a\nb", "\udcff", "\x1b[2J", "/proc/none/x", "/dev/null", "/dev/null/x"),
 )
-"""Folders that cannot be written into, as they are somebody's or no folders."""
 _ALPHABETS = (range(32, 127), range(32), range(0x80, 0xD800), range(0xE000, 0x110000))
 
 _AT_ODDS = """
@@ -75,6 +74,7 @@ benchmark ideal --quick
 benchmark --quick --set=joints=none
 benchmark --features --set=joints=A
 """
+# Values of options that none of them has, by what stands before them.
 _OPTIONS = {
     "run {scene}": "cycles={count} wear_updates={text} wear_updates=-1 wear_updates={many} "
     "tolerance={count} engine={text} conventions={text} out={place} on=no/{text}",
@@ -85,7 +85,6 @@ _OPTIONS = {
     "benchmark": "repeats={count} out={place}",
     "export {folder} a.csv": "stage={count}",
 }
-"""Values of options that none of them has, by what stands before them."""
 _LINES = (
     *("export no/{text} a.csv", "report no/{text}", "report", "run", "run --set", "export x"),
     *("run ideal --engine", "run ideal ideal", "verify x", "verify --long", "list ideal friction"),
@@ -96,7 +95,6 @@ _NAMES = ("no{text}", "{command} no{text}", "{command} --x{word}", "{command} --
 
 
 def _text(draw: Random, most: int = 40) -> str:
-    """Any text, half of it such as people type."""
     length = draw.randrange(most)
     return "".join(
         chr(draw.choice(draw.choice((_ALPHABETS[0], *_ALPHABETS)))) for _ in range(length)
@@ -104,7 +102,6 @@ def _text(draw: Random, most: int = 40) -> str:
 
 
 def _wild(draw: Random) -> str:
-    """Any text that does not begin like a number."""
     text = _text(draw)
     while re.match(r"\s*[+-]?\.?[0-9]", text):
         text = _text(draw)
@@ -112,7 +109,6 @@ def _wild(draw: Random) -> str:
 
 
 def _within(draw: Random, low: float, high: float) -> float:
-    """A number of a range; its ends now and then."""
     return draw.choice((low, high, *(draw.uniform(low, high) for _ in range(8))))
 
 
@@ -168,7 +164,6 @@ def _no_number(draw: Random, meaning: Quantity) -> str:
 
 
 def _wrong_unit(draw: Random, meaning: Quantity) -> str:
-    """A number with the unit of something else, or none; only a pure number has none to forget."""
     units = NOT_UNITS_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
     return f"{_within(draw, 0.0, 100.0)!r} {draw.choice(units)}".strip()
 
@@ -234,6 +229,7 @@ def _at_odds(draw: Random) -> list[str]:
     )
 
 
+# All kinds of bad command lines.
 FAMILIES: dict[str, Family] = {
     "unknown keys": _unknown_key,
     "no numbers": _of_setting(Quantity, _no_number),
@@ -247,10 +243,8 @@ FAMILIES: dict[str, Family] = {
     "bad options": _filled(_LINES),
     "bad names": _filled(_NAMES),
 }
-"""All kinds of bad command lines."""
 
 
 def bad_line(place: int, seed: int) -> list[str]:
-    """The line at a place of all those of a seed; kinds take turns."""
     family = list(FAMILIES.values())[place % len(FAMILIES)]
     return family(Random(f"{seed} {place}"))

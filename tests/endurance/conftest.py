@@ -31,14 +31,12 @@ def trial(
 
 @pytest.fixture
 def is_quick(request: pytest.FixtureRequest) -> bool:
-    """True if a few of each are enough."""
     return bool(request.config.getoption("--quick"))
 
 
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    """The table of what was tried."""
     trials = config.stash.get(TRIALS, [])
     if trials:
         terminalreporter.section("endurance")

@@ -23,35 +23,28 @@ from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of
 from presswear.validation.cases import ENERGY
 
+# Coarsest tolerances drawn: those at which statistics are still usable for wear. Coarser ones are
+# allowed, for showing how wrong they are; a run says so by its energy.
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
-"""Coarsest tolerances drawn: those at which statistics are still usable for wear.
-
-Coarser ones are allowed, for showing how wrong they are; a run says so by its energy.
-"""
+# Of the in-house solver: below, a stiff damper on a light link ends in round-off, and says so.
 FINEST = 1e-11
-"""Of the in-house solver: below, a stiff damper on a light link ends in round-off, and says so."""
-GYRATION = (0.01, 10.0)
-"""Radius of gyration of a link, part of its length."""
+GYRATION = (0.01, 10.0)  # Radius of gyration of a link, part of its length
+# Energy that may be missing however coarse a scene asks to be solved, part of that exchanged.
 MISSING = 1e-2
-"""Energy that may be missing however coarse a scene asks to be solved, part of that exchanged."""
+# Part of the kinetic energy that counts as exchanged: of a run of a few steps, hardly any is, and
+# what is missing is round-off of what all bodies hold.
 UNEXCHANGED = 1e-7
-"""Part of the kinetic energy that counts as exchanged: of a run of a few steps, hardly any is,
-and what is missing is round-off of what all bodies hold."""
+# Steps after which an engine tells how far it is.
 STEPS_BETWEEN_LOOKS = {"dae": 2000, "exudyn-tree": 512, "exudyn-joints": 512}
-"""Steps after which an engine tells how far it is."""
-_ENDS = 0.08
-"""Part of all draws that take an end of their range."""
-_LEAST = 1e-9
-"""Smallest value drawn from a range that begins at zero, part of its end."""
-_CHANGE = 0.15
-"""Standard deviation of the logarithm of a link's length."""
+_ENDS = 0.08  # Part of all draws that take an end of their range
+_LEAST = 1e-9  # Smallest value drawn from a range that begins at zero, part of its end
+_CHANGE = 0.15  # Standard deviation of the logarithm of a link's length
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
+# A cycle is run: that of a long run-up is hardly a motion. Drawn limits are mostly refused.
 _DRAWN_APART = (*_LENGTHS, "run_up", "torque_limit")
-"""A cycle is run: that of a long run-up is hardly a motion.  Drawn limits are mostly refused."""
 
 
 def _spread(draw: Random, low: float, high: float) -> float:
-    """A value of a range that spans decades."""
     return math.exp(draw.uniform(math.log(low), math.log(high)))
 
 
@@ -108,7 +101,6 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
 
 
 def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:
-    """Lengths of links around those of a mechanism that assembles."""
     results: dict[str, float] = {}
     for item in fields(owner):
         meaning = meaning_of(item)
@@ -154,7 +146,6 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
 
 
 def _numerics(draw: Random) -> Numerics:
-    """Steps and tolerances of methods with error control."""
     usual = Numerics()
     values: dict[str, Any] = {}
     for engine in (usual.tree, usual.joints, usual.dae):
@@ -230,7 +221,6 @@ class Ended:
 
     @property
     def passed(self) -> bool:
-        """Return whether the run was sound and conserved energy."""
         return not self.failure and self.residual <= self.bound
 
 

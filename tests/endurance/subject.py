@@ -25,20 +25,18 @@ from presswear.tools.errors import RunFailed
 from presswear.tools.files import holder, read_checked
 from presswear.validation.cases import sound
 
-PATIENCE = 60.0
-"""Wall time after which a command line that must be refused counts as hung, s."""
+PATIENCE = 60.0  # Wall time after which a command line that must be refused counts as hung, s
+# As ``python -m presswear``; a shell's background jobs have SIGINT ignored.
 _PROGRAM = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from presswear.__main__ import main
 sys.exit(main(sys.argv[1:]))
 """
-"""As ``python -m presswear``; a shell's background jobs have SIGINT ignored."""
 Process = subprocess.Popen[str]
 
 
 def is_one_line(output: str) -> bool:
-    """Return whether the output is one line of the program and no traceback."""
     return output.startswith("presswear: ") and len(output.removesuffix("\n").splitlines()) == 1
 
 
@@ -59,12 +57,10 @@ class Answer:
 
     @property
     def is_refusal(self) -> bool:
-        """True for exit code 2 with one line of errors and no output."""
         return self.code == 2 and is_one_line(self.errors) and not self.output
 
     @property
     def problem(self) -> str:
-        """Short description for a failed test."""
         return f"exit code {self.code}, {(self.errors or self.output).strip()[-300:]!r}"
 
 
@@ -105,7 +101,6 @@ def start_process(*line: str, program: str = _PROGRAM) -> Process:
 
 
 def end(process: Process, patience: float | None = None) -> Answer:
-    """Wait for a process, and kill it after ``patience``, s."""
     try:
         output, errors = process.communicate(timeout=patience)
     except subprocess.TimeoutExpired:
@@ -116,7 +111,6 @@ def end(process: Process, patience: float | None = None) -> Answer:
 
 
 def resume_option(out: Path) -> tuple[str, ...]:
-    """The option that goes on in a folder, where a run that was stopped has left one."""
     return ("--resume",) if out.exists() else ()
 
 
@@ -152,7 +146,6 @@ class Subject:
         )
 
     def finish(self, out: Path, *more: str) -> Answer:
-        """Run it to its end."""
         return end(self.start(out, *more))
 
 
@@ -161,8 +154,8 @@ _CRANK = ("cycles_per_update=2e4", "steps_per_contact=20", "steps_sustained=5")
 TREE = Subject("exudyn-tree", "wear-times", (*_PRESS, "cycles=2"))
 IN_HOUSE = Subject("dae", "wear-times", (*_PRESS, "cycles=2", "replicates=2"))
 JOINTS = Subject("exudyn-joints", "slider-crank", (*_CRANK, "cycles=1"))
+# One for each engine: several cycles, starts and steps of a wear, a few seconds each.
 SUBJECTS = (TREE, IN_HOUSE, JOINTS)
-"""One for each engine: several cycles, starts and steps of a wear, a few seconds each."""
 
 
 @dataclass(frozen=True)
@@ -174,19 +167,16 @@ class Alone:
 
 
 Check = Callable[[Path], object]
-check_result: Check = load
-"""Reads a result folder whole; InputError names what is wrong with it."""
+check_result: Check = load  # Reads a result folder whole; InputError names what is wrong with it
 
 
 def check_checkpoint(folder: Path) -> None:
-    """Read a folder's checkpoint; InputError names what is wrong with it."""
     checkpoint = read_stored(folder).checkpoint
     if checkpoint is not None:
         read_checked(folder / checkpoint.file, checkpoint.digest)
 
 
 def checkpoint_of(folder: Path) -> Path | None:
-    """The file that a run goes on from, where its folder names one already."""
     if not (folder / "result.json").exists():
         return None
     checkpoint = read_stored(folder).checkpoint
@@ -194,7 +184,6 @@ def checkpoint_of(folder: Path) -> Path | None:
 
 
 def wait_for(is_so: Callable[[], object]) -> bool:
-    """Wait until something is so, at most for twice PATIENCE."""
     last = time.monotonic() + 2.0 * PATIENCE
     while time.monotonic() < last:
         if is_so():
@@ -204,7 +193,6 @@ def wait_for(is_so: Callable[[], object]) -> bool:
 
 
 def is_at_work(process: Process, folder: Path) -> bool:
-    """Return whether a process holds a folder."""
     return f"process {process.pid} " in (holder(folder) or "")
 
 

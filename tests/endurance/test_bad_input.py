@@ -35,7 +35,6 @@ def refuse(trial: Trial, here: Path, count: int, seed: int, in_processes: int) -
 
 @pytest.fixture
 def nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever begins to compute is stopped at once, with ``Ran``."""
 
     def stop(*arguments: object, **options: object) -> None:
         raise Ran
@@ -47,7 +46,6 @@ def nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A new folder to be in; what the program leaves there is seen."""
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)

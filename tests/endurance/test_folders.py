@@ -130,7 +130,6 @@ def test_two_runs_into_one_folder(
 
 
 def missed(check: Check, file: Path) -> str:
-    """Return why a damaged file is not reported correctly, or nothing."""
     try:
         check(file.parent)
     except InputError as error:

@@ -26,10 +26,9 @@ from endurance.subject import (
 )
 from endurance.trial import SEED, Trial
 
+# Runs that are tried for each stop wanted: most end before they are stopped where this fails.
 MOST_RUNS = 4
-"""Runs that are tried for each stop wanted: most end before they are stopped where this fails."""
-STOPS = 4
-"""Of one run, at most."""
+STOPS = 4  # Of one run, at most
 
 
 def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> str | None:

@@ -11,14 +11,14 @@ import pytest
 from endurance.subject import end, start_process
 from endurance.trial import Trial
 
-ALLOWED = 0.1
-"""Part by which the longer run may take more."""
+ALLOWED = 0.1  # Part by which the longer run may take more
+# Time between two checkpoints, s. Both runs write checkpoints and continue from stored states.
+# With the default of 60 s only a run of more than 15 s does, and these take 45 MB at any number
+# of cycles.
 CHECKPOINT = 0.2
-"""Time between two checkpoints, s.
-
-Both runs write checkpoints and continue from stored states.  With the default of 60 s only a run
-of more than 15 s does, and these take 45 MB at any number of cycles.
-"""
+# Prints the peak of its memory; ``getrusage`` would begin with the peak of its parent. A
+# checkpoint takes some 30 MB, whatever the number of cycles, and the shorter run would end before
+# the first.
 _PROGRAM = """
 import re, sys
 from presswear.results import folder
@@ -28,10 +28,6 @@ code = main(sys.argv[1:])
 print("peak", re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read())[1])
 sys.exit(code)
 """
-"""Prints the peak of its memory; ``getrusage`` would begin with the peak of its parent.
-
-A checkpoint takes some 30 MB, whatever the number of cycles, and the shorter run would end before
-the first."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +42,6 @@ class Size:
 
 
 def file_size(path: Path) -> int:
-    """Return the packed size of the arrays of a file, bytes, without the table of all cycles."""
     with ZipFile(path) as file:
         return sum(i.compress_size for i in file.infolist() if i.filename != "cycles.npy")
 

@@ -9,10 +9,9 @@ from endurance.trial import SEED, Trial
 from presswear.linkage.mechanisms import Press
 
 ENGINES = ("exudyn", "dae")
-STEPS = 5000
-"""Of a run: most do not get through a cycle in so few, some would take millions."""
+STEPS = 5000  # Of a run: most do not get through a cycle in so few, some would take millions
+# Part of the scenes that may end with a message: that says nothing false, but is no survivor.
 ALLOWED = 0.05
-"""Part of the scenes that may end with a message: that says nothing false, but is no survivor."""
 
 
 def run_scenes(trial: Trial, count: int, seed: int) -> None:

@@ -29,7 +29,6 @@ class Trial:
     first_miss: str = ""
 
     def add(self, problem: str = "", times: int = 1) -> None:
-        """Count attempts; an empty problem is a pass."""
         self.attempts += times
         self.passes += 0 if problem else times
         self.first_miss = self.first_miss or problem
@@ -38,12 +37,10 @@ class Trial:
 
     @property
     def passed(self) -> bool:
-        """True if all attempts passed except those allowed."""
         return 0 < self.attempts <= self.passes + self.allowed
 
     @property
     def row(self) -> list[str]:
-        """Cells of the table: title, attempts, passes, verdict, note."""
         verdict = ("pass" if self.passed else "MISS") if self.attempts else ""
         note = self.first_miss or self.note
         return [self.title, f"{self.attempts}", f"{self.passes}", verdict, note]

@@ -21,7 +21,6 @@ DELIVERED = references.DELIVERED["lankarani-nikravesh"]
 
 
 def rebound(run: Run) -> float:
-    """Speed at which two free bodies part at the end of a run, m/s."""
     return float(run.end.velocity[0] - run.end.velocity[3])
 
 

@@ -16,12 +16,10 @@ INTERVAL = references.SDND100_INTERVAL
 EXTREMA = references.SDND100_EXTREMA
 
 
-UPPER = 1e-6
-"""Speed above which friction is full, m/s."""
+UPPER = 1e-6  # Speed above which friction is full, m/s
 
 
 def released(intervals: float = 4.5) -> Run:
-    """SDND100 from its release, for so many intervals."""
     linkage, start = references.sdnd100(UPPER)
     plan = Plan(intervals * INTERVAL, 1, recorded_cycles=1)
     return InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)

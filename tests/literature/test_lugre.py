@@ -81,7 +81,6 @@ def test_engines_agree_and_nothing_is_lost_but_by_friction() -> None:
 
 
 def bristle_after(time: float, steps: int, speed: float) -> float:
-    """Deflection of bristles after a time, s, in equal steps, at a speed that swings about 0."""
     law, h = friction_record(LUGRE), time / steps
     bristle = 0.0
     for i in range(steps):

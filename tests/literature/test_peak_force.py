@@ -38,7 +38,6 @@ def simulated(impact: Impact, engine: Engine, law: NormalLaw | None = None) -> R
 
 
 def peaks(run: Run) -> list[float]:
-    """Return the peak force in the list of contacts, the counts, the film and the cycle, N."""
     recorder = run.recorder
     counts, film = recorder.records.counters, recorder.film
     found = (recorder.stored_contacts(0)[0, 4], counts["peak_force"][0], film.joints[..., 5].max())

@@ -23,23 +23,20 @@ from presswear.scene.options import Life
 
 Array = NDArray[np.float64]
 
+# Direction in which the pin presses on a bush that is pressed down, rad: friction tilts it.
 TILT = 0.5 * math.pi - math.atan(FRICTION)
-"""Direction in which the pin presses on a bush that is pressed down, rad: friction tilts it."""
 
 
 def integral(eccentricity: float, clearance: float) -> float:
-    """Integral of e cos - c over the arc where that is above zero, m."""
     half = math.acos(clearance / eccentricity)
     return 2.0 * (eccentricity * math.sin(half) - clearance * half)
 
 
 def volume(radius: float, depth: float, clearance: float = CLEARANCE) -> float:
-    """Worn volume of a bush by its depth, m^3."""
     return WIDTH * radius * integral(clearance + depth, clearance)
 
 
 def depth(radius: float, worn_volume: float, clearance: float = CLEARANCE) -> float:
-    """Depth of a bush by its worn volume, m."""
     reach = 5.0 * clearance
     return float(
         brentq(lambda d: volume(radius, d, clearance) - worn_volume, 1e-12, reach, xtol=1e-15)
@@ -59,7 +56,6 @@ def profile(count: int, direction: float, eccentricity: float, clearance: float)
 
 
 def lens(bearing: float, pin: float, eccentricity: float) -> float:
-    """Area of a circle that lies outside another one, m^2."""
     e, r, s = eccentricity, pin, bearing
     from_pin = math.acos((e * e + r * r - s * s) / (2.0 * e * r))
     from_bearing = math.acos((e * e + s * s - r * r) / (2.0 * e * s))
@@ -68,7 +64,6 @@ def lens(bearing: float, pin: float, eccentricity: float) -> float:
 
 
 def is_lens(found: Array, area: float, radius: float, clearance: float) -> tuple[float, float]:
-    """Error of the deepest place, and of the whole profile, part of it, by the worn volume."""
     angles = (np.arange(found.size) + 0.5) * 2.0 * math.pi / found.size
     direction = float(np.angle(found @ np.exp(1j * angles)))
     reached = depth(radius, float(found.sum()) * area, clearance)
@@ -78,19 +73,16 @@ def is_lens(found: Array, area: float, radius: float, clearance: float) -> tuple
 
 
 def worn_to(part: float, radius: float, cycles: int, **settings: Any) -> Worn:
-    """A bush alone worn to a depth, part of the clearance, in steps of equal depth."""
     goal = volume(radius, part * CLEARANCE)
     return worn(bush(radius, **settings), goal, cycles, 1.5)
 
 
 @pytest.fixture(scope="module")
 def alone() -> Worn:
-    """A bush alone, worn half as deep as its clearance."""
     return worn_to(0.5, 0.02, 100)
 
 
 def uneven(found: Array) -> float:
-    """Standard deviation of a depth over its mean."""
     return float(found.std() / found.mean())
 
 

@@ -110,10 +110,8 @@ def every_result() -> dict[str, pw.Result]:
 
 @cache
 def every_evidence() -> Evidence:
-    """Return the evidence of all runs."""
     return Evidence(every_result())
 
 
 def evidence_of(setting: str, *stages: dict[str, Array], **changes: Any) -> Evidence:
-    """Return the evidence of the standard case of one setting alone."""
     return Evidence({run_name(BASE, setting): result(setting, stages, **changes)})

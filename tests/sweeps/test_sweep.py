@@ -39,7 +39,6 @@ VARY = ["--vary", "clearance=0.4mm,0.6mm", "--response", "A.force_max,bdc_error"
 
 
 def peak(result: pw.Result) -> float:
-    """Largest force."""
     return float(result.stages[0].joints["A"].force.max())
 
 

@@ -66,14 +66,12 @@ def points(progress: Progress) -> list[Point]:
 
 
 def family(points: list[Point], problem: int, name: str = "") -> list[Point]:
-    """Return the points of a problem by its number, and of a family."""
     names = list(dict.fromkeys(point.problem.name for point in points))
     chosen = [point for point in points if point.problem.name == names[problem]]
     return [point for point in chosen if name in ("", point.method.family)]
 
 
 def order(points: list[Point], quantity: str) -> float:
-    """Return the observed order of the points whose error exceeds the reference's tenfold."""
     limit = 10.0 * points[0].problem.quantities[quantity]
     pairs = [
         (1.0 / point.timing.steps, point.errors[quantity])

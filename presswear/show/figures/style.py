@@ -71,6 +71,7 @@ TEMPLATES.filters |= {
     "number": lambda value, digits=3: readable(value, digits),
     "quantity": quantity_text,
     "large": large,
+    "slug": lambda text: re.sub(r"[^\w-]", "-", text),
 }
 _CAPTIONS = tomllib.loads(
     files("presswear.show").joinpath("templates/captions.toml").read_text("utf-8")
