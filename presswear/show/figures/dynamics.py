@@ -100,9 +100,8 @@ def impact_section(result: Result, stages: Stages) -> list[Drawing]:
     impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
     if not any(speed.any() for row in impacts for _, speed in row):
         return []
-    sheet, grid = style.panels(
-        len(joints), len(shown), 0.7 + 1.5 * len(joints), sharex=True, sharey=True
-    )
+    height = 0.7 + 1.5 * len(joints)
+    sheet, grid = style.panels(len(joints), len(shown), height, sharex=True, sharey=True)
     for data, row, joint in zip(impacts, grid, joints, strict=True):
         for (when, speed), axes, stage in zip(data, row, shown, strict=True):
             axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)

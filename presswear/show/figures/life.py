@@ -17,10 +17,7 @@ from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _COLUMNS = 3
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
-_HEADROOM = (
-    1.15,
-    1.4,
-)  # height of a panel relative to its largest value, without and with a note
+_HEADROOM = 1.15, 1.4  # height of a panel over its largest value, without and with a note
 _NARROW = 0.2  # fraction of the strokes below which the name of a phase is upright
 _MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
 _LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
@@ -110,9 +107,8 @@ def _draw_quantity(axes: Axes, key: str, scale: _Scale) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.set_ylabel(f"({unit})")
     is_first = life.first is not None and life.first.key == key
-    title = style.wrapped(words_of(key), 0.7 * style.WIDTH / _COLUMNS) + (
-        ": first" if is_first else ""
-    )
+    title = style.wrapped(words_of(key), 0.7 * style.WIDTH / _COLUMNS)
+    title += ": first" if is_first else ""
     axes.set_title(title, loc="left", fontweight="bold" if is_first else "normal")
     _mark_life_and_services(axes, joint, scale)
     if joint and name == "wear_volume":
@@ -148,7 +144,7 @@ def _shade_phases(axes: Axes, joint: str, scale: _Scale) -> None:
 
 
 def _upright(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
-    """Write a small text at an abscissa and a fraction of the height, upright unless told."""
+    """Write a small text at an abscissa and a fraction of the height, by default upright."""
     place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
     axes.text(x, y, text, **place, **{"rotation": 90.0} | look)
 

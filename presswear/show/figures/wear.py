@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from matplotlib.projections.polar import PolarAxes
@@ -79,10 +80,8 @@ def _depth_curves(
     ]
     last = stages[-1]
     if last is result.stages[-1] and not last.failed and result.life is None:
-        not_run = Pen(
-            f"{result.stage_name(last.index + 1)}, not run", style.MUTED, (0.0, (2.0, 2.0))
-        )
-        curves.append((not_run, total(last, "depth", "wear")))
+        name = f"{result.stage_name(last.index + 1)}, not run"
+        curves.append((Pen(name, style.MUTED, (0.0, (2.0, 2.0))), total(last, "depth", "wear")))
     return [(pen, depth) for pen, depth in curves if np.any(depth > 0.0)]
 
 
@@ -132,21 +131,18 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     steps = [step for stage in result.stages for step in stage.wear_steps]
     sizes = (unit_factor("million") * step.cycles_per_update for step in steps)
     cycles = list(accumulate(sizes, initial=0.0))
-    first = sum(len(stage.wear_steps) for stage in result.stages if stage.index < stages[0].index)
-    last, updates = first, []
-    for stage in stages:
-        last += len(stage.wear_steps)
-        if stage.wear_steps:
-            updates.append((cycles[last], result.stage_name(stage.index + 1)))
+    ends = list(accumulate((len(stage.wear_steps) for stage in result.stages), initial=0))
+    first, last = ends[stages[0].index], ends[stages[-1].index + 1]
+    names = [(stage.index + 1, stage.wear_steps) for stage in stages]
+    updates = [(cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied]
     shown = slice(first, last + 1)
     marker = "." if last - first < _MARKED_STEPS else ""
     sheet, (row,) = style.panels(1, len(joints), 2.9)
     for axes, joint in zip(row, joints, strict=True):
         for side, pen in _SURFACES.items():
-            initial = float(result.stages[0].joints[joint].depth(side).max())
-            depth = style.MICRONS * np.array(
-                [initial, *(step.max_depth[joint][side] for step in steps)]
-            )
+            depths = [float(result.stages[0].joints[joint].depth(side).max())]
+            depths += [step.max_depth[joint][side] for step in steps]
+            depth = style.MICRONS * np.array(depths)
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_updates(axes, updates)
         axes.set_xlim(cycles[first], None)
@@ -154,25 +150,16 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_xlabel("represented cycles (million)")
         axes.set_ylabel("deepest wear (µm)")
         style.title_joint(axes, f"joint {joint}")
-    return style.finished(
-        "growth", sheet, _SURFACES.values(), _RIGHT, turns=style.maps_turn(result)
-    )
+    pens, turns = _SURFACES.values(), style.maps_turn(result)
+    return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
 
 
 def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
     for end, _ in updates:
         axes.axvline(end, color=style.MUTED, linewidth=0.6)
     for end, name in updates if len(updates) <= _NAMED_UPDATES else updates[-1:]:
-        axes.annotate(
-            name,
-            (end, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0.0, 2.0),
-            textcoords="offset points",
-            ha="right",
-            va="bottom",
-            color=style.MUTED,
-        )
+        look: dict[str, Any] = {"ha": "right", "va": "bottom", "color": style.MUTED}
+        axes.text(end, 1.02, name, transform=axes.get_xaxis_transform(), **look)
 
 
 @dataclass(frozen=True)
@@ -224,18 +211,18 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     factor = max(1.0, style.round_down(_DRAWN_DEPTH * bearing.bearing_radius / deepest))
     scale = "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
     sheet = Sheet(figsize=(style.WIDTH, _HEIGHT))
-    outline = PolarAxes(sheet, _fractions(_OUTLINE))
+    size = np.array([style.WIDTH, _HEIGHT, style.WIDTH, _HEIGHT])
+    outline = PolarAxes(sheet, tuple(_OUTLINE / size))
     sheet.add_axes(outline)
     _draw_outline(outline, angle, worn, factor, views)
     for side, view in views.items():
-        axes = sheet.add_axes(_fractions(_PROFILES[side]))
+        axes = sheet.add_axes(tuple(_PROFILES[side] / size))
         _draw_profile(axes, worn, view)
         axes.set_xlabel(style.angle_label(result, side))
-    sheet.text(
-        0.12 / style.WIDTH, 1.0 - 0.2 / _HEIGHT, f"joint {joint}", va="center", weight="bold"
-    )
-    middle, below = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / style.WIDTH, 0.15 / _HEIGHT
-    sheet.text(middle, below, f"wear {scale}, clearance to scale", ha="center", va="center")
+    sheet.text(0.12 / size[0], 1.0 - 0.2 / size[1], f"joint {joint}", va="center", weight="bold")
+    middle = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / size[0]
+    text = f"wear {scale}, clearance to scale"
+    sheet.text(middle, 0.15 / size[1], text, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
     style.legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
     return style.captioned(
@@ -247,11 +234,6 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
         deepest=deepest,
         turns=style.maps_turn(result),
     )
-
-
-def _fractions(inches: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-    left, bottom, width, height = inches
-    return left / style.WIDTH, bottom / _HEIGHT, width / style.WIDTH, height / _HEIGHT
 
 
 def _views(result: Result, joint: str, angle: Array, maps: JointResult) -> dict[str, _View]:

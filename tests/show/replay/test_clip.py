@@ -1,6 +1,5 @@
-"""Clips: frames, service lives, the player, and areas of shapes."""
+"""Clips: frames, service lives, and the player."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,6 @@ from presswear.results.life import LifeResult
 from presswear.scene.options import Life
 from presswear.show.replay.clip import frames_at, frames_between, life_clip, snapshots
 from presswear.show.replay.output import DOWN, END, HOME, LEFT, RIGHT, SPACE, UP, Player
-from presswear.show.replay.shapes import band, circle, colour, filled, rectangle, rounded_hull
 
 CLIP = synthetic_clip()
 
@@ -90,20 +88,3 @@ def test_a_life_is_the_last_cycle_of_each_stage() -> None:
     cut = replace(result.stages[1], read_film=lambda: half)
     with pytest.raises(pw.InputError, match="its film has no whole cycle"):
         life_clip(replace(result, stages=(result.stages[0], cut)))
-
-
-def test_areas_of_shapes() -> None:
-    r, paint = 0.2, colour("#336699")
-    disc = math.pi * r**2
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    hull = 0.5 + r * (2.0 + math.sqrt(2.0)) + disc
-    for shape, area in (
-        (filled(rounded_hull(corners[:1], r), 0.0, paint), disc),
-        (filled(rounded_hull(corners[:2], r), 0.0, paint), disc + 2.0 * r),
-        (filled(rounded_hull(corners, r), 0.0, paint), hull),
-        (band(circle((0, 0), 0.5), circle((0, 0), 0.8), 0.0, paint), math.pi * 0.39),
-        (filled(rectangle((0.3, 0.2), 0.7), 0.0, paint), 0.06),
-    ):
-        a, b, c = (shape.points[shape.triangles[:, i]] for i in range(3))
-        cross = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-        assert 0.5 * cross.sum() == pytest.approx(area, rel=5e-3)
