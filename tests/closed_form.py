@@ -4,7 +4,7 @@ Two links that meet in a joint are solved from their other ends alone: positions
 intersecting circles, velocities and accelerations by two linear equations.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,30 +15,18 @@ from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 
 
-@dataclass(frozen=True)
-class Point:
+class Point(NamedTuple):
     """A moving point: position, velocity, acceleration, each (n, 2)."""
 
     position: Array
     velocity: Array
     acceleration: Array
 
-    @staticmethod
-    def fixed(x: float, y: float, count: int) -> "Point":
-        """A point at rest, at ``count`` times."""
-        still = np.zeros((count, 2))
-        return Point(still + np.array([x, y]), still, still)
 
-
-@dataclass(frozen=True)
-class Line:
-    """A line on the frame: a point of it, m, and the unit vector along it.
-
-    The vector and no angle: an upright line then keeps x exactly.
-    """
-
-    point: tuple[float, float]
-    direction: tuple[float, float]
+def fixed(x: float, y: float, count: int) -> Point:
+    """A point at rest, at ``count`` times."""
+    still = np.zeros((count, 2))
+    return Point(still + np.array([x, y]), still, still)
 
 
 def _direction(angle: Array) -> Array:
@@ -93,30 +81,23 @@ def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Ar
     return np.column_stack([x, y])
 
 
-def slide(c: Point, length: float, line: Line, side: float) -> Point:
-    """The end on a line of a rod from a moving point, ahead of it on the line or behind.
-
-    Parameters
-    ----------
-    side : float
-        1 ahead of the foot of ``c`` on the line, -1 behind.
-    """
-    unit = np.array(line.direction)
+def slide(
+    c: Point, length: float, start: tuple[float, float], along: tuple[float, float], side: float
+) -> Point:
+    """The end of a rod from a moving point on a line, 1 ahead of its foot there or -1 behind."""
+    unit = np.array(along)
     across = np.array([-unit[1], unit[0]])
-    away = c.position - np.array(line.point)
+    away = c.position - np.array(start)
     offset = away @ across
     reach = side * np.sqrt(length**2 - offset**2)
     offset_t, offset_tt = c.velocity @ across, c.acceleration @ across
     reach_t = -offset * offset_t / reach
     reach_tt = -(offset_t**2 + offset * offset_tt + reach_t**2) / reach
 
-    def along(value: Array) -> Array:
-        return value[:, None] * unit
-
     return Point(
-        np.array(line.point) + along(away @ unit + reach),
-        along(c.velocity @ unit + reach_t),
-        along(c.acceleration @ unit + reach_tt),
+        np.array(start) + (away @ unit + reach)[:, None] * unit,
+        (c.velocity @ unit + reach_t)[:, None] * unit,
+        (c.acceleration @ unit + reach_tt)[:, None] * unit,
     )
 
 
@@ -163,12 +144,7 @@ def _together(
 ) -> Motion:
     """Put the motions of single bodies together in the order of a linkage.
 
-    Parameters
-    ----------
-    axes : dict
-        Joints by name of the body that its x axis points from and to; none of bodies on guides.
-    driven : dict
-        Angles of the driven bodies, rad.
+    ``axes`` holds the joints from and to which the x axis of a body points, but of those on guides.
     """
     ends = {
         (end.body, joint.name): end
@@ -197,15 +173,10 @@ def press_motion(
     rates: tuple[float, float] | None = None,
     turning_7: Turning | None = None,
 ) -> Motion:
-    """Motion of the press with all joints closed.
+    """Motion of the press with all joints closed; without ``turning_7`` crank 7 turns evenly.
 
-    Parameters
-    ----------
-    rates : tuple of (float, float) or None
-        Speeds of cranks 2 and 7, rad/s, in the places where they are at their own: velocities by
-        them are partial derivatives.
-    turning_7 : tuple or None
-        What crank 7 does, each shape (n,); None: it turns evenly.
+    ``rates`` are speeds of cranks 2 and 7, rad/s, in place of their own: velocities by them are
+    partial derivatives.
     """
     geometry = press.geometry
     turn = press.speed * time
@@ -213,14 +184,13 @@ def press_motion(
     turning_7 = turning_7 or (CRANK_7_START + turn, press.speed, 0.0)
     if rates is not None:
         turning_2, turning_7 = (turning_2[0], rates[0], 0.0), (turning_7[0], rates[1], 0.0)
-    o2 = Point.fixed(geometry.hx, geometry.hy, time.size)
-    o7 = Point.fixed(0.0, 0.0, time.size)
+    o2 = fixed(geometry.hx, geometry.hy, time.size)
+    o7 = fixed(0.0, 0.0, time.size)
     a = crank(o2, -press.length_2, turning_2)
     d = crank(o7, press.length_7, turning_7)
     b = dyad(d, a, geometry.side_bd, press.length_3, geometry.side_b)
     c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
-    guide = Line((geometry.hx, 0.0), (0.0, 1.0))
-    e = slide(c, press.length_5, guide, geometry.slider_side)
+    e = slide(c, press.length_5, (geometry.hx, 0.0), (0.0, 1.0), geometry.slider_side)
     joints = {"O2": o2, "O7": o7, "A": a, "B": b, "C": c, "D": d, "E": e}
     axes = {
         "crank 2": ("A", "O2"),
@@ -234,14 +204,9 @@ def press_motion(
 
 
 def servo_turning(press: Press, time: Array, slider: Array, guess: float) -> Turning:
-    """What crank 7 does that gives the slider a motion while crank 2 turns evenly.
+    """What crank 7 does that gives the slider a motion, (n, 3), while crank 2 turns evenly.
 
-    Parameters
-    ----------
-    slider : ndarray, shape (n, 3)
-        Place, m, velocity and acceleration.
-    guess : float
-        Angle of crank 7, rad, with no dead point between it and the motion.
+    No dead point lies between ``guess``, rad, and the motion.
     """
     linkage, angle, still = press.linkage(), np.full(time.size, guess), np.zeros(time.size)
 
@@ -260,15 +225,7 @@ def servo_turning(press: Press, time: Array, slider: Array, guess: float) -> Tur
 def needed_by_virtual_work(
     press: Press, time: Array, upwards: Array, turning_7: Turning | None = None
 ) -> Array:
-    """Torques of cranks 2 and 7, all joints closed, shape (n, 2), N m.
-
-    Parameters
-    ----------
-    upwards : ndarray, shape (n,)
-        Force on the slider, N.
-    turning_7 : tuple or None
-        What crank 7 does; None: it turns evenly.
-    """
+    """Torques of cranks 2 and 7 under a force on the slider, N, joints closed, (n, 2), N m."""
     linkage, motion = press.linkage(), press_motion(press, time, None, turning_7)
     mass = np.array([[own.mass, own.mass, own.inertia] for own in linkage.bodies]).ravel()
     force = -mass * motion.acceleration
@@ -282,9 +239,9 @@ def needed_by_virtual_work(
 
 def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
     """Motion of the slider-crank with all joints closed."""
-    o = Point.fixed(0.0, 0.0, time.size)
+    o = fixed(0.0, 0.0, time.size)
     turn = mechanism.speed * time
     a = crank(o, mechanism.crank_length, (turn, mechanism.speed, 0.0))
-    b = slide(a, mechanism.rod_length, Line((0.0, 0.0), (1.0, 0.0)), 1.0)
+    b = slide(a, mechanism.rod_length, (0.0, 0.0), (1.0, 0.0), 1.0)
     axes = {"crank": ("O", "A"), "rod": ("A", "B")}
     return _together(mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes, {"crank": turn})
