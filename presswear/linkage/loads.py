@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, cast, get_args
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 from presswear.linkage.elements import ANGLE, MAX_ANGLE, MAX_LENGTH, Attachment, End
 from presswear.tools.errors import InputError, unknown
@@ -349,7 +349,7 @@ class Blanking:
     )
     snap: float = _depth(5e-5, "depth over which the force falls to zero when it has broken")
     cushion: float = _force(_CUSHION, 0.0, 0.0)
-    bottom: Extreme = choice("lowest", get_args(Extreme), _BOTTOM)
+    bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -395,7 +395,7 @@ class Drawing(Checked):
     depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
     peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "part of the depth at its greatest")
     cushion: float = _force(_CUSHION, 0.0, 0.0)
-    bottom: Extreme = choice("lowest", get_args(Extreme), _BOTTOM)
+    bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
     fracture: ClassVar[None] = None
 
@@ -423,7 +423,7 @@ class Coining(Checked):
 
     stiffness: float = quantity(1e6, "N/m", 1.0, 1e12, "chosen", "of die and work")
     height: float = _depth(3e-4, _HEIGHT)
-    bottom: Extreme = choice("lowest", get_args(Extreme), _BOTTOM)
+    bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
     fracture: ClassVar[None] = None
     cushion: ClassVar[float] = 0.0

@@ -3,36 +3,11 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
-from presswear.linkage.elements import (
-    ClearanceJoint,
-    MapFrame,
-    Revolute,
-    Slip,
-    SurfaceContact,
-    WearDistribution,
-    WearLaw,
-)
-from presswear.linkage.laws import (
-    DAMPINGS,
-    FRICTION_PARAMETERS,
-    FRICTIONS,
-    KELVIN_VOIGT,
-    LUGRE,
-    MATERIALS,
-    NORMAL_PARAMETERS,
-    Elasticity,
-    FrictionLaw,
-    Materials,
-    NormalLaw,
-    StiffnessReading,
-    check_friction,
-    check_normal,
-    hertz_stiffness,
-)
+from presswear.linkage import elements, laws
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
@@ -48,18 +23,20 @@ MIN_ANGLES = 16  # bins of a wear map
 class Conventions(Checked):
     """Readings of the paper's wear model; each can be chosen alone."""
 
-    stiffness: StiffnessReading = choice(
-        "paper", get_args(StiffnessReading), "K with R_i + R_j as printed, or R_i - R_j"
+    stiffness: laws.StiffnessReading = choice(
+        "paper", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
     )
-    slip: Slip = choice("angle", get_args(Slip), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt")
-    map_frame: MapFrame = choice(
-        "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
+    slip: elements.Slip = choice(
+        "angle", elements.Slip, "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt"
     )
-    wear_distribution: WearDistribution = choice(
-        "bin", get_args(WearDistribution), "wear into the bin of the contact, or over its arc"
+    map_frame: elements.MapFrame = choice(
+        "fixed", elements.MapFrame, "wear maps fixed in direction, or turning with their bodies"
     )
-    contact: SurfaceContact = choice(
-        "radial", get_args(SurfaceContact), "worn surfaces meet along e, or over an elastic arc"
+    wear_distribution: elements.WearDistribution = choice(
+        "bin", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
+    )
+    contact: elements.SurfaceContact = choice(
+        "radial", elements.SurfaceContact, "worn surfaces meet along e, or over an elastic arc"
     )
 
     @property
@@ -90,22 +67,26 @@ class Bearing:
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
     )
-    materials: Materials | Any = named_set("paper", MATERIALS, "materials of the pair, pin first")
+    materials: laws.Materials | Any = named_set(
+        "paper", laws.MATERIALS, "materials of the pair, pin first"
+    )
     contact_stiffness: float | None = quantity(
         None, "N/m^n", 1e3, 1e15, "chosen", "K; default: Hertz's, from E, nu and the radii"
     )
     exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
-    elasticity: Elasticity = choice(
-        "power", get_args(Elasticity), "force while round: K delta^n, Liu's, or a foundation's"
+    elasticity: laws.Elasticity = choice(
+        "power", laws.Elasticity, "force while round: K delta^n, Liu's, or a foundation's"
     )
     normal_law: Law = choice(
-        "lankarani-nikravesh", tuple(DAMPINGS), "normal force", NORMAL_PARAMETERS
+        "lankarani-nikravesh", tuple(laws.DAMPINGS), "normal force", laws.NORMAL_PARAMETERS
     )
     restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution ce")
     viscous_damping: float = quantity(
-        0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {KELVIN_VOIGT}"
+        0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
     )
-    friction_law: Law = choice("ramp", tuple(FRICTIONS), "friction force", FRICTION_PARAMETERS)
+    friction_law: Law = choice(
+        "ramp", tuple(laws.FRICTIONS), "friction force", laws.FRICTION_PARAMETERS
+    )
     friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
     lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
     upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
@@ -126,36 +107,32 @@ class Bearing:
     def __post_init__(self) -> None:
         """Check each value, and the values against each other."""
         check_fields(self)
-        if isinstance(self.normal_law, str):
-            least = DAMPINGS[self.normal_law].least
+        law, friction_law = self.normal_law, self.friction_law
+        if isinstance(law, str):
+            least = laws.DAMPINGS[law].least
             if self.restitution < least:
                 raise InputError(
-                    f"restitution = {self.restitution:g}: with normal_law = {self.normal_law!r} "
-                    f"allowed is {least:g} to 1"
+                    f"restitution = {self.restitution:g}: with normal_law = {law!r} allowed is "
+                    f"{least:g} to 1"
                 )
-            if self.viscous_damping > 0.0 and self.normal_law != KELVIN_VOIGT:
+            if self.viscous_damping > 0.0 and law != laws.KELVIN_VOIGT:
                 raise InputError(
-                    f"viscous_damping = {self.viscous_damping:g} N s/m: with normal_law = "
-                    f"{self.normal_law!r} allowed is 0 N s/m"
+                    f"viscous_damping = {self.viscous_damping:g} N s/m: with normal_law = {law!r} "
+                    "allowed is 0 N s/m"
                 )
         if self.static_friction is not None:
+            fault = f"static_friction = {self.static_friction:g}"
             if self.static_friction < self.friction:
-                raise InputError(
-                    f"static_friction = {self.static_friction:g}: allowed is {self.friction:g}, "
-                    "the friction, up to 2"
-                )
-            if self.friction_law != LUGRE:
-                raise InputError(
-                    f"static_friction = {self.static_friction:g}: it needs friction_law = {LUGRE}"
-                )
-        if not isinstance(self.friction_law, str) and self.friction == 0.0:
+                raise InputError(f"{fault}: allowed is {self.friction:g}, the friction, up to 2")
+            if friction_law != laws.LUGRE:
+                raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
+        if not isinstance(friction_law, str) and self.friction == 0.0:
             raise InputError(
-                f"friction = 0: with friction_law = {self.friction_law} allowed is above 0 to 0.8"
+                f"friction = 0: with friction_law = {friction_law} allowed is above 0 to 0.8"
             )
         if self.elasticity != "power" and self.exponent != 1.5:
             raise InputError(
-                f"exponent = {self.exponent:g}: with elasticity = {self.elasticity!r} allowed is "
-                "1.5"
+                f"exponent = {self.exponent:g}: with elasticity = {self.elasticity} allowed is 1.5"
             )
         if self.clearance >= self.bearing_radius:
             raise InputError(
@@ -168,7 +145,7 @@ class Bearing:
                 f"upper_speed, {self.upper_speed:g} m/s"
             )
 
-    def check_contact(self, where: str, contact: SurfaceContact, is_worn: bool) -> None:
+    def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
         """Raise InputError where surfaces that are or become worn cannot meet in this way.
 
         Messages begin with ``where``.
@@ -183,22 +160,22 @@ class Bearing:
         if is_worn and not isinstance(self.normal_law, str):
             raise InputError(
                 f"{where}normal_law = {self.normal_law}: worn surfaces with contact = 'foundation' "
-                f"have an elastic force already; allowed is one of {', '.join(DAMPINGS)}, or "
+                f"have an elastic force already; allowed is one of {', '.join(laws.DAMPINGS)}, or "
                 "contact = 'radial'"
             )
 
-    def hertz(self, reading: StiffnessReading) -> float:
+    def hertz(self, reading: laws.StiffnessReading) -> float:
         """Return K, N/m^n: the contact stiffness, or Hertz's."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         radii = self.bearing_radius, self.bearing_radius - self.clearance
-        return hertz_stiffness(*radii, self.materials.compliance, reading)
+        return laws.hertz_stiffness(*radii, self.materials.compliance, reading)
 
-    def normal(self, reading: StiffnessReading) -> NormalLaw:
+    def normal(self, reading: laws.StiffnessReading) -> laws.NormalLaw:
         """Return the law of its normal force."""
         function = self.normal_law if isinstance(self.normal_law, UserFunction) else None
-        damping = DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
-        return NormalLaw(
+        damping = laws.DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
+        return laws.NormalLaw(
             self.hertz(reading),
             self.exponent,
             damping.factor(self.restitution),
@@ -208,11 +185,11 @@ class Bearing:
         )
 
     @property
-    def rubbing(self) -> FrictionLaw:
+    def rubbing(self) -> laws.FrictionLaw:
         """Law of its friction."""
         function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if function else str(self.friction_law)
-        return FrictionLaw(
+        return laws.FrictionLaw(
             self.friction,
             self.lower_speed,
             self.upper_speed,
@@ -224,7 +201,7 @@ class Bearing:
             self.bristle_damping,
         )
 
-    def check_own_laws(self, joint: str, reading: StiffnessReading) -> None:
+    def check_own_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         from presswear.tools.compile import check_compiles  # slow import
 
@@ -232,26 +209,26 @@ class Bearing:
         if normal.user_law is not None:
             key, law = f"{joint}.normal_law", normal.user_law
             state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
-            check_normal(key, law, {**state, "clearance": self.clearance})
-            check_compiles(law, key, NORMAL_PARAMETERS)
+            laws.check_normal(key, law, {**state, "clearance": self.clearance})
+            check_compiles(law, key, laws.NORMAL_PARAMETERS)
         if friction.user_law is not None:
             key, law = f"{joint}.friction_law", friction.user_law
             ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
-            check_friction(key, law, {"coefficient": friction.coefficient, **ramp})
-            check_compiles(law, key, FRICTION_PARAMETERS)
+            laws.check_friction(key, law, {"coefficient": friction.coefficient, **ramp})
+            check_compiles(law, key, laws.FRICTION_PARAMETERS)
 
     def joint(
-        self, revolute: Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
-    ) -> ClearanceJoint:
+        self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
+    ) -> elements.ClearanceJoint:
         """Return a revolute joint opened: bearing on its first end, pin on its second."""
-        law = WearLaw(
+        law = elements.WearLaw(
             self.materials.wear_coefficient,
             conventions.slip,
             conventions.wear_distribution,
             self.materials.bearing_share,
             self.angles,
         )
-        return ClearanceJoint(
+        return elements.ClearanceJoint(
             revolute.name,
             revolute.first,
             revolute.second,

@@ -6,14 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, ClassVar
 
-from presswear.engines.settings import (
-    WEAR_ERROR,
-    Engine,
-    ExudynJoints,
-    ExudynTree,
-    InHouse,
-    Purpose,
-)
+from presswear.engines import settings
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import (
     Quantity,
@@ -30,9 +23,9 @@ from presswear.tools.serialize import Checked, check_fields
 class Numerics:
     """Engines, each with its settings; a run uses one of them."""
 
-    tree: ExudynTree = field(default_factory=ExudynTree)
-    joints: ExudynJoints = field(default_factory=ExudynJoints)
-    dae: InHouse = field(default_factory=InHouse)
+    tree: settings.ExudynTree = field(default_factory=settings.ExudynTree)
+    joints: settings.ExudynJoints = field(default_factory=settings.ExudynJoints)
+    dae: settings.InHouse = field(default_factory=settings.InHouse)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -43,11 +36,13 @@ class Numerics:
     def _engines(self) -> dict[str, Any]:
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
-    def resolved(self, purpose: Purpose, accuracy: float = WEAR_ERROR) -> "Numerics":
+    def resolved(
+        self, purpose: settings.Purpose, accuracy: float = settings.WEAR_ERROR
+    ) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
         return Numerics(**{k: one.resolved(purpose, accuracy) for k, one in self._engines.items()})
 
-    def of(self, engine: Engine) -> "Numerics":
+    def of(self, engine: settings.Engine) -> "Numerics":
         """Return a copy with the settings of one engine."""
         name = next(name for name, one in self._engines.items() if type(one) is type(engine))
         return Numerics(**{**self._engines, name: engine})

@@ -8,16 +8,8 @@ from typing import Any, cast, get_args
 import numpy as np
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
+from presswear.linkage import loads
 from presswear.linkage.linkage import Linkage, branches_of, linkage_from
-from presswear.linkage.loads import (
-    LOAD_PARAMETERS,
-    PROCESSES,
-    Force,
-    OverPosition,
-    Process,
-    check_reach,
-    laws_of,
-)
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
@@ -111,7 +103,7 @@ class Scene:
     seed: int = count(0, 0, 100_000, "chosen", "seed of the initial conditions")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
     recording: Recording = field(default_factory=Recording)
-    process: Process | None = one_of(PROCESSES, "work that the output point presses on")
+    process: loads.Process | None = one_of(loads.PROCESSES, "work that the output point presses on")
     life: Life | None = one_of(
         LIVES, "limits until which the joints are worn, in as many stages as wear_updates says"
     )
@@ -181,7 +173,7 @@ class Scene:
             )
         _ = self.ideal
         if self.process is not None:
-            check_reach(self.process, self.stroke, self.output)
+            loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded
         is_limited = any(drive.torque_limit is not None for drive in loaded.drives)
         if is_limited and not self.has_untrusted_loads:
@@ -235,7 +227,7 @@ class Scene:
             if key.startswith("loads["):
                 from presswear.tools.compile import check_compiles  # slow import
 
-                check_compiles(law, key, LOAD_PARAMETERS)
+                check_compiles(law, key, loads.LOAD_PARAMETERS)
 
     @property
     def user_laws(self) -> dict[str, UserFunction]:
@@ -245,8 +237,8 @@ class Scene:
             for joint in self.clearance_joints
             for key in ("normal_law", "friction_law")
         }
-        loads = enumerate(self.mechanism.linkage().loads)
-        laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in loads}
+        applied = enumerate(self.mechanism.linkage().loads)
+        laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}
         return {key: law for key, law in laws.items() if isinstance(law, UserFunction)}
 
     @property
@@ -329,11 +321,11 @@ class Scene:
         return 0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
 
     @property
-    def process_laws(self) -> dict[str, OverPosition]:
+    def process_laws(self) -> dict[str, loads.OverPosition]:
         """Laws of the process forces over the output coordinate, by name."""
         if self.process is None:
             return {}
-        return laws_of(self.process, self.bottom + self.process.height, self.lift)
+        return loads.laws_of(self.process, self.bottom + self.process.height, self.lift)
 
     @property
     def base_linkage(self) -> Linkage:
@@ -355,7 +347,7 @@ class Scene:
             return ideal
         point, direction = ideal.output.attachment, ideal.output.direction
         laws = self.process_laws.items()
-        forces = (Force(point, direction, law, name) for name, law in laws)
+        forces = (loads.Force(point, direction, law, name) for name, law in laws)
         return replace(ideal, loads=(*ideal.loads, *forces))
 
     @property

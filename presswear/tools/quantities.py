@@ -7,11 +7,11 @@ from the field.
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import Field, dataclass, field, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from numbers import Integral, Real
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_args
 
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.user_function import UserFunction
@@ -334,16 +334,14 @@ def count(default: int | None, low: int, high: int, origin: str, text: str) -> A
 
 def choice(
     default: str | None,
-    words: tuple[str, ...] | Callable[[Any], tuple[str, ...]],
+    words: Any,
     text: str,
     parameters: tuple[str, ...] = (),
-    *,
     several: bool = False,
 ) -> Any:
-    """Return a data class field for one of a few words; see ``Choice``."""
-    return field(
-        default=default, metadata={"meaning": Choice(words, text, parameters, several=several)}
-    )
+    """Return a data class field for one of a few words, also those of a Literal; see ``Choice``."""
+    meaning = Choice(get_args(words) or words, text, parameters, several)
+    return field(default=default, metadata={"meaning": meaning})
 
 
 def free_text(default: str, example: str, text: str) -> Any:
