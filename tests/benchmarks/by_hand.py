@@ -10,30 +10,25 @@ the penetration.
 
 import math
 import time as clock
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press
 from presswear.scene.scene import Scene
 from presswear.tools.compile import Records, compiled
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Four = tuple[float, float, float, float]
-# Final state, joint and time, s, of the touchdowns, attempted steps, and evaluations.
-Solution = tuple[Array, Sequence[tuple[int, float]], int, int]
+Outcome = tuple[Array, float]  # final state, and wall time of the integration alone, s
 
 SIZE = 8  # coordinates, rad and m, and their rates
 OPEN = -1.0  # closing speed of a joint without contact
 MIN_CLOSING = 1e-6  # m/s, in the damping term
-MAX_TOUCHDOWNS = 64  # stored
 
 _CONTACT = ("bearing_radius", "clearance", "stiffness", "damping", "friction", "lower", "upper")
 _PRESS = (
@@ -47,7 +42,7 @@ PRESS = np.dtype([*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c"
 
 
 class Push(NamedTuple):
-    """Force on a bearing, N, its point, m, penetration, m, its rate, m/s, and F_n |v_t|, W."""
+    """Force on a bearing, N, its point, m, penetration, m, and its rate, m/s."""
 
     x: float
     y: float
@@ -55,7 +50,6 @@ class Push(NamedTuple):
     at_y: float
     depth: float
     rate: float
-    rubbing: float
 
 
 class Cranks(NamedTuple):
@@ -94,16 +88,12 @@ def parameters(scene: Scene) -> Records:
     record["rod_5_inertia"] = press.inertia_5 + press.mass_5 * (0.5 * press.length_5) ** 2
     record["start_2"], record["start_7"] = CRANK_2_START, CRANK_7_START
     for joint in linkage.clearances:
-        record[joint.name.lower()] = _contact_of(joint)
+        normal, friction = joint.normal, joint.friction
+        record[joint.name.lower()] = (
+            *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
+            *(friction.coefficient, friction.lower, friction.upper),
+        )
     return record
-
-
-def _contact_of(joint: ClearanceJoint) -> tuple[float, ...]:
-    normal, friction = joint.normal, joint.friction
-    return (
-        *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
-        *(friction.coefficient, friction.lower, friction.upper),
-    )
 
 
 @compiled
@@ -136,11 +126,11 @@ def push(
     distance = math.sqrt(ex * ex + ey * ey)
     depth = distance - joint.clearance
     if distance == 0.0:
-        return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0, 0.0)
+        return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0)
     nx, ny = ex / distance, ey / distance
     rate = vx * nx + vy * ny
     if depth <= 0.0:
-        return Push(0.0, 0.0, pin_x, pin_y, depth, rate, 0.0)
+        return Push(0.0, 0.0, pin_x, pin_y, depth, rate)
     closing = max(onset if onset >= 0.0 else rate, MIN_CLOSING)
     normal = joint.stiffness * depth * math.sqrt(depth) * (1.0 + joint.damping * rate / closing)
     normal = max(normal, 0.0)
@@ -151,7 +141,7 @@ def push(
     return Push(
         *(normal * nx - along * ny, normal * ny + along * nx),
         *(pin_x + arm * nx, pin_y + arm * ny),
-        *(depth, rate, normal * abs(sliding)),
+        *(depth, rate),
     )
 
 
@@ -217,6 +207,7 @@ def accelerations(
 
 @compiled
 def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
+    """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
     a, forces, one, two = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
@@ -244,17 +235,11 @@ def relative_forces(
 
 
 @compiled
-def land(
-    onset: Array, before: Array, now: Array, touches: Array, noted: Indices, last: float
-) -> bool:
-    """Update the closing speeds after a step from time ``last``, s; return whether any changed.
+def land(onset: Array, before: Array, now: Array) -> bool:
+    """Update the closing speeds after a step; return whether any changed.
 
-    Parameters
-    ----------
-    before, now : ndarray, shape (2, 2)
-        Penetrations and their rates at both ends of the step; ``before`` becomes ``now``.
-    touches, noted : ndarray, shapes (n, 2) and (1,)
-        Joint and time, s, of the first touchdowns, and their number.
+    Penetrations and their rates at both ends of the step have the shape (2, 2); ``before``
+    becomes ``now``.
     """
     changed = False
     for k in range(2):
@@ -265,21 +250,19 @@ def land(
             if now[k, 0] > 0.0:
                 part = depth / (depth - now[k, 0])
                 onset[k] = math.sqrt(max(rate**2 + part * (now[k, 1] ** 2 - rate**2), 0.0))
-                if noted[0] < touches.shape[0]:
-                    touches[noted[0], 0] = k
-                    touches[noted[0], 1] = last - 2.0 * depth / (max(rate, 0.0) + onset[k])
-                noted[0] += 1
         before[k, 0], before[k, 1] = now[k, 0], now[k, 1]
     return changed
 
 
 @compiled
 def ahead(x: Four, h: float, u: Four) -> Four:
+    """Return x + h u."""
     return x[0] + h * u[0], x[1] + h * u[1], x[2] + h * u[2], x[3] + h * u[3]
 
 
 @compiled
 def averaged(a: Four, b: Four, c: Four, d: Four) -> Four:
+    """Return the sum of four slopes with the weights 1, 2, 2 and 1."""
     return (
         a[0] + 2.0 * (b[0] + c[0]) + d[0],
         a[1] + 2.0 * (b[1] + c[1]) + d[1],
@@ -289,28 +272,8 @@ def averaged(a: Four, b: Four, c: Four, d: Four) -> Four:
 
 
 @compiled
-def march(
-    press: Records,
-    y: Array,
-    end: float,
-    steps: int,
-    onset: Array,
-    gaps: Array,
-    touches: Array,
-    noted: Indices,
-    sums: Array,
-) -> None:
-    """Integrate from t = 0 with equal steps of RK4.
-
-    Parameters
-    ----------
-    y : ndarray, shape (SIZE,)
-        State, replaced by the final state.
-    gaps : ndarray, shape (2, 2, 2)
-        Working space.
-    sums : ndarray, shape (2,)
-        Friction work per unit friction coefficient in each joint, N m, added.
-    """
+def march(press: Records, y: Array, end: float, steps: int, onset: Array, gaps: Array) -> None:
+    """Integrate the state ``y`` from t = 0 with equal steps of RK4; gaps are (2, 2, 2)."""
     h = end / steps
     half = 0.5 * h
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
@@ -320,10 +283,8 @@ def march(
         a, _, one, two = accelerations(press, here, onset, x, u)
         gaps[1, 0, 0], gaps[1, 0, 1] = one.depth, one.rate
         gaps[1, 1, 0], gaps[1, 1, 1] = two.depth, two.rate
-        if land(onset, gaps[0], gaps[1], touches, noted, t - h):
+        if land(onset, gaps[0], gaps[1]):
             a, _, one, two = accelerations(press, here, onset, x, u)
-        sums[0] += h * one.rubbing
-        sums[1] += h * two.rubbing
         if step == steps:
             break
         mid, here = cranks(press, t + half), cranks(press, t + h)
@@ -339,36 +300,19 @@ def march(
     y[4], y[5], y[6], y[7] = u
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Solution, and the wall time of the integration alone, s."""
-
-    end: Array
-    touches: Sequence[tuple[int, float]]
-    steps: int
-    evaluations: int
-    seconds: float
+def contact_store() -> tuple[Array, Array]:
+    """Return closing speeds and gaps of a run that starts without contact."""
+    return np.full(2, OPEN), np.zeros((2, 2, 2))
 
 
-class Touchdowns:
-    """Arrays of ``land`` for a run that starts without contact."""
-
-    def __init__(self) -> None:
-        self.onset, self.gaps = np.full(2, OPEN), np.zeros((2, 2, 2))
-        self.touches, self.noted = np.zeros((MAX_TOUCHDOWNS, 2)), np.zeros(1, np.int64)
-
-    @property
-    def times(self) -> Sequence[tuple[int, float]]:
-        return [(int(k), float(t)) for k, t in self.touches[: int(self.noted[0])]]
-
-
-def measured(run: Callable[[], Solution]) -> Outcome:
+def measured(run: Callable[[], Array]) -> Outcome:
+    """Run and measure the wall time."""
     started = clock.perf_counter()
-    solution = run()
-    return Outcome(*solution, clock.perf_counter() - started)
+    return run(), clock.perf_counter() - started
 
 
 def state_of(linkage: Linkage, start: Start) -> Array:
+    """Return the coordinates of the press and their rates from the state of all bodies."""
     coordinates = (("plate 4", 2), ("rod 3", 2), ("slider 6", 1), ("rod 5", 2))
     places = [3 * linkage.index(name) + part for name, part in coordinates]
     return np.concatenate([start.position[places], start.velocity[places]])
@@ -376,12 +320,10 @@ def state_of(linkage: Linkage, start: Start) -> Array:
 
 def run_by_hand(press: Records, start: Array, end: float, step: float, longest: float) -> Outcome:
     """Run RK4 with equal steps, s; ``longest`` is ignored."""
-    y, store, count = start.copy(), Touchdowns(), round(end / step)
+    y = start.copy()
 
-    def run() -> Solution:
-        march(
-            press, y, end, count, store.onset, store.gaps, store.touches, store.noted, np.zeros(2)
-        )
-        return y, store.times, count, 4 * count
+    def run() -> Array:
+        march(press, y, end, round(end / step), *contact_store())
+        return y
 
     return measured(run)

@@ -18,17 +18,7 @@ from itertools import pairwise
 from statistics import median
 
 import numpy as np
-from by_hand import (
-    OPEN,
-    SIZE,
-    Outcome,
-    Solution,
-    evaluate,
-    measured,
-    parameters,
-    run_by_hand,
-    state_of,
-)
+from by_hand import OPEN, SIZE, Outcome, evaluate, measured, parameters, run_by_hand, state_of
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import null_space
@@ -80,9 +70,8 @@ def solve(
     events = [penetration(0), penetration(1)]
     options = {"rtol": tolerance, "atol": tolerance, "max_step": longest, "events": events}
 
-    def run() -> Solution:
-        t, y, steps, evaluations, stops = 0.0, start.copy(), 0, 0, 0
-        touches: list[tuple[int, float]] = []
+    def run() -> Array:
+        t, y, stops = 0.0, start.copy(), 0
         while t < end:
             for k, event in enumerate(events):
                 vars(event)["direction"] = -1.0 if onset[k] >= 0.0 else 1.0
@@ -91,13 +80,10 @@ def solve(
             if part.status < 0 or stops > MAX_STOPS:
                 raise RunFailed(f"{code} at {tolerance:g}: stops at {t:g} s")
             t, y = float(part.t[-1]), part.y[:, -1].copy()
-            steps, evaluations = steps + len(part.t) - 1, evaluations + part.nfev
             kernel(press, t, y, onset, out, gaps)
             for k in (k for k in (0, 1) if part.t_events[k].size):
-                if onset[k] < 0.0:
-                    touches.append((k, t))
                 onset[k] = OPEN if onset[k] >= 0.0 else max(gaps[k, 1], 0.0)
-        return y, touches, steps, evaluations
+        return y
 
     return measured(run)
 
@@ -133,8 +119,8 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
     def equations(solver: Callable[..., Outcome]) -> Method:
         def run(start: Start, value: float) -> tuple[Array, float]:
             longest = numerics.tree.longest(period)
-            outcome = solver(press, state_of(linkage, start), END, value, longest)
-            return outcome.end, outcome.seconds / END
+            state, seconds = solver(press, state_of(linkage, start), END, value, longest)
+            return state, seconds / END
 
         return run
 

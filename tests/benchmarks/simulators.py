@@ -6,11 +6,10 @@ Install with ``pip install mujoco drake``.
 """
 
 from collections.abc import Callable
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from by_hand import Outcome, Solution, Touchdowns, land, measured, relative_forces
+from by_hand import Outcome, contact_store, land, measured, relative_forces
 from numpy.typing import NDArray
 
 from presswear.tools.compile import Records, specialised
@@ -21,10 +20,6 @@ HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
 JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")  # coordinates relative to the parent
 
 
-def installed(package: str) -> bool:
-    return find_spec(package) is not None
-
-
 class _Contacts:
     """Generalized forces on JOINTS, and the closing speeds stored between steps."""
 
@@ -32,25 +27,21 @@ class _Contacts:
         y, p = start, press[0]
         self.q = np.array([p["start_7"], y[0] - p["start_7"], y[1] - y[0], y[2], y[3]])
         self.v = np.array([p["speed"], y[4] - p["speed"], y[5] - y[4], y[6], y[7]])
-        self.touchdowns = Touchdowns()
-        self.calls = 0
-        store = self.touchdowns
-        self._fixed = (store.onset, np.zeros(20), store.gaps[1], np.zeros(5))
+        self.onset, self.gaps = contact_store()
+        self._fixed = (self.onset, np.zeros(20), self.gaps[1], np.zeros(5))
         self._press = press
         self._kernel = specialised(relative_forces, press, 0.0, self.q, self.v, *self._fixed)
 
     def forces(self, t: float, q: Array, v: Array) -> Array:
-        self.calls += 1
+        """Return the forces in a state."""
         self._kernel(self._press, t, q, v, *self._fixed)
         return self._fixed[-1]
 
-    def accept(self, t: float, last: float, q: Array, v: Array) -> None:
+    def accept(self, t: float, q: Array, v: Array) -> Array:
+        """Update the closing speeds after a step to ``t``, s; return the state."""
         self._kernel(self._press, t, q, v, *self._fixed)
-        store = self.touchdowns
-        land(store.onset, store.gaps[0], store.gaps[1], store.touches, store.noted, last)
-
-    def solution(self, steps: int) -> Solution:
-        return self._fixed[1][:8].copy(), self.touchdowns.times, steps, self.calls
+        land(self.onset, self.gaps[0], self.gaps[1])
+        return self._fixed[1][:8].copy()
 
 
 def _bodies(press: Records) -> dict[str, tuple[str, float, float, float, float, float, float]]:
@@ -99,12 +90,12 @@ def mujoco(press: Records, start: Array, end: float, step: float, longest: float
     def push(model: Any, data: Any) -> None:
         passive[:] = contacts.forces(data.time, q, v)
 
-    def run() -> Solution:
-        contacts.accept(0.0, 0.0, q, v)
-        for i in range(count):
+    def run() -> Array:
+        state = contacts.accept(0.0, q, v)
+        for _ in range(count):
             mj.mj_step(model, data)
-            contacts.accept(data.time, i * end / count, q, v)
-        return contacts.solution(count)
+            state = contacts.accept(data.time, q, v)
+        return state
 
     mj.set_mjcb_passive(push)
     try:
@@ -172,21 +163,20 @@ def drake(press: Records, start: Array, end: float, tolerance: float, longest: f
         ordered = np.zeros(5)
         ordered[order] = values
         put(context_of_plant, ordered)
-    last = 0.0
 
-    def accept(context: Any) -> None:
-        nonlocal last
-        t = context.get_time()
+    def accept(context: Any) -> Array:
         state[:] = context.get_continuous_state_vector().CopyToVector()
-        contacts.accept(t, last, state[:5][order], state[5:][order])
-        last = t
+        return contacts.accept(context.get_time(), state[:5][order], state[5:][order])
 
-    simulator.set_monitor(accept)
+    def monitor(context: Any) -> None:
+        accept(context)
+
+    simulator.set_monitor(monitor)
     simulator.Initialize()
 
-    def run() -> Solution:
+    def run() -> Array:
         simulator.AdvanceTo(end)
-        return contacts.solution(integrator.get_num_steps_taken())
+        return accept(root)
 
     return measured(run)
 
