@@ -1,14 +1,12 @@
-"""A pin that turns in a bush under a load, at rest but for its turning: no chance, steady wear.
+"""A pin that turns in a bushing under a load: steady motion and wear, without chaos.
 
-A crank turns about its own tail, which is the pin.  The bush hangs on it, loose, kept from turning
-by an arm so long that it tells nothing, pressed on by a load and slowed by two dampers.  Or bush
-and pin change places.
+A crank turns about its tail, which is the pin. The bushing hangs on it, loose, kept from turning by
+a very long arm, pressed on by a load and slowed by two dampers. Or bushing and pin change places.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -46,26 +44,22 @@ def bush(
     turns: Literal["pin", "bush", "load"] = "pin",
     **settings: Any,
 ) -> pw.Scene:
-    """The scene.
+    """Return the scene.
 
     Parameters
     ----------
-    radius : float
-        Of the bush, m.
-    load : float
-        N.
-    stiffness : float
-        Of the contact, N/m^1.5.
+    radius, load, stiffness : float
+        Radius of the bushing, m, load, N, and stiffness of the contact, N/m^1.5.
     share : float
-        Part of the wear that the bush loses.
+        Part of the wear that the bushing loses.
     turns : {"pin", "bush", "load"}
-        What turns, the pin in the bush or the bush about the pin, while the load presses what is
-        loose down; or the pin with the load.
+        The pin turns in the bushing or the bushing about the pin, while the load presses the loose
+        part down; or the load turns with the pin.
     """
     loads: list[pw.Load | pw.Force] = [pw.Load("arm", y=-load)]
     damping = 100.0
     if turns == "load":
-        # It runs ahead of the bush by what slows that, but evenly, and soon.
+        # The load runs ahead of the bushing by a constant angle, after a short time.
         damping = 1000.0
         loads = [
             pw.Force("arm.bore", 0.0, pw.Harmonics(0.0, SPEED, ((load, 0.0),))),
@@ -108,18 +102,21 @@ def bush(
         angles=angles,
     )
     numerics = Numerics(*(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae")))
-    given = {"engine": "dae", "replicates": 1, "conventions": CONVENTIONS["refined"], **settings}
-    return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **given)
+    defaults: dict[str, Any] = {
+        "engine": "dae",
+        "replicates": 1,
+        "conventions": CONVENTIONS["refined"],
+    }
+    return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **{**defaults, **settings})
 
 
 @dataclass
 class History(Observer):
-    """Depth of both surfaces and dose after each cycle behind those at the start."""
+    """Depth of both surfaces after each cycle behind those at the start."""
 
     depth: list[Array] = field(default_factory=list)
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], Any]) -> bool:
-        """Keep them."""
         if len(recorder.cycles) > STARTUP_CYCLES:
             self.depth.append(recorder.surface_depth[0].copy())
         return False
@@ -127,19 +124,18 @@ class History(Observer):
 
 @dataclass(frozen=True)
 class Worn:
-    """A bush that has run.
+    """Run of a bushing.
 
     Attributes
     ----------
-    run : Run
     bush, pin : ndarray, shape (cycles, bins)
         Depth after each cycle, m.
-    dose : ndarray, shape (cycles,)
-        Work of the normal force on the sliding in each cycle, N m.
+    load_distance : ndarray, shape (cycles,)
+        Normal force times sliding distance in each cycle, N m.
     strokes : ndarray, shape (cycles,)
-        That each cycle stands for.
+        Real cycles that each cycle stands for.
     area : float
-        Of a bin, m^2.
+        Area of a bin, m^2.
     """
 
     run: Run
@@ -153,39 +149,25 @@ class Worn:
 def worn(
     scene: pw.Scene, volume: float, cycles: int, power: float = 1.0, recorded: int = 1
 ) -> Worn:
-    """Run it until about some volume, m^3, is worn.
-
-    Parameters
-    ----------
-    power : float
-        The volume grows as this power of the cycles.
-    recorded : int
-        Cycles of which the series are kept.
-    """
+    """Run until about a volume, m^3, is worn, which grows as a power of the cycles."""
     joint = scene.linkage().clearances[0]
     load = 100.0
-    for own in scene.mechanism.linkage().loads:
-        load = abs(own.y) if isinstance(own, pw.Load) else load
+    for part in scene.mechanism.linkage().loads:
+        load = abs(part.y) if isinstance(part, pw.Load) else load
     whole = volume / (COEFFICIENT * load * 2.0 * math.pi * joint.pin_radius)
     ends = whole * (np.arange(cycles + 1) / cycles) ** power
     strokes = np.diff(ends)
     history = History()
-    plan = Plan(
-        CYCLE,
-        cycles + STARTUP_CYCLES,
-        recorded,
-        torques=False,
-        observers=(history,),
-        wear=partial(_share, strokes),
-    )
+
+    def wear(done: int, added: Array) -> Array:
+        cycle = done - STARTUP_CYCLES
+        return added * (strokes[cycle - 1] if cycle > 0 else 0.0)
+
+    count = cycles + STARTUP_CYCLES
+    plan = Plan(CYCLE, count, recorded, torques=False, observers=(history,), wear=wear)
     run = scene.solver.simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     depth = np.array(history.depth)
     load_distance = run.recorder.each_cycle("load_distance", 0)[STARTUP_CYCLES:]
     area = WIDTH * joint.bearing_radius * 2.0 * math.pi / joint.bins
     return Worn(run, depth[:, 0], depth[:, 1], load_distance, strokes, area)
-
-
-def _share(strokes: Array, done: int, added: Array) -> Array:
-    behind = done - STARTUP_CYCLES
-    return added * (strokes[behind - 1] if behind > 0 else 0.0)

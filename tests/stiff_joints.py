@@ -1,4 +1,4 @@
-"""Blanking with ever smaller clearances and stiffer joints: how far it is from the ideal press.
+"""Blanking with ever smaller clearances and stiffer joints: differences from the ideal press.
 
 Run:  python tests/stiff_joints.py
 """
@@ -16,17 +16,17 @@ def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, floa
     time, ideal = result.stages[0].time, scene.ideal
     rows, needed = time > 2.0 * ideal.period, joint_forces(scene.loaded, ideal, time)
     path = ideal.at(time).output(scene.linkage())[:, 0] - scene.bottom
-    told = {"bottom (m)": result.stages[0].bdc.error.mean}
-    told["slider (m)"] = np.abs(result.height(0) - path)[rows].max()
-    for name, own in result.stages[0].joints.items():
-        force, without = (np.hypot(*some[rows].T) for some in (own.force, needed[name]))
-        told[f"{name} peak (N)"] = force.max() - without.max()
-        told[f"{name} mean (N)"] = np.trapezoid(force - without, time[rows]) / ideal.period
+    numbers = {"bottom (m)": result.stages[0].bdc.error.mean}
+    numbers["slider (m)"] = np.abs(result.height(0) - path)[rows].max()
+    for name, joint_result in result.stages[0].joints.items():
+        force, without = (np.hypot(*some[rows].T) for some in (joint_result.force, needed[name]))
+        numbers[f"{name} peak (N)"] = force.max() - without.max()
+        numbers[f"{name} mean (N)"] = np.trapezoid(force - without, time[rows]) / ideal.period
     for name, drive in result.drives(0).items():
         duty, without = drive.duty.torque, drive.ideal.torque
-        told[f"{name} peak (N m)"] = abs(duty.peak) - abs(without.peak)
-        told[f"{name} rms (N m)"] = duty.rms - without.rms
-    return told
+        numbers[f"{name} peak (N m)"] = abs(duty.peak) - abs(without.peak)
+        numbers[f"{name} rms (N m)"] = duty.rms - without.rms
+    return numbers
 
 
 def main(clearances: tuple[float, ...] = (1e-4, 1e-5, 1e-6, 1e-7)) -> None:

@@ -113,9 +113,3 @@ def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
     assert len(wear) == 1 + 2 * 4
     for coverage in wear:
         assert coverage.held.sum() >= 17, coverage
-
-
-def test_scripts_are_short() -> None:
-    for script in SCENARIOS.glob("*.py"):
-        most = 120 if script.stem in ("runaway", "coverage") else 32
-        assert len(script.read_text().splitlines()) <= most, script.name
