@@ -14,6 +14,7 @@ from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.show.figures.style import Array, Axes, Drawing, Stages
+from presswear.show.replay.clip import points_of
 
 _HEIGHTS = (3.2, 6.4)  # least and greatest height of the figure, inches
 _EDGES = 0.65, 0.55  # width and height of the figure beside the axes, inches
@@ -36,12 +37,10 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))
     position = scene.ideal.at(times).position
     ends = [(joint.name, end) for joint in linkage.revolutes for end in (joint.first, joint.second)]
-    paths = {name: _path(linkage, position, end) for name, end in ends}
-    centres = {
-        body.name: _path(linkage, position, Attachment(body.name, 0.0, 0.0))
-        for body in linkage.bodies
-    }
-    hung = [_path(linkage, position, end) for spring in linkage.springs for end in spring.ends]
+    paths = {name: points_of(linkage, position, end)[:, :2] for name, end in ends}
+    origins = {body.name: Attachment(body.name, 0.0, 0.0) for body in linkage.bodies}
+    centres = {name: points_of(linkage, position, end)[:, :2] for name, end in origins.items()}
+    hung = [points_of(linkage, position, end)[:, :2] for s in linkage.springs for end in s.ends]
     everything = np.vstack([*paths.values(), *centres.values(), *hung])
     size = float(np.hypot(*np.ptp(everything, axis=0)))
     low, high = everything.min(axis=0) - _MARGIN * size, everything.max(axis=0) + _MARGIN * size
@@ -51,14 +50,14 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for path in paths.values():
         axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
-    along = np.array([math.cos(output.direction), math.sin(output.direction)])
-    place = _path(linkage, position, Attachment(output.body, output.x, output.y))[0]
+    along = _direction(output.direction)
+    place = points_of(linkage, position, Attachment(output.body, output.x, output.y))[0, :2]
     _arrow(axes, place, place + 0.14 * size * along, "black", linewidth=1.6)
     _draw_joints(axes, scene, ends, {name: path[0] for name, path in paths.items()}, centres, size)
-    for place, body in enumerate(linkage.bodies):
+    for number, body in enumerate(linkage.bodies):
         points = [paths[name][0] for name, end in ends if end.body == body.name]
-        colour = style.LINES[place % len(style.LINES)][0]
-        angle = position[0, 3 * place + 2]
+        colour = style.LINES[number % len(style.LINES)][0]
+        angle = position[0, 3 * number + 2]
         _draw_body(axes, body.name, points, centres[body.name][0], angle, size, colour)
     _draw_guides_and_forces(axes, linkage, position, centres, size)
     for drive in linkage.drives:
@@ -74,19 +73,12 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
-    return style.captioned(
-        "mechanism", sheet, linkage=linkage, time=1e3 * time, period=1e3 * period
-    )
+    times_ms = {"time": 1e3 * time, "period": 1e3 * period}
+    return style.captioned("mechanism", sheet, linkage=linkage, **times_ms)
 
 
-def _path(linkage: Linkage, position: Array, end: Attachment) -> Array:
-    """Return the positions of a point at all instants, shape (n, 2), m."""
-    if end.body == GROUND:
-        return np.tile([end.x, end.y], (len(position), 1))
-    column = 3 * linkage.index(end.body)
-    x, y, angle = position[:, column : column + 3].T
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.column_stack([x + cosine * end.x - sine * end.y, y + sine * end.x + cosine * end.y])
+def _direction(angle: float) -> Array:
+    return np.array([math.cos(angle), math.sin(angle)])
 
 
 def _unit(vector: Array) -> Array:
@@ -126,7 +118,7 @@ def _draw_joints(
         loose = [name for name in names if name in scene.clearance_joints]
         arms = [_unit(centres[body][0] - place) for body in sorted(bodies - {GROUND})]
         if output.body in bodies:
-            arms.append(np.array([math.cos(output.direction), math.sin(output.direction)]))
+            arms.append(_direction(output.direction))
         if GROUND in bodies:
             axes.plot(*place, marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
         if loose:
@@ -185,7 +177,7 @@ def _draw_body(
         axes.plot(*centre, "s", markersize=16, color=colour, alpha=0.35)
         direction = _LEFT - _UP
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
-    tip = centre + 0.07 * size * np.array([math.cos(angle), math.sin(angle)])
+    tip = centre + 0.07 * size * _direction(angle)
     _arrow(axes, centre, tip, colour)
     _label(axes, name, centre, direction, 12.0 if len(corners) == 1 else 7.0, color=colour)
 
@@ -195,11 +187,11 @@ def _draw_guides_and_forces(
 ) -> None:
     """Draw guides as dashed lines, springs as zigzags and loads as red arrows."""
     for guide in linkage.guides:
-        along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
+        along = _direction(guide.direction)
         line = centres[guide.body][0] + np.outer([-0.25 * size, 0.25 * size], along)
         axes.plot(*line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0)
     for spring in linkage.springs:
-        first, second = (_path(linkage, position, end)[0] for end in spring.ends)
+        first, second = (points_of(linkage, position, end)[0, :2] for end in spring.ends)
         part = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)
         across = np.array([second[1] - first[1], first[0] - second[0]])
         swing = 0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
@@ -208,7 +200,7 @@ def _draw_guides_and_forces(
         _label(axes, spring.name, 0.5 * (first + second), -across, 9.0, color=style.MUTED)
     for load in linkage.loads:
         point = load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0)
-        _draw_load(axes, load, _path(linkage, position, point)[0], size)
+        _draw_load(axes, load, points_of(linkage, position, point)[0, :2], size)
 
 
 def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
@@ -220,7 +212,7 @@ def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
         direction = math.atan2(load.y, load.x) if load.x or load.y else None
         moment = load.moment
     if direction is not None:
-        along = np.array([math.cos(direction), math.sin(direction)])
+        along = _direction(direction)
         _arrow(axes, place - 0.19 * size * along, place, _LOAD, 1.4)
     if not isinstance(load, Force) and moment:
         _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
