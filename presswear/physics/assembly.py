@@ -50,10 +50,10 @@ class Rows:
         Joint, guide or drive behind each row.
     following : list of int
         Rows of drives whose points follow curves.
-    pairs : tuple of (int, int)
-        Places of the two bodies of each pin joint; the frame's is behind the last body.
-    sizes : ndarray, shape (bodies,)
-        Greatest distance of a joint of each body from its mass centre, m; ``size`` of all.
+    size : float
+        Greatest distance of a joint from the mass centre of its body, m.
+    scale : ndarray, shape (3 bodies,)
+        Factors that make metres and radians of the coordinates comparable, by that of each body.
     """
 
     def __init__(self, linkage: Linkage, start: Array | None = None) -> None:
@@ -93,12 +93,13 @@ class Rows:
         ]
         self._normal, self._turn, self._held = np.array(normal), np.array(turn), np.array(held)
         pins = slice(0, 2 * len(linkage.revolutes), 2)
+        self.joined = [body[pins] for body, _, _, _ in self._ends]  # bodies of the pin joints
         sizes = np.zeros(self.bodies + 1)
         for body, x, y, _ in self._ends:
             np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])
         self.size = float(sizes.max(initial=0.0)) or 1.0
-        self.pairs = tuple(zip(self._ends[0][0][pins], self._ends[1][0][pins], strict=True))
-        self.sizes = np.where(sizes[:-1] > 0.0, sizes[:-1], self.size)
+        self.scale = np.ones(3 * self.bodies)
+        self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.size)
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
             begin = self.errors(np.zeros(1), start[np.newaxis])[0][0]
@@ -185,14 +186,13 @@ def _check_freedoms(linkage: Linkage) -> None:
     """Raise AssemblyError unless joints, guides and drives hold each body just once."""
     rows = 2 * len(linkage.revolutes) + 2 * len(linkage.guides) + len(linkage.drives)
     free = 3 * len(linkage.bodies) - rows
-    counts = (
-        f"{len(linkage.bodies)} bodies have {3 * len(linkage.bodies)} coordinates; joints, guides "
-        f"and drives hold {rows}"
-    )
-    if free > 0:
-        raise AssemblyError(f"the linkage is free to move: {counts}; {free} drives are missing")
-    if free < 0:
-        raise AssemblyError(f"the linkage is overconstrained: {counts}, {-free} too many")
+    if free != 0:
+        state = "free to move" if free > 0 else "overconstrained"
+        number = f"; {free} drives are missing" if free > 0 else f", {-free} too many"
+        raise AssemblyError(
+            f"the linkage is {state}: {len(linkage.bodies)} bodies have "
+            f"{3 * len(linkage.bodies)} coordinates; joints, guides and drives hold {rows}{number}"
+        )
 
 
 def _guessed(linkage: Linkage) -> Array:
@@ -314,20 +314,14 @@ def _solved(rows: Rows, time: Array, q: Array, right: Array) -> Array:
 
 def stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
     """Return the error of a linkage at a dead point."""
-    # Metres and radians are made comparable by the size of each body.
-    scale = np.ones((rows.bodies, 3))
-    scale[:, 2] = 1.0 / rows.sizes
-    _, values, right = np.linalg.svd(rows.jacobian(q) * scale.ravel())
+    _, values, right = np.linalg.svd(rows.jacobian(q) * rows.scale)
     worst = int(values[:, -1].argmin())
-    # The motion that nothing holds: the joint whose bodies turn most against each other.
-    free = np.append((right[worst, -1].reshape(-1, 3) * scale)[:, 2], 0.0)
-    turning = {
-        joint.name: abs(free[first] - free[second])
-        for joint, (first, second) in zip(rows.linkage.revolutes, rows.pairs, strict=True)
-    }
-    # Of several that turn alike the last: it is farther from the drives.
-    names = list(turning)[::-1] or [*rows.names]
-    return _refusal(rows, float(time[worst]), max(names, key=lambda name: turning.get(name, 0.0)))
+    # The motion that nothing holds: the joint whose bodies turn most against each other, and of
+    # several that turn alike the last, which is farther from the drives.
+    free = np.append((right[worst, -1] * rows.scale)[2::3], 0.0)
+    turning = np.abs(free[rows.joined[0]] - free[rows.joined[1]])
+    last = turning.size - 1 - int(turning[::-1].argmax()) if turning.size else 0
+    return _refusal(rows, float(time[worst]), rows.names[2 * last])
 
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:

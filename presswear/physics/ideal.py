@@ -231,9 +231,7 @@ def _is_smooth(before: Levels, after: Levels, step: float) -> bool:
 def _check_cycle(motion: IdealMotion) -> None:
     """Raise AssemblyError for a cycle that comes too near a dead point or does not come back."""
     rows = motion.rows
-    scale = np.ones((rows.bodies, 3))
-    scale[:, 2] = 1.0 / rows.sizes
-    inverse = np.linalg.inv(rows.jacobian(motion.position) * scale.ravel())
+    inverse = np.linalg.inv(rows.jacobian(motion.position) * rows.scale)
     measure = 1.0 / np.sqrt((inverse**2).sum(axis=(1, 2)))
     worst = int(measure.argmin())
     # Where points follow curves, those of the joints are seen when the motion is found.
@@ -259,31 +257,16 @@ _STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
 class Bottom:
     """Bottom dead centre of an ideal motion, and the stroke to it.
 
-    Times are counted from the beginning of the cycle in which the stroke ends, s.
-
-    Attributes
-    ----------
-    time : float
-        Below zero where it lies in the cycle before.
-    height : float
-        Of the output point there, m, in the axes of the frame.
-    stroke : float
-        Between its lowest and highest place, m.
-    top : float
-        Of the highest place before it, at which the stroke begins.
-    window : tuple of float
-        In which the lower half of the stroke begins and ends: no bottom dead centre falls between
-        two windows, whatever a clearance does to it.
-    period : float
-        Of a cycle, s.
+    Times, s, are counted from the beginning of the cycle in which the stroke ends. No bottom dead
+    centre falls between two windows, whatever a clearance does to it.
     """
 
-    time: float
-    height: float
-    stroke: float
-    top: float
-    window: tuple[float, float]
-    period: float
+    time: float  # below zero where it lies in the cycle before
+    height: float  # of the output point there, m, in the axes of the frame
+    stroke: float  # between its lowest and highest place, m
+    top: float  # time of the highest place before it
+    window: tuple[float, float]  # in which the lower half of the stroke begins and ends
+    period: float  # of a cycle, s
 
     @property
     def first(self) -> int:
