@@ -126,16 +126,9 @@ def run_rows(
 ) -> None:
     """Run the rows that a sweep folder does not hold; `RunFailed` if the executor fails.
 
-    Parameters
-    ----------
-    scenes : mapping of str to callable
-        Functions that make the scenes of the rows, by the names of the rows.
-    slots : int
-        Number of rows that the executor computes at a time.
-    keep_results : bool
-        Whether the complete result of each row is stored as well.
-    on_progress : callable
-        Called several times a second; an exception ends the sweep.
+    `scenes` makes the scene of each row, by name. The executor computes so many rows at a time as
+    it has slots. `on_progress` is called several times a second; an exception from it ends the
+    sweep.
     """
     import msgspec
 

@@ -257,7 +257,6 @@ def sweep(
         Values by key: a text such as ``"0.2mm:1.0mm:9"``, or a list of numbers in SI units or of
         words. Every value is combined with every value of the other keys.
     folder : path
-        Folder of the sweep.
     responses : sequence of str or callable
         Names such as ``"A.force_max"``, or functions of a `Result` that return a number; none: all
         usual ones.
@@ -283,10 +282,6 @@ def sweep(
         Scenes of the rows, in place of `scene`, `vary` and `sample`.
     notify : callable
         Called with a line for the user, such as the address of the Dask dashboard.
-
-    Returns
-    -------
-    Sweep
 
     Raises
     ------

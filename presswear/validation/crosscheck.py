@@ -164,10 +164,7 @@ def exudyn_of(scene: Scene) -> dict[str, Engine]:
 def check_engines(scene: Scene, duration: float | None, report: Progress) -> Crosscheck:
     """Run and compare both engines on the unworn linkage of a scene; RunFailed if a run fails.
 
-    Parameters
-    ----------
-    duration : float or None
-        Longest time over which trajectories are compared, s; None: one cycle.
+    Trajectories are compared over at most a duration, s; None: one cycle.
     """
     end = scene.mechanism.period if duration is None else duration
     runner = _Runner(scene, report)

@@ -74,12 +74,7 @@ def worn_surfaces(scene: Scene, cycles: int) -> Array:
 def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list[FeatureCost]:
     """Time a scene of the press with each feature on and off, in both models of Exudyn.
 
-    Raises
-    ------
-    InputError
-        If the scene has not clearance at A and C.
-    RunFailed
-        If a run fails.
+    `InputError` if the scene has not clearance at A and C, `RunFailed` if a run fails.
     """
     if scene.clearance_joints != ("A", "C"):
         raise InputError(f"scene {scene.name}: --features needs a press with clearance at A and C")

@@ -69,10 +69,7 @@ class Timing:
 def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[Timing]:
     """Run all in turn, ``repeats`` times.
 
-    Raises
-    ------
-    RunFailed
-        If a run fails, or if a repeat takes other steps than the first run.
+    `RunFailed` if a run fails, or if a repeat takes other steps than the first run.
     """
     timings: list[Timing] = []
     for repeat in range(repeats):

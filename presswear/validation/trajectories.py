@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
@@ -13,7 +12,6 @@ from presswear.tools.arrays import Array
 from presswear.validation.cases import contacts_of, finished
 
 GRID = 2001  # common times at which series are compared
-PEAK_SAMPLES = 3  # on each side of the largest sample, for the polynomial through a peak
 
 
 @dataclass(frozen=True)
@@ -52,43 +50,15 @@ class Difference:
 
 def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:
     """Return the touchdowns of all recorded contacts, and of those that last to the end."""
-    touchdowns = []
-    recorder = run.recorder
-    time, records = recorder.series("time"), recorder.records
+    touchdowns, records = [], run.recorder.records
     for k, last in enumerate(records.memory):
-        contacts, force = contacts_of(run, k), recorder.series("normal", k)
-        columns = (contacts[name].tolist() for name in ("touchdown", "separation", "closing_speed"))
-        intervals = list(zip(*columns, strict=True))
+        columns = ("touchdown", "closing_speed", "peak_force")
+        contacts = contacts_of(run, k)
+        rows = np.column_stack([contacts[name] for name in columns]).tolist()
         if records.onset[k] > 0.0 and not last["started_closed"]:
-            intervals.append((float(last["touchdown_time"]), math.inf, float(records.onset[k])))
-        for start, end, closing in intervals:
-            within = slice(*np.searchsorted(time, [start, end]))
-            touchdowns.append(Touchdown(k, start, closing, peak(time[within], force[within])))
+            rows.append(map(float, (last["touchdown_time"], records.onset[k], last["peak_force"])))
+        touchdowns += [Touchdown(k, *row) for row in rows]
     return tuple(sorted(touchdowns, key=lambda touchdown: touchdown.time))
-
-
-def peak(time: Array, value: Array) -> float:
-    """Return the maximum of a sampled curve, by the polynomial through the samples around it."""
-    if not value.size:
-        return math.nan
-    top = int(value.argmax())
-    reach = min(PEAK_SAMPLES, top, value.size - 1 - top)
-    # Where samples nearly coincide, a polynomial through fewer of them is more accurate.
-    while reach > 1:
-        near = time[top - reach : top + reach + 1]
-        if np.diff(near).min() > 0.02 * (near[-1] - near[0]):
-            break
-        reach -= 1
-    if reach == 0:
-        return float(value[top])
-    window = slice(top - reach, top + reach + 1)
-    # In units of half the window, so that the powers stay well conditioned.
-    x = 2.0 * (time[window] - time[top]) / (time[top + reach] - time[top - reach])
-    curve = Polynomial(np.linalg.solve(np.vander(x, increasing=True), value[window]))
-    turns = curve.deriv().roots()
-    turns = turns[np.isreal(turns)].real
-    inside = turns[(turns > x[reach - 1]) & (turns < x[reach + 1])]
-    return float(max(value[top], *curve(inside)))
 
 
 def trajectory_of(run: Run) -> Trajectory:

@@ -207,14 +207,8 @@ def contact_methods(
 ) -> tuple[Method, ...]:
     """Return all methods for motion with contacts.
 
-    Parameters
-    ----------
-    period : float
-        Period of a cycle, s.
-    longest : float
-        Longest step of DOP853 and DOPRI5 in ``dae``, s.
-    has_tree : bool
-        True if the linkage is an open tree.
+    ``longest`` is the longest step of DOP853 and DOPRI5 in ``dae``, s. ``has_tree`` tells whether
+    the linkage is an open tree.
     """
     numerics = numerics.resolved("trajectory")
     methods = joints_over_impacts(extent.impact_steps, numerics, period)
@@ -410,12 +404,7 @@ def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
 def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point]:
     """Measure errors and wall times of every engine and integrator.
 
-    Raises
-    ------
-    InputError
-        If the scene has no clearance.
-    RunFailed
-        If a reference solution fails.
+    `InputError` if the scene has no clearance, `RunFailed` if a reference solution fails.
     """
     if not scene.clearance_joints:
         raise InputError(f"scene {scene.name} has no clearance: choose a scene with clearance")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from endurance.bad_lines import FAMILIES, FILE, FOLDER, NOT_UNITS_OF, bad_line
-from endurance.subject import PATIENCE, Answer, Ran, answered, end, start_process
+from endurance.subject import PATIENCE, Ran, answered, end, start_process
 from endurance.trial import SEED, Trial
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.scene.catalog import slider_crank, wear_times
@@ -65,25 +65,6 @@ def test_much_bad_input(trial: Trial, here: Path, is_quick: bool) -> None:
     count, in_processes = (300, 5) if is_quick else (5000, 24)
     refuse(trial, here, count, SEED, in_processes)
     assert trial.passed, trial.first_miss
-
-
-@pytest.mark.usefixtures("nothing_runs")
-def test_a_line_that_runs_or_breaks_is_no_refusal(tmp_path: Path) -> None:
-    for command in ("run ideal", "run friction", "crosscheck", "benchmark"):
-        ran = answered([*command.split(), "--out", str(tmp_path / command)])
-        assert "it ran" in ran.problem
-        assert not ran.is_refusal
-    assert not answered(["list"]).is_refusal
-    assert answered(["run", "nothing"]).is_refusal
-    for answer in (
-        Answer(1, "", "presswear: no\n"),
-        Answer(2, "", "presswear: one\npresswear: two\n"),
-        Answer(2, "", "presswear: one\nTraceback\n"),
-        Answer(2, "", "one\n"),
-        Answer(2, "", ""),
-        Answer(2, "something", "presswear: no\n"),
-    ):
-        assert not answer.is_refusal
 
 
 def test_lines_can_be_drawn_for_every_unit_of_a_setting() -> None:

@@ -8,10 +8,17 @@ from scipy.integrate import quad
 
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
+from presswear.linkage.laws import (
+    DAMPINGS,
+    KELVIN_VOIGT,
+    NormalLaw,
+    delivered_restitution,
+    greatest_penetration,
+)
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
+from presswear.validation.cases import first_contact
 from presswear.validation.reference_problems import delivered
 
 CLEARANCE, STIFFNESS, SPEED = 1e-4, 1.25e10, 0.25
@@ -48,6 +55,40 @@ def kelvin_voigt_restitution(part: float) -> float:
     root = math.sqrt(1.0 - part**2)
     # The phase at which damper and spring cancel, between 0 and pi.
     return math.exp(-part / root * math.atan2(2.0 * part * root, 2.0 * part**2 - 1.0))
+
+
+@pytest.mark.parametrize(
+    ("law", "nominal", "expected"),
+    [(law, *one) for law, values in references.DELIVERED.items() for one in values.items()],
+)
+def test_factors_and_restitution_are_those_in_print(
+    law: str, nominal: float, expected: float
+) -> None:
+    printed = {
+        "lankarani-nikravesh": 0.75 * (1.0 - nominal**2),
+        "hunt-crossley": 1.5 * (1.0 - nominal),
+        "flores": 8.0 * (1.0 - nominal) / (5.0 * nominal),
+        "gonthier": (1.0 - nominal**2) / nominal,
+    }[law]
+    assert DAMPINGS[law].factor(nominal) == pytest.approx(printed, rel=1e-14)
+    # Some values are printed to eight digits: half a unit of the last.
+    assert delivered_restitution(printed) == pytest.approx(expected, abs=6e-9)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 2.2])
+def test_restitution_and_depth_hold_for_any_exponent(exponent: float) -> None:
+    """An elastic impact of a linear spring lasts half a sine."""
+    for damping in (0.0, 0.4):
+        law = NormalLaw(1e7 if exponent == 1.0 else STIFFNESS, exponent, damping)
+        run = impact(law, ENGINES[0][0])
+        assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=1e-8)
+        depth = run.recorder.series("penetration", 0).max()
+        closed = greatest_penetration(MASS, SPEED, law.stiffness, exponent, damping)
+        assert depth == pytest.approx(closed, rel=2e-3)
+        contact = first_contact(run)
+        if exponent == 1.0 and damping == 0.0:
+            lasts = math.pi * math.sqrt(MASS / law.stiffness)
+            assert contact["separation"] - contact["touchdown"] == pytest.approx(lasts, rel=1e-8)
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)

@@ -21,7 +21,6 @@ from presswear.validation.trajectories import (
     Touchdown,
     Trajectory,
     divergence_time,
-    peak,
     touchdown_differences,
 )
 
@@ -70,12 +69,6 @@ def test_touches_are_matched_joint_by_joint() -> None:
     differences = touchdown_differences(ours, theirs)
     np.testing.assert_allclose(differences[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12)
     assert np.all(np.isinf(differences[2]))
-
-
-def test_a_peak_between_samples_is_found() -> None:
-    time = np.array([0.0, 0.1, 0.25, 0.3, 0.5])
-    assert peak(time, 7.0 - 3.0 * (time - 0.21) ** 2) == pytest.approx(7.0, rel=1e-12)
-    assert peak(time, 2.0 * time) == 1.0
 
 
 # Three touches, and steps of RK4 no finer than they need.
