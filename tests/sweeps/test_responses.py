@@ -97,6 +97,7 @@ def test_a_life_that_did_not_end_is_censored() -> None:
 
 
 def peak(result: pw.Result) -> float:
+    """Highest force at A in all stages."""
     return max(float(stage.joints["A"].force.max()) for stage in result.stages)
 
 
