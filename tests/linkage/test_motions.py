@@ -2,7 +2,6 @@
 
 import math
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,15 +11,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicSpline
 
 from presswear.linkage.drives import (
-    MAX_PIECES,
     RISES,
     Drive,
-    Follow,
     Rise,
     pieces_of,
     run_up_motion,
 )
-from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 TURN = 2.0 * math.pi
@@ -172,28 +168,3 @@ def test_a_run_up_is_smooth_and_ends_in_step() -> None:
     late = time > 4.0
     np.testing.assert_array_equal(levels[0][late], time[late] - 2.0)
     assert [float(x[0]) for x in run_up_motion(np.zeros(1), 4.0)] == [0.0, 0.0, 0.0]
-
-
-ROW = (0.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"table": [(k * 0.01, 0.0) for k in range(600)]}, "table of crank: 600 rows; allowed"),
-        ({"table": [ROW, (2.0, 0.1), (1.0, 0.2)]}, "table of crank: phases must rise, from 0"),
-        ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "from 0 to 7 rad; a cycle is"),
-        ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, r"table\[1\] of crank = .*expected"),
-        ({"table": [ROW, (1.0, 0.1, 0.0, 0.0), (2.0, 0.1)]}, "rows of one length are expected"),
-        ({"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2 rad must"),
-        ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises"),
-        (
-            {"rises": [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]},
-            f"rises of crank: 601 pieces; allowed are {MAX_PIECES} at most",
-        ),
-        ({"harmonics": [ROW], "follow": Follow("crank.head")}, "harmonics and follow cannot be"),
-    ],
-)
-def test_motions_that_are_none_are_refused(wrong: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Drive("crank", 10.0, **wrong)
