@@ -5,14 +5,13 @@ import math
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
-from presswear.scene.catalog import SCENES, scene_named, wear_times
+from presswear.scene.catalog import SCENES, scene_named
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -23,28 +22,23 @@ BASE = Scene(name="base", title="a scene")
 
 def test_joints_are_those_of_the_mechanism() -> None:
     spelled = {"A": "A", "C": "C", "AC": "AC", "A,C": "AC", "CA": "AC", "none": ""}
-    for given, names in spelled.items():
-        scene = Scene(joints=given)
+    for text, names in spelled.items():
+        scene = Scene(joints=text)
         assert tuple(joint.name for joint in scene.linkage().clearances) == tuple(names)
         assert scene.joints == (names or "none")
     assert Scene(SliderCrank(), joints="B , A").joints == "AB"
-    named = FOUR_BAR.changed(
-        joints=[replace(own, name=f"pin {own.name}") for own in FOUR_BAR.joints]
-    )
+    joints = [replace(joint, name=f"pin {joint.name}") for joint in FOUR_BAR.joints]
+    named = FOUR_BAR.changed(joints=joints)
     assert Scene(named, joints="pin B, pin A").clearance_joints == ("pin A", "pin B")
     assert Scene(named, joints="pin P").joints == "pin P"
-    for wrong in ("", "AA", "AB", "A,", "none,A", "B"):
-        with pytest.raises(InputError, match=r"allowed is one of A, C, none, several, as AC"):
-            Scene(joints=wrong)
 
 
-def test_a_mechanism_says_which_joints_have_clearance_where_nobody_else_does() -> None:
-    """A linkage of one's own has ideal joints; a bearing that would be in none is refused."""
+def test_a_mechanism_has_default_joints_with_clearance() -> None:
+    """A user linkage has none; a bearing without a joint is refused."""
     for mechanism, joints in ((Press(), "AC"), (SliderCrank(), "B"), (FOUR_BAR, "none")):
         scene = Scene(mechanism)
         assert scene == Scene(mechanism, joints=joints)
         assert scene.joints == joints
-    # Those of another press are no default of its own linkage.
     assert Scene(Press().linkage()).joints == "none"
     tight = Bearing(clearance=0.2e-3)
     with pytest.raises(InputError, match=r"^bearings: no joint has clearance; .* of O, A, B, P$"):
@@ -60,8 +54,8 @@ def test_scene_makes_the_linkage_it_describes() -> None:
     (joint,) = linkage.clearances
     assert joint.name == "A"
     assert linkage.revolutes == tuple(r for r in closed.revolutes if r.name != "A")
-    (own,) = (r for r in closed.revolutes if r.name == "A")
-    assert (joint.bearing, joint.pin) == (own.first, own.second)
+    (ideal,) = (r for r in closed.revolutes if r.name == "A")
+    assert (joint.bearing, joint.pin) == (ideal.first, ideal.second)
     assert (joint.bearing.body, joint.pin.body) == ("rod 3", "crank 2")
     assert joint.pin_radius == 0.015 - 0.8e-3
     assert joint.normal.damping == pytest.approx(0.75 * 0.36, rel=1e-14)
@@ -79,8 +73,8 @@ def test_scene_makes_the_linkage_it_describes() -> None:
 def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]) -> None:
     joint = replace(BASE, conventions=CONVENTIONS[conventions]).linkage().clearances[0]
     assert joint.wear is not None
-    told = (joint.map_frame, joint.contact, joint.wear.slip, joint.wear.wear_distribution)
-    assert told == expected
+    wear = joint.wear
+    assert (joint.map_frame, joint.contact, wear.slip, wear.wear_distribution) == expected
     reading = CONVENTIONS[conventions].stiffness
     stiffness = hertz_stiffness(0.015, 0.0142, 2.0 * (1.0 - 0.3**2) / 200e9, reading)
     assert joint.normal.stiffness == pytest.approx(stiffness, rel=1e-14)
@@ -96,7 +90,7 @@ def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]
         ("AC", "dae", InHouse),
     ],
 )
-def test_the_smallest_model_that_fits_is_taken(joints: str, engine: str, kind: type) -> None:
+def test_the_smallest_model_that_fits_is_used(joints: str, engine: str, kind: type) -> None:
     assert type(replace(BASE, joints=joints, engine=engine).solver) is kind
 
 
@@ -119,41 +113,37 @@ def test_a_stored_scene_that_lost_a_value_is_refused() -> None:
                 Scene.from_dict(less)
 
 
-def stored(**other: Any) -> dict[str, Any]:
-    return {**BASE.as_dict(), **other}
-
-
-def stored_part(part: str, **other: Any) -> dict[str, Any]:
-    return stored(**{part: {**BASE.as_dict()[part], **other}})
+def stored(part: str, **changes: Any) -> dict[str, Any]:
+    return {**BASE.as_dict(), part: {**BASE.as_dict()[part], **changes}}
 
 
 @pytest.mark.parametrize(
     "data",
     [
-        pytest.param({}, id="empty"),
-        pytest.param("scene", id="a word"),
-        pytest.param(stored(mechanism="abc"), id="mechanism a word"),
-        pytest.param(stored(mechanism={}), id="mechanism of no kind"),
-        pytest.param(stored_part("mechanism", kind="slider-crank"), id="another kind"),
-        pytest.param(stored(origins={"clearance": 1}), id="status a number"),
-        pytest.param(stored(bearings=None), id="no bearings"),
-        pytest.param(stored(unknown=1), id="unknown field"),
-        pytest.param(stored_part("bearings", clearance=None), id="no clearance"),
-        pytest.param(stored_part("bearings", friction=math.nan), id="friction nan"),
-        pytest.param(stored(name=1), id="a number for a name"),
-        pytest.param(stored(wear_updates=1.5), id="one and a half wears"),
-        pytest.param(stored(joints=["A"]), id="joints a list"),
-        pytest.param(stored(engine="none"), id="unknown engine"),
+        {},
+        "scene",
+        {**BASE.as_dict(), "mechanism": "abc"},
+        {**BASE.as_dict(), "mechanism": {}},
+        {**BASE.as_dict(), "origins": {"clearance": 1}},
+        {**BASE.as_dict(), "bearings": None},
+        {**BASE.as_dict(), "unknown": 1},
+        {**BASE.as_dict(), "name": 1},
+        {**BASE.as_dict(), "wear_updates": 1.5},
+        {**BASE.as_dict(), "joints": ["A"]},
+        {**BASE.as_dict(), "engine": "none"},
+        stored("mechanism", kind="slider-crank"),
+        stored("bearings", clearance=None),
+        stored("bearings", friction=math.nan),
     ],
 )
-def test_what_is_no_stored_scene_is_refused_in_one_line(data: Any) -> None:
+def test_data_that_are_no_scene_are_refused_in_one_line(data: Any) -> None:
     with pytest.raises(InputError) as refusal:
         Scene.from_dict(data)
     assert len(str(refusal.value).splitlines()) == 1
 
 
 def test_bearings_by_joint_open_those_joints() -> None:
-    """A mapping is the same scene as joints, a common bearing and those apart."""
+    """A mapping is the same scene as joints, a common bearing and exceptions."""
     one, other = Bearing(clearance=0.2e-3), Bearing(clearance=0.3e-3, friction=0.1)
     scene = Scene(bearings={"A": one, "C": other})
     assert scene == Scene(joints="AC", bearings=one, joint_bearings={"C": other})
@@ -166,33 +156,15 @@ def test_bearings_by_joint_open_those_joints() -> None:
 
 
 def test_materials_set_the_wear_of_both_sides() -> None:
-    """A pair by name, and single values on top of it."""
     scene = changed(BASE, {"materials": "nitrided-304L", "C.materials": "paper"})
     law = scene.bearing("A").materials
     assert law.wear_coefficient == pytest.approx(70.1e-15)
     assert law.wear_coefficient * (1.0 - law.bearing_share) == pytest.approx(0.1e-15)
     assert scene.bearing("C") == BASE.bearing("C")
-    own = changed(scene, {"wear_coefficient": "1e-15/Pa"}).bearing("A").materials
-    assert (own.name, own.bearing_share) == ("custom", law.bearing_share)
+    custom = changed(scene, {"wear_coefficient": "1e-15/Pa"}).bearing("A").materials
+    assert (custom.name, custom.bearing_share) == ("custom", law.bearing_share)
     assert Scene.from_dict(scene.as_dict()) == scene
     assert Bearing(materials="chromed-304L").materials.wear_coefficient == pytest.approx(50.1e-15)
-    with pytest.raises(InputError, match="did you mean chromed-304L"):
-        Bearing(materials="chrome-304L")
-
-
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"normal_law": "flores", "restitution": "0"}, "allowed is 0.01 to 1"),
-        ({"viscous_damping": "10N s/m"}, "with normal_law = 'lankarani-nikravesh' allowed is 0"),
-        ({"elasticity": "liu", "exponent": "1.2"}, "allowed is 1.5"),
-        ({"normal_law": "hunt-crosley"}, "did you mean hunt-crossley"),
-        ({"A.friction_law": "stribeck.py:f"}, "A.friction_law = 'stribeck.py:f': there is no file"),
-    ],
-)
-def test_laws_that_do_not_fit_are_refused(settings: dict[str, str], words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        changed(BASE, settings)
 
 
 @pytest.mark.parametrize(
@@ -207,21 +179,12 @@ def test_laws_that_do_not_fit_are_refused(settings: dict[str, str], words: str) 
         ({"purpose": "wear", "wear_updates": 0}, 1e-5),
     ],
 )
-def test_a_tolerance_that_is_not_given_follows_from_what_the_numbers_are_for(
+def test_the_default_tolerance_follows_from_the_purpose(
     settings: dict[str, Any], tolerance: float
 ) -> None:
     scene = replace(BASE, **settings)
     assert isinstance(scene.solver, ExudynTree)
     assert scene.solver.tree_tolerance == pytest.approx(tolerance)
-    given = replace(scene, numerics=Numerics().having(tree_tolerance=1e-8)).solver
-    assert isinstance(given, ExudynTree)
-    assert given.tree_tolerance == 1e-8
-
-
-def test_ideal_slider_is_the_closed_form() -> None:
-    scene = wear_times()
-    slider = scene.ideal_slider(np.linspace(0.0, scene.mechanism.period, 2001))
-    assert slider[0, 0] == 0.0
-    assert slider[:, 0].max() == pytest.approx(0.1061, abs=1e-4)
-    assert slider[:, 1].min() == pytest.approx(-0.889, abs=1e-3)
-    assert slider[:, 2].min() == pytest.approx(-20.0, abs=0.1)
+    solver = replace(scene, numerics=Numerics().having(tree_tolerance=1e-8)).solver
+    assert isinstance(solver, ExudynTree)
+    assert solver.tree_tolerance == 1e-8

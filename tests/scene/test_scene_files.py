@@ -36,15 +36,18 @@ def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> N
     file = tmp_path / "press.toml"
     file.write_text(example_file("press"))
     named = replace(wear_times(), engine=InHouse.word, cycles=1, wear_updates=0)
-    own = replace(named, mechanism=scene_from(file).mechanism, joints="A,C")
-    runs = [run(scene).stages[0].arrays for scene in (named, own)]
-    assert runs[0].keys() == runs[1].keys()
-    for name, array in runs[0].items():
-        assert array.tobytes() == runs[1][name].tobytes(), name
+    read = replace(named, mechanism=scene_from(file).mechanism, joints="A,C")
+    one, other = (run(scene).stages[0].arrays for scene in (named, read))
+    assert one.keys() == other.keys()
+    assert all(array.tobytes() == other[name].tobytes() for name, array in one.items())
+
+
+LAW = "def rub(sliding, normal):\n    return -normal * sliding\n"
+FRICTION = "mechanism = 'press'\n[settings]\nC.friction_law = "
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "message"),
     [
         ("", "mechanism: the name of one or a table"),
         ("mechanism = 'pres'", "unknown mechanism 'pres'; did you mean press"),
@@ -56,12 +59,16 @@ def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> N
         ("mechanism = 'press'\ntitle = 1", "title = 1: a text is expected"),
         ("[mechanism", "Expected ']' at the end of a table"),
         ("mechanism = 'press'\nmechanism = 'press'", "Cannot overwrite a value"),
+        # A law stands beside the file of the scene.
+        (f"{FRICTION}'laws.py:rob'", "friction_law.*did you mean rub"),
+        (f"{FRICTION}'law.py:rub'", "friction_law.*there is no file"),
     ],
 )
-def test_what_is_wrong_in_a_file_is_told_in_one_line(text: str, says: str, tmp_path: Path) -> None:
+def test_a_wrong_file_is_refused_in_one_line(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "laws.py").write_text(LAW)
     file = tmp_path / "wrong.toml"
     file.write_text(text)
-    with pytest.raises(InputError, match=f"^{re.escape(str(file))}: .*{says}") as refusal:
+    with pytest.raises(InputError, match=f"^{re.escape(str(file))}: .*{message}") as refusal:
         scene_from(file)
     assert "\n" not in str(refusal.value)
 
@@ -132,18 +139,10 @@ def test_a_damaged_file_is_read_or_refused(
     assert not refusal or refusal.startswith(str(file))
 
 
-def test_laws_of_ones_own_stand_beside_the_file(tmp_path: Path) -> None:
-    """FILE.py:FUNCTION is read from the folder of the scene's file, wherever it is run."""
-    (tmp_path / "laws.py").write_text("def rub(sliding, normal):\n    return -normal * sliding\n")
+def test_a_user_law_is_read_from_the_folder_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "laws.py").write_text(LAW)
     file = tmp_path / "mine.toml"
-    text = example_file("four-bar") + 'B.friction_law = "laws.py:rub"\n'
-    file.write_text(text)
-    law = scene_from(file).bearing("B").friction_law
+    file.write_text(f"{FRICTION}'laws.py:rub'")
+    law = scene_from(file).bearing("C").friction_law
     assert isinstance(law, UserFunction)
     assert law.name == "rub"
-    for wrong, words in (("laws.py:rob", "did you mean rub"), ("law.py:rub", "there is no file")):
-        file.write_text(text.replace("laws.py:rub", wrong))
-        with pytest.raises(InputError, match=words) as told:
-            scene_from(file)
-        assert str(file) in str(told.value)
-        assert "friction_law" in str(told.value)

@@ -1,4 +1,4 @@
-"""Surfaces that a scene begins on: resampled, stored, read from tables, refused."""
+"""Initial surfaces of a scene: resampled, stored, read from tables, and bad input."""
 
 import json
 import math
@@ -26,7 +26,7 @@ def on(bearing: Any = None, pin: Any = None, **changes: Any) -> Scene:
 
 
 def smooth(angle: Any) -> Any:
-    """A profile of which all means over bins are known, m."""
+    """Return a smooth profile, m."""
     return 1e-5 * (1.0 + np.cos(angle - 0.4))
 
 
@@ -66,7 +66,7 @@ def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
 
 
 @pytest.mark.parametrize(
-    ("surfaces", "says"),
+    ("surfaces", "message"),
     [
         (5, "surfaces = 5: bearing and pin by joint are expected"),
         ({"B": (None, None)}, "unknown joint in surfaces 'B'; known are A, C"),
@@ -91,8 +91,8 @@ def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
         ),
     ],
 )
-def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, says: str) -> None:
-    with pytest.raises(InputError, match=re.escape(says)) as refused:
+def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)) as refused:
         wear_times(surfaces=surfaces)
     assert "\n" not in str(refused.value)
 
