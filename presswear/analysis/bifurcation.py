@@ -6,7 +6,8 @@ Each run continues from the end of the run at the previous value, so that hyster
 import math
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from presswear.analysis.contact_modes import resonance_frequency
 from presswear.analysis.lyapunov import largest_exponent
 from presswear.analysis.periods import TOLERANCE, Periodicity, periodicity
-from presswear.analysis.spectra import power_spectrum
+from presswear.analysis.spectra import MAX_ORDER, power_spectrum
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
@@ -27,42 +28,34 @@ from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, values_of
-from presswear.tools.arrays import read_numbers, write_arrays
+from presswear.tools.arrays import read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import FolderLock
-from presswear.tools.processes import Job, Report, cores, workers_for
+from presswear.tools.processes import Report, cores, workers_for
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
 Array = NDArray[np.float64]
+Branch = np.recarray[Any, Any]
+"""Rows of ``run_value`` in the order of the runs, with attributes."""
 InitialState = Callable[[Scene], Start]
 
 ENGINE = InHouse("dopri5", 1e-6)  # periodic pins within 6e-4 of the clearance of those at 1e-9
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
 CONTACT_GAP = 1e-4  # gap over clearance of a pin in contact when the parameter changes
 NEWTON_STEPS = 8  # Newton steps that move pins; three suffice
-MAX_ORDER = 1000  # contacts of slow cranks ring at some hundreds of the crank frequency
 SETTLING_CYCLES = 1  # before a spectrum: contacts begin anew
 DIRECTIONS = ("up", "down")
 FILE = "diagram.json"
-SCHEMA = 3
+SCHEMA = 4
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """Bifurcation parameter.
+    """Bifurcation parameter."""
 
-    Attributes
-    ----------
-    key : str
-        Name of the setting as in ``--set``, such as ``speed`` or ``B.clearance``.
-    values : tuple of float
-        Increasing, SI.
-    unit : str
-    """
-
-    key: str
-    values: tuple[float, ...]
+    key: str  # setting as in ``--set``, such as ``speed`` or ``B.clearance``
+    values: tuple[float, ...]  # increasing, SI
     unit: str
 
     @staticmethod
@@ -74,8 +67,8 @@ class Parameter:
         InputError
             If the text is incomplete, the name or unit unknown, or a value out of range.
         """
-        key, equals, values_text = (part.strip() for part in text.partition("="))
-        if not (equals and values_text):
+        key, _, values_text = (part.strip() for part in text.partition("="))
+        if not values_text:
             raise InputError(f"--over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
         meaning = setting_of(scene, key).meaning
         if not isinstance(meaning, Quantity) or meaning.whole:
@@ -90,65 +83,18 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Cycles:
-    """Number of cycles at each value.
-
-    Attributes
-    ----------
-    total : int
-    stored : int
-        Last cycles, whose states are stored.
-    exponent, orders : int
-        Further cycles for the exponent and for the order analysis; 0 to omit it.
-    """
+    """Number of cycles at each value."""
 
     total: int
-    stored: int
-    exponent: int
-    orders: int
+    stored: int  # last cycles, whose states are stored
+    exponent: int  # further cycles for the exponent; 0: none
+    orders: int  # further cycles for the amplitudes at orders; 0: none
 
     def __post_init__(self) -> None:
         if not 2 <= self.stored < self.total:
             raise InputError(
                 f"stored = {self.stored}: must be 2 to {self.total - 1} of {self.total} cycles"
             )
-
-
-@dataclass(frozen=True)
-class Branch:
-    """Results at the values of the parameter, in the order in which they were computed.
-
-    Attributes
-    ----------
-    value : ndarray, shape (n,)
-        SI.
-    sections : ndarray, shape (n, stored, phases, columns)
-        See ``Recorder.sections``; NaN where a run failed.
-    force : ndarray, shape (n, stored, joints)
-        Peak normal force in each cycle, N.
-    exponent : ndarray, shape (n, 2)
-        Largest Lyapunov exponent and half width of its interval, 1/s; NaN if not available.
-    amplitude : ndarray, shape (n, 1 + joints, MAX_ORDER)
-        Amplitudes within half an order of 1, 2, ...: acceleration of the output point, m/s^2, and
-        normal force of each joint, N. No orders if they were not requested.
-    resonance : ndarray, shape (n, joints)
-        Order of the contact resonance of each joint; NaN if there is none.
-    end : ndarray, shape (n, 2, 3 bodies)
-        Positions and velocities at the end of each run.
-    """
-
-    value: Array
-    sections: Array
-    force: Array
-    exponent: Array
-    amplitude: Array
-    resonance: Array
-    end: Array
-
-    def eccentricity(self, joint: int) -> Array:
-        """Return the positions of the pin of a joint, m, shape (n, stored, phases, 2)."""
-        first = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint
-        columns = [first + SECTION_JOINT_NAMES.index(f"eccentricity_{axis}") for axis in "xy"]
-        return self.sections[..., columns]
 
 
 def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> Start:
@@ -184,8 +130,10 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
     for _ in range(NEWTON_STEPS):
         phi, _, _, jacobian = constraints.evaluate(0.0, position, rest)
         residual = np.concatenate([phi, pins(position) - target])
-        slopes = np.concatenate([jacobian, _central_differences(pins, position)])
-        position -= np.linalg.lstsq(slopes, residual, rcond=None)[0]
+        shifts = 1e-6 * np.eye(position.size)
+        slopes = [(pins(position + shift) - pins(position - shift)) / 2e-6 for shift in shifts]
+        matrix = np.concatenate([jacobian, np.transpose(slopes)])
+        position -= np.linalg.lstsq(matrix, residual, rcond=None)[0]
     velocity = end.velocity * (linkage.drives[0].speed / previous.drives[0].speed)
     _, error, _, jacobian = constraints.evaluate(0.0, position, velocity)
     return Start(position, velocity - np.linalg.pinv(jacobian) @ error)
@@ -202,48 +150,51 @@ def _pin_positions(linkage: Linkage) -> Callable[[Array], Array]:
     return pins
 
 
-def _central_differences(function: Callable[[Array], Array], x: Array, step: float = 1e-6) -> Array:
-    shifts = step * np.eye(x.size)
-    columns = [(function(x + shift) - function(x - shift)) / (2.0 * step) for shift in shifts]
-    return np.transpose(columns)
+def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArray[Any]:
+    """Return the row of one value on unworn surfaces, a record with these fields.
 
-
-def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> dict[str, Array]:
-    """Return the arrays of a ``Branch`` at one value, without the first axis.
-
-    The surfaces are unworn. If the run fails, all numbers are NaN and the end is ``ideal``.
+    ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``, shape (2,):
+    largest Lyapunov exponent and half width of its interval, 1/s; ``amplitude`` and ``resonance``:
+    see ``order_amplitudes``; ``end``, shape (2, 3 bodies): positions and velocities at the end. If
+    the run fails, all numbers are NaN and the end is ``ideal``. So are numbers without cycles.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
-    plan = Plan(period, cycles.total, 1, sections=PHASES, torques=False)
-    run = ENGINE.simulate(linkage, start, plan)
-    joints, stored = len(linkage.clearances), cycles.stored
-    exponent = np.full(2, math.nan)
-    amplitude = np.full((1 + joints, MAX_ORDER if cycles.orders else 0), math.nan)
-    resonance = np.full(joints, math.nan)
+    joints, coordinates = len(linkage.clearances), len(start.position)
+    fields: list[Any] = [
+        ("value", float),
+        ("pins", float, (cycles.stored, len(PHASES), joints, 2)),
+        ("exponent", float, 2),
+        ("amplitude", float, (1 + joints, MAX_ORDER if cycles.orders else 0)),
+        ("resonance", float, joints),
+        ("end", float, (2, coordinates)),
+    ]
+    row = np.zeros(1, fields)
+    for name in ("pins", "exponent", "amplitude", "resonance"):
+        row[name] = math.nan
+    run = ENGINE.simulate(
+        linkage, start, Plan(period, cycles.total, 1, sections=PHASES, torques=False)
+    )
+    last = ideal if run.status == "failed" else run.end
+    row["end"] = last.position, last.velocity
     if run.status == "failed":
-        sections = np.full((stored, *run.recorder.sections.shape[1:]), math.nan)
-        force, last = np.full((stored, joints), math.nan), ideal
-    else:
-        sections, last = run.recorder.sections[-stored:], run.end
-        peaks = [run.recorder.each_cycle("force_max", k) for k in range(joints)]
-        force = np.transpose(peaks)[-stored:]
-        further = continued(linkage, linkage, run.end, start)
-        if cycles.exponent:
-            try:
-                result = largest_exponent(linkage, further, period, cycles.exponent)
-                exponent[:] = result.value, (result.half_width or math.nan)
-            except RunFailed:
-                pass  # the exponent stays NaN
-        if cycles.orders:
-            amplitude, resonance = order_amplitudes(linkage, further, period, cycles.orders, ENGINE)
-    return {
-        "sections": sections,
-        "force": force,
-        "exponent": exponent,
-        "amplitude": amplitude,
-        "resonance": resonance,
-        "end": np.array([last.position, last.velocity]),
-    }
+        return row
+    columns = [
+        len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint + SECTION_JOINT_NAMES.index(name)
+        for joint in range(joints)
+        for name in ("eccentricity_x", "eccentricity_y")
+    ]
+    row["pins"] = run.recorder.sections[-cycles.stored :, :, columns].reshape(row["pins"].shape)
+    further = continued(linkage, linkage, run.end, start)
+    if cycles.exponent:
+        try:
+            exponent = largest_exponent(linkage, further, period, cycles.exponent)
+            row["exponent"] = exponent.mean, exponent.half_width or math.nan
+        except RunFailed:
+            pass  # the exponent stays NaN
+    if cycles.orders:
+        orders = order_amplitudes(linkage, further, period, cycles.orders, ENGINE)
+        row["amplitude"], row["resonance"] = orders
+    return row
 
 
 def order_amplitudes(
@@ -261,8 +212,10 @@ def order_amplitudes(
     Returns
     -------
     amplitude : ndarray, shape (1 + joints, MAX_ORDER)
+        Amplitudes within half an order of 1, 2, ...: acceleration of the output point, m/s^2, and
+        normal force of each joint, N. All NaN if the run fails.
     resonance : ndarray, shape (joints,)
-        See ``Branch``; all NaN if the run fails.
+        NaN if there is none.
     """
     joints, length = len(linkage.clearances), SETTLING_CYCLES + cycles
     amplitude = np.full((1 + joints, MAX_ORDER), math.nan)
@@ -278,103 +231,70 @@ def order_amplitudes(
     for k, values in enumerate(series):
         spectrum = power_spectrum(time[rows], values[rows], period, (MAX_ORDER + 1) / period)
         amplitude[k] = [spectrum.amplitude(order) for order in range(1, MAX_ORDER + 1)]
-    touchdown, separation, closing = map(
-        CONTACT_COLUMNS.index, ("touchdown", "separation", "closing_speed")
-    )
+    names = ("touchdown", "separation", "closing_speed")
+    columns = [CONTACT_COLUMNS.index(name) for name in names]
     for k in range(joints):
-        contacts = recorder.stored_contacts(k)
-        duration = contacts[:, separation] - contacts[:, touchdown]
-        frequency = resonance_frequency(duration, contacts[:, closing])
+        touchdown, separation, closing = recorder.stored_contacts(k)[:, columns].T
+        frequency = resonance_frequency(separation - touchdown, closing)
         resonance[k] = math.nan if frequency is None else frequency * period
     return amplitude, resonance
 
 
-@dataclass(frozen=True)
-class BranchJob:
-    """Computation of one branch; its file is rewritten after each value and resumed from.
-
-    Attributes
-    ----------
-    values : tuple of float
-        In the order of the runs, SI.
-    """
-
-    scene: Scene
-    parameter: Parameter
-    values: tuple[float, ...]
-    cycles: Cycles
-    initial_state: InitialState
-    file: Path
-
-    def __call__(self, report: Report) -> None:
-        """Run the remaining values."""
-        rows: dict[str, list[Array]] = {}
-        if self.file.exists():
-            rows = {name: list(array) for name, array in vars(read_branch(self.file)).items()}
-        previous: Linkage | None = None
-        if rows:
-            previous = self._scene(float(rows["value"][-1])).linkage()
-        for k in range(len(rows.get("value", ())), len(self.values)):
-            report(k / len(self.values))
-            scene = self._scene(self.values[k])
-            linkage = scene.linkage()
-            ideal = start = self.initial_state(scene)
-            if previous is not None and not np.isnan(rows["force"][-1]).any():
-                start = continued(linkage, previous, Start(*rows["end"][-1]), start)
-            row = {
-                "value": np.array(self.values[k]),
-                **run_value(scene, start, self.cycles, ideal),
-            }
-            for name, array in row.items():
-                rows.setdefault(name, []).append(array)
-            write_arrays(self.file, {name: np.array(each) for name, each in rows.items()}, np.savez)
-            previous = linkage
-
-    def _scene(self, value: float) -> Scene:
-        return changed(self.scene, {self.parameter.key: value})
+def run_branch(
+    scene: Scene,
+    key: str,
+    values: tuple[float, ...],
+    cycles: Cycles,
+    initial_state: InitialState,
+    file: Path,
+    report: Report,
+) -> None:
+    """Run the values that the file of a branch does not hold, in order; write it after each."""
+    rows: NDArray[Any] | None = read_branch(file) if file.exists() else None
+    for k in range(0 if rows is None else len(rows), len(values)):
+        report(k / len(values))
+        here = changed(scene, {key: values[k]})
+        ideal = start = initial_state(here)
+        if rows is not None and not np.isnan(rows[-1]["pins"]).any():
+            previous = changed(scene, {key: values[k - 1]}).linkage()
+            start = continued(here.linkage(), previous, Start(*rows[-1]["end"]), ideal)
+        row = run_value(here, start, cycles, ideal)
+        row["value"] = values[k]
+        rows = row if rows is None else np.concatenate([rows, row])
+        write_arrays(file, {"rows": rows}, np.savez)
 
 
 def read_branch(file: Path) -> Branch:
-    """Return a stored branch; raises InputError if the file holds something else."""
-    try:
-        return Branch(**read_numbers(file))
-    except TypeError:
-        raise InputError(f"{file} is not a branch of a bifurcation diagram") from None
+    """Return a stored branch; raise InputError if the file holds something else."""
+    rows = read_arrays(file).get("rows")
+    if rows is None or rows.dtype.names is None:
+        raise InputError(f"{file} is not a branch of a bifurcation diagram")
+    return rows.view(np.recarray)
 
 
 @dataclass(frozen=True)
 class Diagram:
-    """Bifurcation diagram, complete or in part.
-
-    Attributes
-    ----------
-    scene : Scene
-    parameter : Parameter
-    cycles : Cycles
-    branches : dict
-        ``Branch`` by direction, "up" and "down".
-    """
+    """Bifurcation diagram, complete or in part."""
 
     scene: Scene
     parameter: Parameter
     cycles: Cycles
-    branches: dict[str, Branch]
+    branches: dict[str, Branch]  # by direction, "up" and "down"
 
     def periods(self, direction: str) -> list[Periodicity | None]:
         """Return the period of the pin positions at each value; None where a run failed."""
-        branch, names = self.branches[direction], self.scene.clearance_joints
-        pins = [branch.eccentricity(j) for j in range(len(names))]
         periods: list[Periodicity | None] = []
-        for k, value in enumerate(branch.value):
-            states = np.concatenate([pin[k].reshape(len(pin[k]), -1) for pin in pins], axis=1)
-            clearances = [
-                value
+        for row in self.branches[direction]:
+            scales = [
+                row.value
                 if self.parameter.key in ("clearance", f"{name}.clearance")
                 else self.scene.bearing(name).clearance
-                for name in names
+                for name in self.scene.clearance_joints
             ]
-            scales = np.repeat(clearances, 2 * len(PHASES))
-            periods.append(None if np.isnan(states).any() else periodicity(states, scales))
+            relative = row.pins / np.array(scales)[:, np.newaxis]
+            states = relative.reshape(len(relative), -1)
+            is_failed = np.isnan(states).any()
+            periods.append(None if is_failed else periodicity(states, np.ones(states.shape[1])))
         return periods
 
     def summary(self) -> list[str]:
@@ -432,8 +352,8 @@ def compute(
     document = {
         "schema": SCHEMA,
         "scene": scene.as_dict(),
-        "parameter": asdict(parameter),
-        "cycles": asdict(cycles),
+        "parameter": parameter,
+        "cycles": cycles,
     }
     lock = FolderLock(folder)
     try:
@@ -444,10 +364,18 @@ def compute(
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
             write_json(folder / FILE, document)
-        values = (parameter.values, parameter.values[::-1])
-        work: dict[int, Job] = {
-            k: BranchJob(scene, parameter, each, cycles, initial_state, folder / f"{direction}.npz")
-            for k, (direction, each) in enumerate(zip(DIRECTIONS, values, strict=True))
+        chains = zip(DIRECTIONS, (parameter.values, parameter.values[::-1]), strict=True)
+        work: dict[int, Any] = {
+            k: partial(
+                run_branch,
+                scene,
+                parameter.key,
+                values,
+                cycles,
+                initial_state,
+                folder / f"{direction}.npz",
+            )
+            for k, (direction, values) in enumerate(chains)
         }
         with workers_for(min(jobs or cores(), len(work)), (__name__,)) as workers:
             workers.run(
@@ -461,7 +389,7 @@ def compute(
 
 
 def load(folder: Path) -> Diagram:
-    """Return a stored diagram; raises InputError if there is none or its file was altered."""
+    """Return a stored diagram; raise InputError if there is none or its file was altered."""
     stored = _document(folder)
     files = {direction: folder / f"{direction}.npz" for direction in DIRECTIONS}
     return Diagram(

@@ -22,7 +22,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.observe import RecorderState
-from presswear.recording.statistics import batched, half_width
+from presswear.recording.statistics import Estimate, batched, half_width
 from presswear.tools.errors import InputError, RunFailed
 
 Array = NDArray[np.float64]
@@ -34,29 +34,6 @@ ENGINE = InHouse("dop853", 1e-11)  # growth within 1e-3 of that at 1e-13; 0.1 of
 DISTANCE = 1e-5  # initial distance of a pair over the smallest clearance
 SPEED_RATIO = 30.0  # rate at which contacts change a motion over the rate of the crank
 INTERVALS = 20  # rescalings in a cycle
-
-
-@dataclass(frozen=True)
-class Exponent:
-    """Largest Lyapunov exponent per unit of time.
-
-    Attributes
-    ----------
-    value : float
-    half_width : float or None
-        Of the 95 % interval from batch means over cycles; None for too few cycles.
-    intervals : int
-        Number of averaged intervals.
-    """
-
-    value: float
-    half_width: float | None
-    intervals: int
-
-    @property
-    def is_chaotic(self) -> bool:
-        """Return whether the whole interval lies above 0."""
-        return self.half_width is not None and self.value - self.half_width > 0.0
 
 
 def growth_logarithms(
@@ -117,8 +94,8 @@ def growth_logarithms(
     return logarithms
 
 
-def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1) -> Exponent:
-    """Return the exponent and its confidence interval from ``growth_logarithms``.
+def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1) -> Estimate:
+    """Return the exponent from ``growth_logarithms``; its samples are the averaged intervals.
 
     Parameters
     ----------
@@ -131,11 +108,11 @@ def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1)
     """
     rates = logarithms[math.ceil(DISCARDED * len(logarithms)) :] / duration
     if not rates.size:
-        return Exponent(math.nan, None, 0)
+        return Estimate(math.nan)
     per_cycle = min(per_cycle, rates.size)
     rates = rates[rates.size % per_cycle :]
     half = half_width(batched(rates.reshape(-1, per_cycle).mean(axis=1)))
-    return Exponent(float(rates.mean()), half, rates.size)
+    return Estimate.symmetric(float(rates.mean()), half, rates.size)
 
 
 @dataclass(frozen=True)
@@ -145,29 +122,14 @@ class Flow:
     The components of a state are coordinates, rates, bristle deflections, and the closing speed at
     touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
     is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``.
-
-    Attributes
-    ----------
-    simulation : Simulation
-        Integrator of the in-house engine.
-    records : RecorderState
-        State of its recorder.
-    indices : ndarray, shape (n,)
-        Indices of coordinates, rates and bristles in the integrated vector.
-    keeps_onset : ndarray of bool, shape (joints,)
-        Joints whose normal force depends on the closing speed at touchdown.
-    distance : ndarray, shape (n + joints,)
-        Initial distance of a pair in each component.
-    interval : float
-        s.
     """
 
-    simulation: Simulation
-    records: RecorderState
-    indices: NDArray[np.int64]
-    keeps_onset: NDArray[np.bool_]
-    distance: Array
-    interval: float
+    simulation: Simulation  # integrator of the in-house engine
+    records: RecorderState  # of its recorder
+    indices: NDArray[np.int64]  # of coordinates, rates and bristles in the integrated vector
+    keeps_onset: NDArray[np.bool_]  # joints whose force depends on the closing speed at touchdown
+    distance: Array  # initial distance of a pair in each component
+    interval: float  # s
 
     @staticmethod
     def of(linkage: Linkage, start: Start, period: float, per_cycle: int) -> "Flow":
@@ -243,16 +205,13 @@ def _depends_on_onset(law: Any) -> bool:
 
 def largest_exponent(
     linkage: Linkage, start: Start, period: float, cycles: int, per_cycle: int = INTERVALS
-) -> Exponent:
+) -> Estimate:
     """Return the largest Lyapunov exponent of a linkage, 1/s, computed by the in-house engine.
 
     Parameters
     ----------
-    start : Start
-        Initial state.
     period : float
         Duration of a cycle, s.
-    cycles : int
     per_cycle : int
         Intervals in a cycle, short enough that the pair does not saturate.
 

@@ -13,7 +13,7 @@ from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 
-MAX_ORDER = 1000.0  # highest frequency of a spectrum in turns of the crank
+MAX_ORDER = 1000  # highest frequency of a spectrum in turns of the crank
 
 
 @dataclass(frozen=True)

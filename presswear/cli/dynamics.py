@@ -37,8 +37,8 @@ def _exponent(scene: Scene, cycles: int, console: Console) -> int:
     interval = "(too few cycles for an interval)" if half is None else f"± {half:.3g}"
     terminal.print_lines(
         console,
-        f"{scene.name}: largest Lyapunov exponent {exponent.value:.4g} {interval} 1/s, "
-        f"{exponent.value * period:.3g} per cycle, from {exponent.intervals} intervals",
+        f"{scene.name}: largest Lyapunov exponent {exponent.mean:.4g} {interval} 1/s, "
+        f"{exponent.mean * period:.3g} per cycle, from {exponent.samples} intervals",
     )
     return 0
 

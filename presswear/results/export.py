@@ -1,30 +1,10 @@
 """Exchange table: a run as CSV or NPZ, for export and for comparison.
 
-One column per quantity, one row per time, SI units:
-
-====================  =======  ====================================================
-column                unit     meaning
-====================  =======  ====================================================
-time                  s        strictly increasing, from the start of the run
-displacement          m        of the slider, from where it starts
-velocity              m/s      of the slider
-acceleration          m/s^2    of the slider
-J_eccentricity_x, _y  m        pin centre minus bearing centre of joint J, global
-J_penetration         m        of the pin into the bearing, negative while open
-J_normal_force        N        between pin and bearing, 0 while open
-J_tangential_force    N        friction, with the sign of the contact model
-J_sliding             m/s      tangential speed at the contact
-height                m        of the output over the ideal bottom dead centre
-process_force         N        of the work, where the scene has a process
-D_angle               rad      of the driven body D
-D_torque              N m      of its drive, where torques are stored
-D_power               W        of its drive, where torques are stored
-====================  =======  ====================================================
-
-J is the name of a clearance joint, such as A or C, and D that of a driven body.  A table needs
-``time`` and at least one other column; their order is free.  CSV: a header line with the names,
-values separated by commas, lines that begin with ``#`` are comments.  NPZ: one
-array of one dimension per column, under its name.
+One column per quantity, one row per time, SI units. Columns of a joint J or of a driven body D are
+``J_penetration`` or ``D_torque``; units and meaning of all names are below. A table needs ``time``,
+strictly increasing, and at least one other column; their order is free. CSV: a header line with the
+names, values separated by commas, lines that begin with ``#`` are comments. NPZ: one array of one
+dimension per column, under its name.
 """
 
 from collections.abc import Mapping
@@ -46,48 +26,43 @@ Array = NDArray[np.float64]
 Table = Mapping[str, Array]  # columns by name, all of one length
 
 _SERIES = {"time": "s", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
-UNITS = {**_SERIES, "height": "m", "process_force": "N"}
-JOINT_UNITS = {
-    "eccentricity_x": "m",
-    "eccentricity_y": "m",
-    "penetration": "m",
-    "normal_force": "N",
-    "tangential_force": "N",
-    "sliding": "m/s",
+UNITS = {
+    **_SERIES,  # of the output, from its start
+    "height": "m",  # of the output over the ideal bottom dead centre
+    "process_force": "N",  # of the work, if the scene has a process
 }
-DRIVE_UNITS = {"angle": "rad", "torque": "N m", "power": "W"}
+JOINT_UNITS = {
+    "eccentricity_x": "m",  # pin centre minus bearing centre, global
+    "eccentricity_y": "m",
+    "penetration": "m",  # of the pin into the bearing, negative while open
+    "normal_force": "N",  # 0 while open
+    "tangential_force": "N",  # friction, with the sign of the contact model
+    "sliding": "m/s",  # tangential speed at the contact
+}
+DRIVE_UNITS = {"angle": "rad", "torque": "N m", "power": "W"}  # torque, power: if stored
 MOMENT_UNITS = {
     f"{moment.name}_{number}": unit
     for moment in fields(Strokes)
     for number, unit in (("time", "s"), ("height", "m"))
 }
 _ENDS = ("", "_low", "_high")
-LIFE_UNITS = {"strokes": "1"} | {
-    name + end: item.unit for name, item in FOLLOWED.items() for end in _ENDS if not item.of_joint
-}
-LIFE_JOINT_UNITS = {
-    name + end: item.unit for name, item in FOLLOWED.items() for end in _ENDS if item.of_joint
-}
+_LIFE = {(item.of_joint, name + end): item.unit for name, item in FOLLOWED.items() for end in _ENDS}
+_ALL_UNITS = {"strokes": "1", **UNITS, **MOMENT_UNITS}
+_ALL_UNITS |= {name: unit for (of_joint, name), unit in _LIFE.items() if not of_joint}
+_PART_UNITS = {**DRIVE_UNITS, **JOINT_UNITS}
+_PART_UNITS |= {name: unit for (of_joint, name), unit in _LIFE.items() if of_joint}
 TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
 
 
 @dataclass(frozen=True)
 class ColumnDifference:
-    """Difference between a column of a table and the run.
-
-    Attributes
-    ----------
-    greatest, rms : float
-        Largest and root mean square difference, in the unit of the column.
-    bound : float
-        Largest ``rms`` that is allowed.
-    """
+    """Difference between a column of a table and the run, in the unit of the column."""
 
     column: str
     unit: str
     greatest: float
     rms: float
-    bound: float
+    bound: float  # largest ``rms`` that is allowed
 
     @property
     def passed(self) -> bool:
@@ -97,14 +72,12 @@ class ColumnDifference:
 
 def unit_of(column: str) -> str:
     """Return the unit of a column; InputError for an unknown name."""
-    units = UNITS | MOMENT_UNITS | LIFE_UNITS
-    if column in units:
-        return units[column]
+    if column in _ALL_UNITS:
+        return _ALL_UNITS[column]
     # Names of joints and bodies may hold underscores too.
-    of_parts = DRIVE_UNITS | LIFE_JOINT_UNITS | JOINT_UNITS
-    for quantity in sorted(of_parts, key=len, reverse=True):
+    for quantity in sorted(_PART_UNITS, key=len, reverse=True):
         if column.removesuffix(f"_{quantity}") not in ("", column):
-            return of_parts[quantity]
+            return _PART_UNITS[quantity]
     names = [*UNITS, *(f"J_{n}" for n in JOINT_UNITS), *(f"D_{n}" for n in DRIVE_UNITS)]
     raise InputError(
         f"unknown column {column!r}; known are {', '.join(names)}, J a joint such as A, D a "
@@ -122,15 +95,10 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
         columns["process_force"] = force
     for name, joint in item.joints.items() if item.has_joint_series else ():
         values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
-        columns |= {
-            f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)
-        }
+        columns |= {f"{name}_{key}": row for key, row in zip(JOINT_UNITS, values, strict=True)}
     for body, curve in curves_of(result.scene, item).items():
-        columns |= {
-            f"{body}_{quantity}": values
-            for quantity in DRIVE_UNITS
-            if (values := getattr(curve, quantity)).size
-        }
+        series = {f"{body}_{key}": getattr(curve, key) for key in DRIVE_UNITS}
+        columns |= {name: values for name, values in series.items() if values.size}
     return columns
 
 
@@ -155,48 +123,17 @@ def life_table(result: Result) -> dict[str, Array]:
     columns = {"strokes": curves.pop("strokes")}
     for key, values in curves.items():
         name = key.replace(".", "_")
-        columns |= dict(zip((name, f"{name}_low", f"{name}_high"), values.T, strict=True))
+        columns |= {f"{name}{end}": row for end, row in zip(_ENDS, values.T, strict=True)}
     return columns
-
-
-def check_table(table: Table, source: str) -> None:
-    """Raise InputError naming the source if a table cannot be compared."""
-    for name in table:
-        try:
-            unit_of(name)
-        except InputError as error:
-            raise InputError(f"{source}: {error}") from None
-    if "time" not in table or len(table) < 2:
-        missing = "time" if "time" not in table else "any column beside time"
-        raise InputError(f"{source} lacks {missing}; it has {', '.join(table) or 'no column'}")
-    rows = table["time"].size
-    if rows == 0:
-        raise InputError(f"{source} has no rows")
-    for name, values in table.items():
-        if values.size != rows:
-            raise InputError(f"{source}: {name} has {values.size} values, time has {rows}")
-        wrong = np.flatnonzero(~np.isfinite(values))
-        if wrong.size:
-            raise InputError(
-                f"{source}: {name} is {values[wrong[0]]} in row {wrong[0] + 1}; "
-                "a finite number is expected"
-            )
-    late = np.flatnonzero(np.diff(table["time"]) <= 0.0)
-    if late.size:
-        raise InputError(
-            f"{source}: time does not increase from row {late[0] + 1} to row {late[0] + 2}"
-        )
 
 
 def write_table(path: Path, table: Table) -> None:
     """Write a table as ``.csv`` or ``.npz``; refuses to overwrite."""
     kind = _suffix(path)
-    check_name(path)
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
     if not path.parent.is_dir():
         raise InputError(f"{path.parent} is no folder")
-
     if kind == ".npz":
         write_arrays(path, table)
         return
@@ -211,54 +148,61 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Read and check a ``.csv`` or ``.npz`` table; InputError names place and error."""
-    kind = _suffix(path)
-    check_name(path)
-    table = _from_npz(path) if kind == ".npz" else _from_csv(path)
-    check_table(table, str(path))
+    """Read and check a ``.csv`` or ``.npz`` table; InputError names file and error."""
+    table = read_numbers(path) if _suffix(path) == ".npz" else _from_csv(path)
+    try:
+        for name in table:
+            unit_of(name)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    if "time" not in table or len(table) < 2:
+        missing = "time" if "time" not in table else "any column beside time"
+        raise InputError(f"{path} lacks {missing}; it has {', '.join(table) or 'no column'}")
+    time = table["time"]
+    if time.size == 0:
+        raise InputError(f"{path} has no rows")
+    for name, values in table.items():
+        if values.shape != (time.size,):
+            raise InputError(f"{path}: {name} has {values.size} values, time has {time.size}")
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if wrong.size:
+            raise InputError(
+                f"{path}: {name} is {values[wrong[0]]} in row {wrong[0] + 1}; a finite number is "
+                "expected"
+            )
+    late = np.flatnonzero(np.diff(time) <= 0.0)
+    if late.size:
+        raise InputError(f"{path}: time does not increase from row {late[0] + 1} to {late[0] + 2}")
     return table
 
 
 def _suffix(path: Path) -> str:
+    check_name(path)
     kind = path.suffix.lower()
     if kind not in (".csv", ".npz"):
         raise InputError(f"{path}: a name that ends in .csv or .npz is expected")
     return kind
 
 
-def _from_npz(path: Path) -> dict[str, Array]:
-    arrays = read_numbers(path)
-    for name, values in arrays.items():
-        if values.ndim != 1:
-            raise InputError(f"{path}: {name} is no array of real numbers with one dimension")
-    return arrays
-
-
 def _from_csv(path: Path) -> dict[str, Array]:
-    """Return the columns of a text; numpy's readers do not name the place of an error."""
     try:
         lines = read_checked(path).decode("utf-8-sig").splitlines()
+        lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+        header = lines[0].split(",") if lines else []
+        names = [name.strip().strip('"') for name in header]
+        if len(set(names)) < len(names):
+            raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
+        empty = np.empty((0, len(names)))
+        rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2) if len(lines) > 1 else empty
     except UnicodeDecodeError as error:
         raise InputError(f"{path} is no text: {error}") from None
-    rows = [
-        (number, [word.strip() for word in line.split(",")])
-        for number, line in enumerate(lines, start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    names = [word.strip('"') for word in rows[0][1]] if rows else []
-    if len(set(names)) < len(names):
-        raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
-    columns = np.empty((len(names), max(len(rows) - 1, 0)))
-    for row, (number, words) in enumerate(rows[1:]):
-        place = f"{path}, line {number}"
-        if len(words) != len(names):
-            raise InputError(f"{place}: {len(words)} values for {len(names)} columns")
-        for name, column, word in zip(names, columns, words, strict=True):
-            try:
-                column[row] = float(word)
-            except ValueError:
-                raise InputError(f"{place}: {name} is {word!r}; a number is expected") from None
-    return dict(zip(names, columns, strict=True))
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: {error}") from None
+    if rows.shape[1] != len(names):
+        raise InputError(f"{path}: {rows.shape[1]} values in a row for {len(names)} columns")
+    return dict(zip(names, rows.T, strict=True))
 
 
 def compare_tables(
@@ -292,19 +236,11 @@ def compare_tables(
     wanted = theirs["time"][common]
     differences = []
     for name, values in theirs.items():
-        if name == "time":
-            continue
-        mine = _interpolated(ours, name, wanted)
-        off = values[common] - mine
-        differences.append(
-            ColumnDifference(
-                name,
-                unit_of(name),
-                float(np.abs(off).max()),
-                _rms(off),
-                tolerance * _rms(mine),
-            )
-        )
+        if name != "time":
+            mine = _interpolated(ours, name, wanted)
+            off = values[common] - mine
+            greatest, bound = float(np.abs(off).max()), tolerance * _rms(mine)
+            differences.append(ColumnDifference(name, unit_of(name), greatest, _rms(off), bound))
     return differences
 
 

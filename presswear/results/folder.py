@@ -19,7 +19,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, NotRequired, Protocol, Self, TypedDict
+from typing import Any, Literal, NotRequired, Self, TypedDict
 
 import numpy as np
 
@@ -43,7 +43,6 @@ SCHEMA = 10
 FINISHED = ("completed", "unconverged", "failed")  # statuses of a run that has ended
 INTERVAL = 60.0  # s between two checkpoints within a stage
 MIN_WAIT = 100.0  # times that a checkpoint took to write, before the next: they cost below 1 %
-MAX_NAMED = 3  # results that a message names
 
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 _SOURCE = Path(__file__).resolve().parents[1]
@@ -140,8 +139,8 @@ def read_stored(path: Path) -> StoredResult:
     if not file.exists():
         inner = sorted(f"{item.parent}" for d in ("*", "*/*") for item in path.glob(f"{d}/{FILE}"))
         if inner:
-            more = f" and {len(inner) - MAX_NAMED} more" if len(inner) > MAX_NAMED else ""
-            missing += f"; name one that it holds: {', '.join(inner[:MAX_NAMED])}{more}"
+            more = f" and {len(inner) - 3} more" if len(inner) > 3 else ""
+            missing += f"; name one that it holds: {', '.join(inner[:3])}{more}"
         elif (path / "sweep.json").exists():
             missing += "; a sweep holds whole results where it ran with --keep all"
     document = read_json(file, missing, SCHEMA)
@@ -157,21 +156,6 @@ def read_stored(path: Path) -> StoredResult:
     return stored
 
 
-class Storable(Protocol):
-    """Checkpoint of a campaign."""
-
-    @property
-    def index(self) -> int:
-        """Index of the stage that runs."""
-
-    @property
-    def words(self) -> str:
-        """Description of the last stored cycle."""
-
-    def save(self) -> State:
-        """Return it as named arrays of numbers."""
-
-
 class ResultFolder(Observer):
     """Result folder that a run writes into; files of others are never changed.
 
@@ -180,8 +164,6 @@ class ResultFolder(Observer):
 
     Parameters
     ----------
-    path : Path
-    scene : Scene
     interval : float
         Time between two checkpoints within a stage, s; 0: one after every cycle.
     resume : bool
@@ -213,7 +195,7 @@ class ResultFolder(Observer):
         self.resumed: State | None = None
         self.remarks: list[str] = []
         self.kept = "kept up to its end"
-        self._latest: Storable | None = None
+        self._latest: Any = None
         self._write_time = 0.0
         self._lock = FolderLock(path)
         if self._lock.warning:
@@ -321,7 +303,7 @@ class ResultFolder(Observer):
         """Check that the folder still exists."""
         self._check()
 
-    def on_checkpoint(self, checkpoint: Storable, is_stage: bool) -> None:
+    def on_checkpoint(self, checkpoint: Any, is_stage: bool) -> None:
         """Store a checkpoint at the end of a stage, or when it is due."""
         self._latest = checkpoint
         self._check()

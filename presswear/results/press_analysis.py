@@ -5,7 +5,7 @@ They are computed from the stored arrays of a stage and from the ideal motion of
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -198,7 +198,6 @@ class JointTonnage:
 
     peak_by_phase: Mapping[str, Estimate]  # mean over strokes of the greatest force in each phase
     largest_by_phase: Mapping[str, float]  # greatest of all strokes
-    peak_per_cycle: Estimate | None  # greatest normal force of a cycle, over all replicates
     working_force: Estimate | None = None  # greatest along the impulse from contact to fracture
     reversed_force: Estimate | None = None  # against it, within SNAP_THROUGH_S of the fracture
     reversed_fraction: Estimate | None = None  # reversed over working force, stroke by stroke
@@ -244,9 +243,9 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         for name, joint in (stage.joints if stage.has_joint_series else {}).items()
     }
     peaks = {
-        name: item.peak_per_cycle.mean
-        for name, item in joints.items()
-        if item.peak_per_cycle is not None
+        name: item.peak_force_per_cycle.mean
+        for name, item in stage.statistics.joints.items()
+        if name in joints
     }
     force = process_force(scene, stage)
     peak = work = None
@@ -285,7 +284,6 @@ def joint_tonnage(
     return JointTonnage(
         {name: _estimate(values) for name, values in peaks.items()},
         {name: max(values) for name, values in peaks.items()},
-        joint.stored and joint.stored.peak_force_per_cycle,
         _mean(working),
         _mean(back),
         _mean(back[loaded] / working[loaded]),
@@ -541,19 +539,16 @@ def _kinks(scene: Scene, time: Array) -> Array:
 
 def _duty_of_cycles(cycles: Array, period: float) -> DriveDuty:
     """Return the duty of a drive from its cycles, shape (n, columns CYCLE_DRIVE)."""
-    mean = dict(zip(CYCLE_DRIVE, cycles.mean(axis=0).tolist(), strict=True))
-
-    def peak(name: str) -> float:
-        values = cycles[:, CYCLE_DRIVE.index(name)]
-        return float(values[np.abs(values).argmax()])
-
-    def rms(name: str) -> float:
-        return math.sqrt(mean[name] / period)
-
+    column = dict(zip(CYCLE_DRIVE, cycles.T, strict=True))
+    mean = {name: float(values.mean()) for name, values in column.items()}
+    peak = {name: float(values[np.abs(values).argmax()]) for name, values in column.items()}
+    rms = {
+        name: math.sqrt(mean[f"{name}_square_integral"] / period) for name in ("torque", "power")
+    }
     supplied, returned = mean["work_given"], mean["work_returned"]
     return DriveDuty(
-        Duty(mean["torque_integral"] / period, rms("torque_square_integral"), peak("torque_peak")),
-        Duty((supplied - returned) / period, rms("power_square_integral"), peak("power_peak")),
+        Duty(mean["torque_integral"] / period, rms["torque"], peak["torque_peak"]),
+        Duty((supplied - returned) / period, rms["power"], peak["power_peak"]),
         supplied,
         returned,
     )
@@ -561,32 +556,29 @@ def _duty_of_cycles(cycles: Array, period: float) -> DriveDuty:
 
 def _duty(curve: DriveCurve, weights: Array) -> DriveDuty:
     """Return the duty of a drive over a cycle from the weights, s, of its instants."""
-
-    def duty(values: Array) -> Duty:
-        duration = float(weights.sum())
-        return Duty(
+    duration = float(weights.sum())
+    torque, power = (
+        Duty(
             float(weights @ values) / duration,
             math.sqrt(float(weights @ values**2) / duration),
             float(values[np.abs(values).argmax()]),
         )
-
+        for values in (curve.torque, curve.power)
+    )
     supplied, returned = (
         float(weights @ np.maximum(sign * curve.power, 0.0)) for sign in (1.0, -1.0)
     )
-    return DriveDuty(duty(curve.torque), duty(curve.power), supplied, returned)
+    return DriveDuty(torque, power, supplied, returned)
 
 
 def _with_shares(duties: Mapping[str, DriveDuty]) -> dict[str, DriveDuty]:
-    def shares(number: Callable[[DriveDuty], float]) -> dict[str, float]:
-        total = sum(abs(number(duty)) for duty in duties.values())
-        return {body: abs(number(item)) / total if total else 0.0 for body, item in duties.items()}
-
-    rms = shares(lambda duty: duty.torque.rms)
-    peak = shares(lambda duty: duty.power.peak)
-    energy = shares(lambda duty: duty.supplied)
+    numbers = [(duty.torque.rms, duty.power.peak, duty.supplied) for duty in duties.values()]
+    sizes = np.abs(numbers)
+    totals = sizes.sum(axis=0)
+    shares = (sizes / np.where(totals > 0.0, totals, 1.0)).tolist()
     return {
-        body: replace(item, share=Share(rms[body], peak[body], energy[body]))
-        for body, item in duties.items()
+        body: replace(duty, share=Share(*row))
+        for (body, duty), row in zip(duties.items(), shares, strict=True)
     }
 
 

@@ -16,7 +16,6 @@ import presswear as pw
 from presswear.analysis import lyapunov
 from presswear.analysis.lyapunov import (
     ENGINE,
-    Exponent,
     Flow,
     exponent_from_growth,
     growth_logarithms,
@@ -25,6 +24,7 @@ from presswear.analysis.lyapunov import (
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.loads import Force, OverPosition
+from presswear.recording.statistics import Estimate
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 
@@ -33,17 +33,22 @@ Array = NDArray[np.float64]
 
 def exponent_of_map(
     step: Callable[[Array], Array], start: Array, intervals: int, duration: float, distance: float
-) -> Exponent:
+) -> Estimate:
     distances = np.full(start.size, distance)
     growth = growth_logarithms(lambda x, _: (step(x), None), start, None, intervals, distances)
     return exponent_from_growth(growth, duration)
 
 
-def assert_close(exponent: Exponent, expected: float) -> None:
+def is_chaotic(exponent: Estimate) -> bool:
+    """Return whether the whole interval lies above 0."""
+    return exponent.low is not None and exponent.low > 0.0
+
+
+def assert_close(exponent: Estimate, expected: float) -> None:
     """Within 3 % and within the confidence interval."""
-    assert exponent.value == pytest.approx(expected, rel=0.03)
+    assert exponent.mean == pytest.approx(expected, rel=0.03)
     assert exponent.half_width is not None
-    assert abs(exponent.value - expected) <= exponent.half_width
+    assert abs(exponent.mean - expected) <= exponent.half_width
 
 
 def _lorenz(x: Array, steps: int) -> Array:
@@ -88,7 +93,7 @@ def test_maps_of_the_literature() -> None:
         assert_close(exponent, expected)
         assert exponent.half_width is not None
         assert exponent.half_width <= 0.03 * expected
-        assert exponent.is_chaotic
+        assert is_chaotic(exponent)
 
 
 @pytest.mark.parametrize("part", [0.3, 0.6])
@@ -104,7 +109,7 @@ def test_periodic_ball_on_a_table(part: float) -> None:
     )
     exponent = exponent_from_growth(growth, 0.9 * PERIOD)
     assert_close(exponent, math.log(0.8) / PERIOD)
-    assert not exponent.is_chaotic
+    assert not is_chaotic(exponent)
 
 
 @pytest.mark.parametrize(("damping", "frequency"), [(0.0, 2.6), (0.05, 2.4), (0.05, 2.0)])
@@ -151,23 +156,8 @@ def test_pairs_grow_as_the_tangent_flow() -> None:
         size = float(np.linalg.norm(direction))
         tangent[k], direction = math.log(size), direction / size
     exponent, expected = (exponent_from_growth(each, period) for each in (pairs, tangent))
-    assert exponent.is_chaotic
-    assert exponent.value == pytest.approx(expected.value, rel=3e-3)
-
-
-def test_exponent_of_a_linear_map_does_not_depend_on_scales() -> None:
-    matrix = np.array([[2.0, 1.0], [1.0, 1.0]])
-    growth = growth_logarithms(
-        lambda x, _: (np.mod(matrix @ x, 1e6), None),
-        np.array([0.1, 0.2]),
-        None,
-        25,
-        np.array([1e-3, 1e-2]),
-    )
-    golden = 0.5 * (3.0 + math.sqrt(5.0))
-    assert exponent_from_growth(growth[-10:], 1.0).value == pytest.approx(
-        math.log(golden), rel=1e-6
-    )
+    assert is_chaotic(exponent)
+    assert exponent.mean == pytest.approx(expected.mean, rel=3e-3)
 
 
 def test_bad_input_is_refused() -> None:
@@ -187,22 +177,9 @@ LINKAGE, START, CYCLE = SCENE.linkage(), start_of(SCENE), SCENE.mechanism.period
 SUSTAINED = changed(SCENE, {"clearance": "20 um"})
 
 
-def scene_exponent(scene: Scene, cycles: int, per_cycle: int = lyapunov.INTERVALS) -> Exponent:
+def scene_exponent(scene: Scene, cycles: int, per_cycle: int = lyapunov.INTERVALS) -> Estimate:
     period = scene.mechanism.period
     return largest_exponent(scene.linkage(), start_of(scene), period, cycles, per_cycle)
-
-
-def test_intervals_end_where_the_run_does() -> None:
-    """Up to the first contacts; later, differences of the step sequence grow."""
-    flow = Flow.of(LINKAGE, START, CYCLE, 50)
-    state = flow.state()
-    for _ in range(5):
-        state = flow.step(*state)
-    run = ENGINE.simulate(LINKAGE, START, Plan(0.1 * CYCLE, 1))
-    assert len(run.recorder.stored_contacts(0)) > 0
-    _, position, velocity = flow.simulation.state()
-    np.testing.assert_allclose(position, run.end.position, rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(velocity, run.end.velocity, rtol=0.0, atol=1e-6)
 
 
 def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
@@ -229,13 +206,13 @@ def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
     linkage, period, cycles = SUSTAINED.linkage(), SUSTAINED.mechanism.period, 60
     exponent = scene_exponent(SUSTAINED, cycles)
     assert exponent.half_width is not None
-    assert abs(exponent.value) < exponent.half_width < 1.0
+    assert abs(exponent.mean) < exponent.half_width < 1.0
     plan = Plan(period, cycles, 1, sections=(1.0,))
     runs = [ENGINE.simulate(linkage, start_of(SUSTAINED, k), plan).recorder for k in range(2)]
     assert all(np.ptp(run.each_cycle("contacts", 0)[20:]) == 0.0 for run in runs)
     distance = np.linalg.norm(runs[1].sections[:, 0, 2:4] - runs[0].sections[:, 0, 2:4], axis=1)
     rate = math.log(distance[-1] / distance[20]) / ((cycles - 21) * period)
-    assert abs(rate - exponent.value) < 1.0
+    assert abs(rate - exponent.mean) < 1.0
 
 
 def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
@@ -264,12 +241,12 @@ def test_exponent_does_not_depend_on_distance_and_interval(
 ) -> None:
     reference = scene_exponent(SCENE, 40)
     monkeypatch.setattr(lyapunov, "DISTANCE", 1e-4)
-    assert reference.is_chaotic
+    assert is_chaotic(reference)
     for exponent in (scene_exponent(SCENE, 40), scene_exponent(SCENE, 40, 10)):
         assert reference.half_width is not None
         assert exponent.half_width is not None
         width = np.hypot(reference.half_width, exponent.half_width)
-        assert abs(reference.value - exponent.value) < width
+        assert abs(reference.mean - exponent.mean) < width
 
 
 @pytest.mark.slow
@@ -296,4 +273,4 @@ def test_free_pairs_separate_at_the_same_rate() -> None:
     half = 2.0 * math.sqrt(pairs) * (growth - rate * time).std(ddof=1) / time.sum()
     exponent = scene_exponent(SCENE, 400)
     assert exponent.half_width is not None
-    assert abs(exponent.value - rate) < np.hypot(half, exponent.half_width) < 0.2 * rate
+    assert abs(exponent.mean - rate) < np.hypot(half, exponent.half_width) < 0.2 * rate

@@ -1,8 +1,4 @@
-"""A press that works at the highest place of what it watches: the same press turned by half a turn.
-
-The turned one works at the lowest place.  The turn is made here, link by link, and is known to
-nothing in the program: whatever is told of bottom dead centre has to be the same of both.
-"""
+"""A press that works at its highest place has the numbers of the press turned by half a turn."""
 
 import math
 from dataclasses import replace

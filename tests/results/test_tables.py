@@ -65,6 +65,8 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
     found = np.genfromtxt(path, delimiter=",", names=True)
     assert found.dtype.names == ("time", "A_normal_force")
     np.testing.assert_array_equal(found["A_normal_force"], [1.0, 2.0])
+    with pytest.raises(InputError, match="slider"):
+        unit_of("slider")
 
 
 @pytest.mark.parametrize(
@@ -77,11 +79,12 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
         ("time,_sliding\n0,1\n", ("_sliding",)),
         ("time,velocity,velocity\n0,1,1\n", ("named twice",)),
         ("time,velocity\n", ("no rows",)),
-        ("time,velocity\n0,1\n1\n", ("line 3", "1 values for 2")),
-        ("time,velocity\n0,1\n# note\n1,fast\n", ("line 4", "velocity", "fast")),
+        ("time,velocity\n0,1\n1\n", ("columns changed from 2 to 1 at row 2",)),
+        ("time,velocity\n0\n1\n", ("1 values in a row for 2 columns",)),
+        ("time,velocity\n0,1\n# note\n1,fast\n", ("'fast'", "row 1, column 2")),
         ("time,velocity\n0,1\n1,nan\n", ("velocity", "nan", "row 2")),
         ("time,velocity\n0,1\n1,inf\n", ("velocity", "inf")),
-        ("time,velocity\n0,1\n2,1\n2,1\n", ("time does not increase", "row 2", "row 3")),
+        ("time,velocity\n0,1\n2,1\n2,1\n", ("time does not increase from row 2 to 3",)),
     ],
 )
 def test_a_wrong_table_is_refused_in_one_line(
@@ -94,13 +97,6 @@ def test_a_wrong_table_is_refused_in_one_line(
     for word in ("theirs.csv", *words):
         assert word in str(refused.value)
     assert "\n" not in str(refused.value)
-
-
-def test_every_column_has_a_unit() -> None:
-    assert unit_of("acceleration") == "m/s^2"
-    assert unit_of("C_tangential_force") == "N"
-    with pytest.raises(InputError, match="slider"):
-        unit_of("slider")
 
 
 def test_ours_is_interpolated_at_their_times() -> None:
@@ -150,26 +146,16 @@ def test_an_exported_run_agrees_with_itself(
         np.testing.assert_array_equal(table["C_eccentricity_y"], stored["C_eccentricity"][:, 1])
         np.testing.assert_array_equal(table["A_tangential_force"], stored["A_force"][:, 1])
     assert len(table) == 19
-    command = ["crosscheck", str(folder), "--against", str(file), "--tolerance", "1e-12"]
-    assert main(command) == 0
+    command = ["crosscheck", str(folder), "--against"]
+    assert main([*command, str(file), "--tolerance", "1e-12"]) == 0
     assert "MISS" not in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("name", ["displacement", "A_normal_force", "C_eccentricity_x"])
-def test_one_per_cent_in_one_column_is_noticed(
-    name: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "run.npz"
-    assert main(["export", str(folder), str(file)]) == 0
-    table = read_table(file)
-    table[name] = 1.01 * table[name]
-    theirs = tmp_path / "theirs.csv"
+    table["C_eccentricity_x"] *= 1.01
+    theirs = tmp_path / f"theirs{suffix}"
     write_table(theirs, table)
-    capsys.readouterr()
-    assert main(["crosscheck", str(folder), "--against", str(theirs)]) == 1
+    assert main([*command, str(theirs)]) == 1
     missed = [line for line in capsys.readouterr().out.splitlines() if "MISS" in line]
-    assert [line.split()[0] for line in missed] == [name]
-    assert main(["crosscheck", str(folder), "--against", str(theirs), "--tolerance", "0.02"]) == 0
+    assert [line.split()[0] for line in missed] == ["C_eccentricity_x"]
+    assert main([*command, str(theirs), "--tolerance", "0.02"]) == 0
 
 
 @pytest.mark.parametrize(
@@ -214,8 +200,9 @@ def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
     assert np.all(table["contact_time"] < table["fracture_time"])
     file = tmp_path / "strokes.csv"
     write_table(file, table)
-    for name, values in read_back(file).items():
-        np.testing.assert_array_equal(values, table[name])
+    rows = np.genfromtxt(file, delimiter=",", names=True)
+    for name, values in table.items():
+        np.testing.assert_array_equal(np.atleast_1d(rows[name]), values)
     with pytest.raises(InputError, match="has no strokes to write: the scene has no process"):
         strokes_table(load(folder), 0)
 
@@ -240,9 +227,3 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
         unit_of("_depth")
     with pytest.raises(InputError, match="has no life to write"):
         life_table(replace(result, life=None))
-
-
-def read_back(file: Path) -> dict[str, np.ndarray]:
-    """Columns of a table in which some numbers may be none."""
-    rows = np.genfromtxt(file, delimiter=",", names=True)
-    return {name: np.atleast_1d(rows[name]) for name in MOMENT_UNITS}

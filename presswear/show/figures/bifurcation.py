@@ -40,7 +40,7 @@ def draw_diagram(diagram: Diagram) -> Drawing:
         pens.append(Pen(f"{word} {parameter.key}", colour))
         value = factor * branch.value
         for k, axes in enumerate(column[: len(joints)]):
-            x, y = np.moveaxis(branch.eccentricity(k)[:, :, -1], -1, 0)
+            x, y = np.moveaxis(branch.pins[:, :, -1, k], -1, 0)
             angle = np.degrees(np.arctan2(y, x))
             values = np.repeat(value[:, None], angle.shape[1], axis=1)
             axes.scatter(values, angle, s=size, color=colour, linewidths=0.0, rasterized=True)
