@@ -32,51 +32,24 @@ class Start:
 
 @dataclass(frozen=True)
 class Plan:
-    """Duration of a run and the results to store.
+    """Duration of a run and the results to store."""
 
-    Attributes
-    ----------
-    cycle : float
-        Duration of one cycle, s.
-    cycles : int
-        Most cycles to run.
-    recorded_cycles : int
-        Cycles at the start whose series and single contacts are kept.
-    rows_per_cycle : int
-        Rows of a series in a cycle, at least.
-    sections : tuple of float
-        Parts of each cycle at which its state is kept, rising, each above 0 up to 1; a step
-        ends at each.
-    torques : bool
-        Whether the series hold the torques of the drives.
-    observers : tuple of Observer
-        Notified after each cycle; each can end the run.
-    report : callable
-        Called many times a second with the completed fraction, 0 to 1, and the recorder.
-    wear : callable or None
-        Gives the depth, m, that the surfaces lose after a cycle, from the number of cycles run
-        and the depth that the last one added, both depths of shape (joints, 2, m); None: the
-        surfaces stay.
-    resume : State or None
-        State to go on from, of a run with the same linkage, start, engine and plan.
-    run_up : float
-        Time before the first cycle, s: what it brings is in the series, and in no cycle.
-    stroke : (float, float) or None
-        Times between which the bottom of a stroke is sought; see ``Recorder.of``.
-    """
-
-    cycle: float
-    cycles: int
-    recorded_cycles: int = 5
-    rows_per_cycle: int = ROWS_AT_LEAST
+    cycle: float  # duration, s
+    cycles: int  # at most
+    recorded_cycles: int = 5  # at the start, whose series and single contacts are stored
+    rows_per_cycle: int = ROWS_AT_LEAST  # of a series, at least
+    # Parts of each cycle at which its state is stored and a step ends, rising, above 0 up to 1
     sections: tuple[float, ...] = ()
-    torques: bool = True
-    observers: tuple[Observer, ...] = ()
+    torques: bool = True  # whether the series hold the torques of the drives
+    observers: tuple[Observer, ...] = ()  # notified after each cycle; each can end the run
+    # Called many times a second with the completed fraction, 0 to 1, and the recorder
     report: Callable[[float, Recorder], object] = lambda part, recorder: None
+    # Returns the depth, m, that the surfaces lose after a cycle, from the number of cycles and the
+    # depth that the last one added, both of shape (joints, 2, m); None: the surfaces stay.
     wear: Callable[[int, Array], Array] | None = None
-    resume: State | None = None
-    run_up: float = 0.0
-    stroke: tuple[float, float] | None = None
+    resume: State | None = None  # of a run with the same linkage, start, engine and plan
+    run_up: float = 0.0  # time before the first cycle, s; it is in the series, and in no cycle
+    stroke: tuple[float, float] | None = None  # see ``Recorder.of``
 
     @property
     def duration(self) -> float:
@@ -95,29 +68,14 @@ class Plan:
 
 @dataclass(frozen=True)
 class Run:
-    """The outcome of one run of an engine.
+    """The outcome of one run of an engine."""
 
-    Attributes
-    ----------
-    status : {"completed", "enough", "failed"}
-        ``enough``: ended by an observer before the most cycles.
-    finding : Finding or None
-        What ended a run that failed.
-    recorder : Recorder
-        Everything observed.
-    end : Start
-        State at the end.
-    time : float
-        Simulated time, s.
-    diagnostics : dict
-        Steps, Newton iterations, wall time by stage and the like.
-    """
-
-    status: Status
-    finding: Finding | None
+    status: Status  # enough: ended by an observer before the most cycles
+    finding: Finding | None  # what ended a run that failed
     recorder: Recorder
     end: Start
-    time: float
+    time: float  # simulated, s
+    # Steps, Newton iterations, wall time by stage and the like
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
 
     @property

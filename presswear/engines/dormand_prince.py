@@ -14,28 +14,16 @@ Array = NDArray[np.float64]
 
 
 class Tableau(NamedTuple):
-    """Coefficients of an embedded method with ``n`` stages and one at the end of the step.
+    """Coefficients of an embedded method with ``n`` stages and one at the end of the step."""
 
-    Attributes
-    ----------
-    a : ndarray, shape (n, n)
-    b, c : ndarray, shape (n,)
-    error, second_error : ndarray, shape (n + 1,)
-        Weights of the error estimate, and of the one of lower order that DOP853
-        blends in (zero where there is none).
-    exponent : float
-        The error goes with the step to minus one over this.
-    ends_at_corners : bool
-        Whether steps end where a law of friction has a corner.  Now and then one lies between the
-        stages of order 8 where no estimate sees it.
-    """
-
-    a: Array
-    b: Array
+    a: Array  # (n, n)
+    b: Array  # (n,)
     c: Array
-    error: Array
-    second_error: Array
-    exponent: float
+    error: Array  # weights of the error estimate, (n + 1,)
+    second_error: Array  # ... and of the one of lower order that DOP853 blends in
+    exponent: float  # the error goes with the step to minus one over this
+    # Steps end where a law of friction has a corner: now and then one lies between the stages of
+    # order 8 where no estimate sees it.
     ends_at_corners: bool
 
 

@@ -21,55 +21,31 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Simulation:
-    """A linkage in an engine, ready to run.
+    """A linkage in an engine, ready to run."""
 
-    Attributes
-    ----------
-    advance : callable
-        Integrates up to a time, s; gives what went wrong, if anything.
-    state : callable
-        Time reached, s, and coordinates and rates of all bodies, copied.
-    ledger : callable
-        Energies since the run began.
-    arrays : mapping
-        Live arrays that, with ``sums`` and the recorder, hold the state between two cycles.
-    sums : dict
-        Counts and times summed over the cycles.
-    diagnostics : callable
-        Words and numbers of this engine for ``Run.diagnostics``, its ledger left out.
-    remedy : str
-        What makes the steps of this engine finer.
-    constraints : Constraints or None
-        What may drift; None where the coordinates leave no room for it.
-    worn : callable
-        Takes notice of surfaces that are others than a moment ago.
-    close : callable
-        Frees what the engine holds.
-    """
-
-    advance: Callable[[float], Finding | None]
-    state: Callable[[], tuple[float, Array, Array]]
-    ledger: Callable[[], Ledger]
+    advance: Callable[[float], Finding | None]  # integrates up to a time, s
+    state: Callable[[], tuple[float, Array, Array]]  # time, s, and q and v of all bodies, copied
+    ledger: Callable[[], Ledger]  # energies since the run began
+    # Live arrays that, with ``sums`` and the recorder, hold the state between two cycles
     arrays: Mapping[str, NDArray[Any]]
-    sums: dict[str, float]
-    diagnostics: Callable[[], dict[str, float | int | str]]
-    remedy: str
-    constraints: Constraints | None = None
-    worn: Callable[[], None] = lambda: None
-    close: Callable[[], None] = lambda: None
+    sums: dict[str, float]  # counts and times summed over the cycles
+    diagnostics: Callable[[], dict[str, float | int | str]]  # of this engine for ``Run``
+    remedy: str  # what makes the steps of this engine finer
+    constraints: Constraints | None = None  # what may drift
+    worn: Callable[[], None] = lambda: None  # called when the surfaces have changed
+    close: Callable[[], None] = lambda: None  # frees what the engine holds
 
 
+# Builds the model of a linkage in a start, with an engine's settings
 Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
-"""Builds the model of a linkage in a start, with an engine's settings."""
 
-
-_WORN_OFF = "worn_off"  # elastic energy of what was worn off under load, J, among the sums
-_MADE, _DRIVE_WORK = "made", "drive_work"
-"""Energies of the ledger up to the end of the last cycle, J, among the sums."""
+# Among the sums: elastic energy of what was worn off under load, J; energies of the ledger up to
+# the end of the last cycle, J
+_WORN_OFF, _MADE, _DRIVE_WORK = "worn_off", "made", "drive_work"
 
 
 def _balance(running: Simulation) -> Ledger:
-    """The energies so far; what went with worn surfaces is lost in contacts."""
+    """Return the energies so far; what went with worn surfaces is lost in contacts."""
     ledger = running.ledger()
     return replace(ledger, contact_loss=ledger.contact_loss + running.sums[_WORN_OFF])
 

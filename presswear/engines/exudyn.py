@@ -24,69 +24,38 @@ _PROGRESS_STEPS = 512
 
 STEP_SAFETY = 0.9  # Exudyn's own factor behind the step that an error of DOPRI5 allows
 
-Accept = Callable[[float], float]
-"""Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
-
-Write = Callable[[Any, float], None]
-"""Hands the next step, s, to the running solver, whose ``it`` is given."""
-
 
 @dataclass
 class Solve:
-    """State of the solve of the present cycle, and its end.
-
-    Attributes
-    ----------
-    counts : mapping
-        Attributes of Exudyn's iteration by name of a count.
-    sums : dict
-        Over all cycles so far: accepted steps (``steps``), those counts, and the wall time, s;
-        beside them the time of the last accepted step, and the next step as the contacts allow
-        it (``following``) and as the solver proposes it, s.
-    end : float
-        Of the present cycle, s.
-    reached : bool
-        Whether the cycle ran to its end.
-    reason : str
-        Why it is to be ended, or nothing.
-    """
+    """State of the solve of the present cycle, and its end."""
 
     recorder: Recorder
     plan: Plan
-    counts: Mapping[str, str]
+    counts: Mapping[str, str]  # attributes of Exudyn's iteration by name of a count
+    # Over all cycles so far: accepted steps (``steps``), those counts, and the wall time, s; the
+    # time of the last accepted step, and the next step as the contacts allow it (``following``)
+    # and as the solver proposes it, s
     sums: dict[str, float]
-    end: float = 0.0
-    reached: bool = False
+    end: float = 0.0  # of the present cycle, s
+    has_ended: bool = False  # the cycle ran to its end
     is_broken: bool = False
-    reason: str = ""
+    reason: str = ""  # why the contacts end the run
     error: BaseException | None = None
     iteration: Any = None
 
     @staticmethod
-    def of(
-        recorder: Recorder,
-        plan: Plan,
-        counts: Mapping[str, str],
-        proposed: float = 0.0,
-    ) -> "Solve":
-        """Return the initial state of a solve with a proposed first step, s."""
-        names = ("steps", "sent_back", *counts, "wall", "time", "following")
-        sums = {**dict.fromkeys(names, 0.0), "proposed": proposed}
-        return Solve(recorder, plan, counts, sums)
+    def of(recorder: Recorder, plan: Plan, counts: Mapping[str, str]) -> "Solve":
+        """Return the initial state of a solve."""
+        names = ("steps", "sent_back", *counts, "wall", "time", "following", "proposed")
+        return Solve(recorder, plan, counts, dict.fromkeys(names, 0.0))
 
     @property
     def time(self) -> float:
         """Time of the last accepted step, s."""
         return self.sums["time"]
 
-    def add(self, solver: Any, wall: float) -> None:
-        """Add the counts of a solver of Exudyn's that took a wall time, s."""
-        self.sums["wall"] += wall
-        for name, counter in self.counts.items():
-            self.sums[name] += getattr(solver.it, counter)
-
     def is_sound(self) -> bool:
-        """True while the contacts have made no energy; False ends the run."""
+        """Return whether the contacts have made no energy."""
         records = self.recorder.records
         ledger = records.ledger[0]
         if self.time > self.plan.settled:
@@ -95,17 +64,12 @@ class Solve:
         return not self.reason
 
 
-def write_step(iteration: Any, step: float) -> None:
-    """The next step of a solver without error control."""
-    iteration.currentStepSize = step
-
-
 class StuckError(RuntimeError):
     """Raised inside Exudyn where it repeats a step for ever."""
 
 
 def proposed_step(iteration: Any) -> float:
-    """Step, s, that error control would take next: Exudyn itself tells only behind PostStep."""
+    """Return the step, s, that error control takes next; Exudyn tells only behind PostStep."""
     error = iteration.automaticStepSizeError
     if not error > 0.0:
         return float(iteration.maxStepSize)
@@ -128,11 +92,10 @@ class StepLimit:
 
     def write(self, iteration: Any, step: float) -> None:
         """Note the limit, s, for the step to come."""
-        self._iteration = iteration
-        self._limit = step
+        self._iteration, self._limit = iteration, step
 
     def pre_step(self, system: Any, t: float) -> bool:
-        """The function for Exudyn's PreStep."""
+        """Apply the limit; the function for Exudyn's PreStep."""
         if self._limit > 0.0:
             iteration = self._iteration
             step = min(self._limit, iteration.currentStepSize)
@@ -142,9 +105,25 @@ class StepLimit:
         return True
 
 
-def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
-    """The function for Exudyn's PostStep: accounts for a step and hands on the next."""
+def post_step(
+    solve: Solve, accept: Callable[[float], float], limit: StepLimit | None = None
+) -> Callable[..., bool]:
+    """Return the function for PostStep: accounts for a step and hands on the next.
+
+    Parameters
+    ----------
+    accept : callable
+        Returns the next step, s, from the time of an accepted one; NaN for a broken state.
+    limit : StepLimit or None
+        Takes the next step of a solver with error control.
+    """
     sums = solve.sums
+
+    def write(iteration: Any, step: float) -> None:
+        if limit is None:
+            iteration.currentStepSize = step
+        else:
+            limit.write(iteration, step)
 
     def after(system: Any, t: float) -> bool:
         try:
@@ -159,12 +138,11 @@ def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callab
             following = accept(t)
             sums["time"] = t
             sums["steps"] += 1.0
-            if following != following:
-                solve.is_broken = True
-                return False
-            if t >= solve.end - END_TOLERANCE:
+            solve.is_broken = following != following
+            solve.has_ended = not solve.is_broken and t >= solve.end - END_TOLERANCE
+            if solve.has_ended:
                 sums["following"], sums["proposed"] = following, proposed_step(iteration)
-                solve.reached = True
+            if solve.is_broken or solve.has_ended:
                 return False
             write(iteration, min(following, solve.end - t))
             if sums["steps"] % _PROGRESS_STEPS == 0:
@@ -199,7 +177,7 @@ def add_load(system: Any, kind: str, **values: Any) -> Any:
 
 
 def settings_of(longest: float, shortest: float) -> Any:
-    """Settings common to all solvers, with steps of a length at most, s."""
+    """Return the settings common to all solvers, for a solve of one longest step, s."""
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
@@ -207,16 +185,9 @@ def settings_of(longest: float, shortest: float) -> Any:
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.minimumStepSize = shortest
-    set_span(settings, 0.0, longest, 1)
+    integration.startTime, integration.endTime = 0.0, longest
+    integration.numberOfSteps = 1
     return settings
-
-
-def set_span(settings: Any, start: float, longest: float, steps: int) -> None:
-    """Set the start time of a solve, s, and its end after a number of longest steps, s."""
-    integration = settings.timeIntegration
-    integration.startTime = start
-    integration.endTime = start + steps * longest
-    integration.numberOfSteps = steps
 
 
 def run_to_end(
@@ -237,7 +208,7 @@ def run_to_end(
     Parameters
     ----------
     live : mapping of str to ndarray
-        What the solver begins from, live, by the name that Exudyn gives it, as ``ODE2Coordinates``.
+        Live arrays that the solver begins from, by the names that Exudyn gives them.
     kind : exudyn.DynamicSolverType
     longest : float
         Longest step, s.
@@ -251,13 +222,16 @@ def run_to_end(
     Finding or None
         What went wrong, if anything.
     """
-    solve.end, solve.reached, solve.iteration = end, False, None
+    solve.end, solve.has_ended, solve.iteration = end, False, None
     data, initial = system.systemData, exu.ConfigurationType.Initial
     for name, values in live.items():
         getattr(data, f"Set{name}")(np.array(values), initial)
-    set_span(settings, solve.time, longest, math.ceil((end - solve.time) / longest) + 2)
-    if settings.timeIntegration.automaticStepSize:
-        settings.timeIntegration.initialStepSize = solve.sums["proposed"]
+    integration = settings.timeIntegration
+    steps = math.ceil((end - solve.time) / longest) + 2
+    integration.startTime, integration.endTime = solve.time, solve.time + steps * longest
+    integration.numberOfSteps = steps
+    if integration.automaticStepSize:
+        integration.initialStepSize = solve.sums["proposed"]
     message = ""
     began = clock.perf_counter()
     try:
@@ -275,8 +249,10 @@ def run_to_end(
     if solve.error is not None:
         raise solve.error
     solver = system.sys["dynamicSolver"]
-    solve.add(solver, clock.perf_counter() - began)
-    if solve.reached:
+    solve.sums["wall"] += clock.perf_counter() - began
+    for name, counter in solve.counts.items():
+        solve.sums[name] += getattr(solver.it, counter)
+    if solve.has_ended:
         return None
     if solve.reason:
         advice = made_remedy(solve.recorder.records.packed, remedy)

@@ -12,7 +12,6 @@ A scene checks the ranges; the benchmark exceeds them on purpose.  The code of a
 imported when it runs.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
@@ -37,45 +36,39 @@ IN_HOUSE: dict[Purpose, tuple[Integrator, float]] = {
 }
 
 
-def scaled_tolerance(
-    tolerances: Mapping[Purpose, float], purpose: Purpose, wear_error: float
-) -> float:
-    """Return the tolerance for a purpose; for wear it is proportional to the wanted error."""
-    scale = min(wear_error / WEAR_ERROR, 1.0) if purpose == "wear" else 1.0
-    return max(tolerances[purpose] * scale, tolerances["trajectory"])
-
-
 class _Engine:
     """Longest step and run of any engine."""
 
     word: ClassVar[str]
+    tolerance_name: ClassVar[str] = ""  # of its setting; none where steps are not error-controlled
     free_step: float | None  # longest step between contacts, s; None: a part of the cycle
-
-    @property
-    def _least_steps(self) -> int:
-        return LEAST_STEPS
 
     def resolved(self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR) -> Self:
         """Return a copy with unspecified settings set for the purpose.
 
-        Parameters
-        ----------
-        wear_error : float
-            Wanted relative error of the wear maps.
+        For wear the tolerance is proportional to the wanted relative error of the wear maps.
         """
         return self
 
     def longest(self, cycle: float) -> float:
         """Return the longest step, s, in a cycle of a duration, s."""
-        return cycle / self._least_steps if self.free_step is None else self.free_step
+        least = getattr(self, "free_steps", LEAST_STEPS)
+        return cycle / least if self.free_step is None else self.free_step
 
     def for_cycle(self, cycle: float) -> Self:
         """Return a copy whose longest step is that for a cycle of a duration, s."""
         return replace(cast(Any, self), free_step=self.longest(cycle))
 
+    @property
+    def tolerance(self) -> float:
+        """Specified tolerance, else the one for a trajectory."""
+        return float(getattr(self.resolved(), self.tolerance_name))
+
     def finer(self, factor: float) -> Self | None:
-        """Return a copy with the tolerance divided by a factor; None without a tolerance."""
-        return None
+        """Return a copy with the tolerance divided by a factor; None without error control."""
+        if not self.tolerance_name:
+            return None
+        return replace(cast(Any, self), **{self.tolerance_name: self.tolerance / factor})
 
     @property
     def module(self) -> str:
@@ -97,18 +90,20 @@ class _Engine:
         return run
 
 
+def _tolerance(value: float, purpose: Purpose, wear_error: float, finest: float) -> float:
+    scale = min(wear_error / WEAR_ERROR, 1.0) if purpose == "wear" else 1.0
+    return max(value * scale, finest)
+
+
 @dataclass(frozen=True)
 class ExudynTree(_Engine):
     """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
 
-    Attributes
-    ----------
-    tree_tolerance : float or None
-        Error allowed in a step: root mean square over the coordinates, rad or m, and
-        their rates, rad/s or m/s.  None: by the purpose of the run.
+    The tolerance is that of the root mean square over the coordinates and their rates.
     """
 
     word: ClassVar[str] = "exudyn-tree"
+    tolerance_name: ClassVar[str] = "tree_tolerance"
 
     tree_tolerance: float | None = quantity(
         None,
@@ -126,36 +121,17 @@ class ExudynTree(_Engine):
         """Return a copy with a tolerance for the purpose if none is specified."""
         if self.tree_tolerance is not None:
             return self
-        return replace(self, tree_tolerance=scaled_tolerance(TREE_TOLERANCES, purpose, wear_error))
-
-    @property
-    def tolerance(self) -> float:
-        """Specified tolerance, else the one for a trajectory."""
-        return cast(float, self.resolved().tree_tolerance)
-
-    def finer(self, factor: float) -> "ExudynTree":
-        """Return a copy with the tolerance divided by a factor."""
-        return replace(self, tree_tolerance=self.tolerance / factor)
+        value, finest = TREE_TOLERANCES[purpose], TREE_TOLERANCES["trajectory"]
+        return replace(self, tree_tolerance=_tolerance(value, purpose, wear_error, finest))
 
 
 @dataclass(frozen=True)
 class ExudynJoints(_Engine):
     """Exudyn with bodies and joints, implicit: any linkage.
 
-    Attributes
-    ----------
-    steps_per_contact : int
-        Steps in one impact.
-    steps_sustained : int
-        Steps in half a period of a pin that rests on its bearing; its steps grow up
-        to this as its error allows.
-    free_steps : int
-        Steps in a cycle of free flight, at least.
-    newton : float
-        Relative and absolute tolerance of Newton's method; above 1e-9 its noise in the
-        accelerations shortens the steps of a resting pin.
-    least_step : float
-        Shortest step, s.
+    The steps of a pin at rest grow from ``steps_per_contact`` to ``steps_sustained`` as their error
+    allows.  ``newton`` is the relative and absolute tolerance of Newton's method: above 1e-9 its
+    noise in the accelerations shortens these steps.  ``least_step`` is the shortest step, s.
     """
 
     word: ClassVar[str] = "exudyn-joints"
@@ -185,36 +161,19 @@ class ExudynJoints(_Engine):
     newton: float = 1e-9
     least_step: float = 1e-9
 
-    @property
-    def _least_steps(self) -> int:
-        return self.free_steps
-
 
 @dataclass(frozen=True)
 class InHouse(_Engine):
     """In-house solver with located touchdowns, for an open tree or with Lagrange multipliers.
 
-    Attributes
-    ----------
-    integrator : {"auto", "dop853", "dopri5", "rk4", "rk4-paper"}
-        Error-controlled of order 8 or 5 with located touches, or as the purpose needs it;
-        classical of order 4 with equal steps; the same with the paper's 1e-4 s.
-    integration_tolerance : float or None
-        Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
-        ``1 m/s + |v|`` in velocities.  None: by the purpose of the run.
-    equal_step : float
-        Of ``rk4``, s.
-    coordinates : {"auto", "fewest", "all"}
-        Those of the open tree, where clearance cuts every loop that has a freedom; or all, with
-        Lagrange multipliers, as everywhere else.  ``auto``: all for the paper's steps and with
-        ``projection``, else the fewest.
-    projection : {"off", "on"}
-        Whether each accepted state is moved onto the constraints.
-    alpha, beta : float
-        Baumgarte's coefficients, 1/s (equation 19).
+    The tolerance is per step, times 1 mm or mrad in positions and times ``1 m/s + |v|`` in
+    velocities.  The open tree serves where clearance cuts every loop that has a freedom, all
+    coordinates everywhere else.  ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s
+    (equation 19).
     """
 
     word: ClassVar[str] = "dae"
+    tolerance_name: ClassVar[str] = "integration_tolerance"
 
     integrator: Integrator = choice(
         "auto",
@@ -249,23 +208,17 @@ class InHouse(_Engine):
         self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
     ) -> "InHouse":
         """Return a copy with unspecified integrator and tolerance set for the purpose."""
-        chosen, tolerance = self.integrator, self.integration_tolerance
-        if chosen == "auto":
-            chosen = IN_HOUSE[purpose][0]
-        if tolerance is None:
-            tolerances = {key: value for key, (_, value) in IN_HOUSE.items()}
-            tolerance = scaled_tolerance(tolerances, purpose, wear_error)
-        return replace(self, integrator=chosen, integration_tolerance=tolerance)
-
-    @property
-    def tolerance(self) -> float:
-        """Specified tolerance, else the one for a trajectory."""
-        return cast(float, self.resolved().integration_tolerance)
+        integrator, value = IN_HOUSE[purpose]
+        tolerance = _tolerance(value, purpose, wear_error, IN_HOUSE["trajectory"][1])
+        if self.integrator != "auto":
+            integrator = self.integrator
+        if self.integration_tolerance is not None:
+            tolerance = self.integration_tolerance
+        return replace(self, integrator=integrator, integration_tolerance=tolerance)
 
     def finer(self, factor: float) -> "InHouse | None":
         """Return a copy with the tolerance divided by a factor; None if steps are equal."""
-        finer = self.tolerance / factor
-        return None if self.has_equal_steps else replace(self, integration_tolerance=finer)
+        return None if self.has_equal_steps else super().finer(factor)
 
     @property
     def takes_all_coordinates(self) -> bool:

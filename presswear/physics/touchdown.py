@@ -151,11 +151,8 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float, float]:
     """Predict when a quantity below zero reaches it, from its value and three derivatives.
 
-    Returns
-    -------
-    tuple
-        Time, s, rate then, and the part of the time that is in doubt, s: what the third derivative
-        changes.  The time is infinite where it is not reached.
+    Returns the time, s, infinite if never, the rate then, and the part of the time that is in
+    doubt: what the third derivative changes.
     """
     root = r * r - 2.0 * a * p
     denominator = r + math.sqrt(root) if root >= 0.0 else 0.0
@@ -178,18 +175,9 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float,
 def step_to_event(
     arrival: float, doubt: float, is_near: bool, behind: float, is_abrupt: bool
 ) -> float:
-    """Return the step, s, that ends just behind a predicted event, or as near as it is trusted.
+    """Return the step, s, that ends just ``behind`` a predicted event, or as near as it is trusted.
 
-    Parameters
-    ----------
-    arrival, doubt : float
-        See ``time_to_event``.
-    is_near : bool
-        Whether the step may go up to the event.
-    behind : float
-        Time behind the event at which the step ends, s.
-    is_abrupt : bool
-        Whether the law begins with a jump: the touchdown then gets a short step of its own.
+    Where the law begins with a jump the touchdown gets a short step of its own.
     """
     if not is_near:
         return max(arrival - 2.0 * doubt, 0.5 * arrival)
@@ -202,11 +190,8 @@ def joint_crossing(
 ) -> tuple[float, float, float]:
     """Return the part of a step at which a joint touches down or separates; 2 if it does not.
 
-    Returns
-    -------
-    tuple
-        That part, the penetration at the end of the step, m, and its rate at the start, m/s, both
-        with the sign in which they grow towards the event.
+    Also the penetration at the end of the step, m, and its rate at the start, m/s, both with the
+    sign in which they grow towards the event.
     """
     sign = -1.0 if is_closed else 1.0
     start, rate, end = sign * last.penetration, sign * last.rate, sign * contact.penetration
@@ -214,16 +199,16 @@ def joint_crossing(
 
 
 @compiled
+def rate_within(last: Records, contact: Records, h: float, s: float) -> float:
+    """Return the rate of penetration, m/s, at the part ``s`` of a step."""
+    return hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
+
+
+@compiled
 def load_crossing(
     loads: Loads | None, k: int, q: Array, v: Array, a: Array, h: float, behind: float
 ) -> tuple[float, float, float]:
-    """Return the part of a step at which a load is so far behind transition ``k``; 2 if never.
-
-    Returns
-    -------
-    tuple
-        As that of ``joint_crossing``, of the switching function less ``behind``.
-    """
+    """Return what ``joint_crossing`` does, of a load that goes so far behind transition ``k``."""
     value, rate = transition_value(loads, k, q, v, a)
     start, first_rate, _, _ = transition_at_start(loads, k, 0.0)
     if value == -math.inf:
@@ -286,15 +271,9 @@ def force_within(
 ) -> float:
     """Return the normal force, N, at the part ``s`` of a step between two closed states.
 
-    The law is evaluated on a polynomial through both penetrations and rates. On a foundation the
-    elastic force follows the power of the penetration that force and energy of each state give.
-
-    Parameters
-    ----------
-    last, contact : records of MEMORY and CONTACT
-        The states at the beginning and at the end of the step of length ``h``, s.
-    quartic : float
-        Factor of s^2 (1 - s)^2, which is added to the cubic, m.
+    The law is evaluated on the cubic through both penetrations and rates, plus ``quartic`` times
+    s^2 (1 - s)^2. On a foundation the elastic force follows the power of the penetration that force
+    and energy of each state give.
     """
     start, end = last.penetration, contact.penetration
     depth, rate = hermite(start, last.rate, end, contact.rate, h, s)
@@ -319,9 +298,9 @@ def peak_within(
 ) -> float:
     """Return the maximum of the normal force, N, within a step of a contact; 0 if there is none.
 
-    There is one if the force rises at the beginning of the step and falls at its end. The
-    polynomial of ``force_within`` also passes through the state before, if that was closed.
-    On a foundation, a maximum far above both ends is an error of the extrapolated powers.
+    There is one if the force rises at the beginning of the step and falls at its end. The quartic
+    also passes through the state before, if that was closed. On a foundation, a maximum far above
+    both ends is an error of the extrapolated powers.
     """
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
     start, end = last.penetration, contact.penetration
@@ -337,11 +316,11 @@ def peak_within(
         # While the pin goes deeper the force mostly rises up to the end, which is tested first.
         if (i == 0) == (last.rate > 0.0):
             force = normal_force(joint.normal, contact.elastic, end, contact.closing, onset)
-            near = force_within(joint, onset, last, contact, h, 0.0, high)
+            s = high
         else:
             force = normal_force(joint.normal, last.elastic, start, last.closing, onset)
-            near = force_within(joint, onset, last, contact, h, 0.0, FORCE_SLOPE)
-        if near <= force:
+            s = FORCE_SLOPE
+        if force_within(joint, onset, last, contact, h, 0.0, s) <= force:
             return 0.0
         largest = max(largest, force)
     quartic = 0.0
@@ -396,25 +375,21 @@ def advance_bristles(joints: Records, memory: Records, contacts: Records, t: flo
     contact only.
     """
     for k in range(joints.shape[0]):
-        law = joints[k].friction
+        law, last, contact = joints[k].friction, memory[k], contacts[k]
         if law.bristle_stiffness > 0.0:
-            last = memory[k]
-            contact = contacts[k]
             h = t - last.time
-            p0, r0 = last.penetration, last.rate
-            p1, r1 = contact.penetration, contact.rate
+            is_closed = last.penetration > 0.0
+            event = min(joint_crossing(last, contact, is_closed, h)[0], 1.0) * h
             bristle, started = last.bristle, last.sliding
-            if p0 <= 0.0 < p1:
-                flight = min(crossing(p0, r0, p1, r1, h), 1.0) * h
-                bristle = bristle_in_flight(bristle, flight, law)
+            if not is_closed and contact.penetration > 0.0:
+                bristle = bristle_in_flight(bristle, event, law)
                 # Only the part behind the touchdown slides in contact, at nearly the final speed.
-                h, started = h - flight, contact.sliding
-            if p1 > 0.0:
+                h, started = h - event, contact.sliding
+            if contact.penetration > 0.0:
                 bristle = bristle_in_contact(bristle, started, contact.sliding, h, law)
-            elif p0 > 0.0:
-                closed = min(crossing(-p0, -r0, -p1, -r1, h), 1.0) * h
-                bristle = bristle_in_contact(bristle, started, contact.sliding, closed, law)
-                bristle = bristle_in_flight(bristle, h - closed, law)
+            elif is_closed:
+                bristle = bristle_in_contact(bristle, started, contact.sliding, event, law)
+                bristle = bristle_in_flight(bristle, h - event, law)
             else:
                 bristle = bristle_in_flight(bristle, h, law)
             contact.bristle = bristle
@@ -433,15 +408,8 @@ def settle(
 ) -> int:
     """Bring memory up to an accepted state: latch closing speeds, file contacts that ended.
 
-    Returns the number of joints that have touched down or separated.
-
-    Parameters
-    ----------
-    onset : ndarray, shape (joints,)
-        Latched closing speeds, m/s; 0 where open.
-    stored_contacts : records of STORED_CONTACT, shape (joints, rows)
-    needed : int
-        A contact of fewer steps counts as unresolved.
+    Returns the number of joints that have touched down or separated. ``onset`` holds the latched
+    closing speeds, m/s, 0 where open; a contact of fewer than ``needed`` steps is unresolved.
     """
     events = 0
     for k in range(joints.shape[0]):
@@ -452,11 +420,8 @@ def settle(
             started_closed = last.penetration > 0.0 or h <= 0.0
             touchdown, closing = t, contact.rate
             if not started_closed:
-                s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
-                touchdown = last.time + s * h
-                closing = hermite(
-                    last.penetration, last.rate, contact.penetration, contact.rate, h, s
-                )[1]
+                s = joint_crossing(last, contact, False, h)[0]
+                touchdown, closing = last.time + s * h, rate_within(last, contact, h, s)
             # A joint counts as closed while its onset speed is not zero.
             onset[k] = max(closing, 1e-300)
             touch_down(last, touchdown, started_closed)
@@ -528,11 +493,10 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
 def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
     """Return the next step, s, while a joint is closed.
 
-    A free impact is divided into equal parts. A pin that has come to rest on its
-    bearing oscillates less than the deepest possible penetration suggests: there
-    the step grows until its error, h^2 / 12 times the change of acceleration for
-    the trapezoidal rule, is the part of the penetration that the equal parts of
-    a free impact would make, but no further than ``sustained`` parts.
+    A free impact is divided into equal parts. A pin that has come to rest oscillates less than the
+    deepest possible penetration suggests: there the step grows until its error, h^2 / 12 times the
+    change of acceleration for the trapezoidal rule, is the part of the penetration that the equal
+    parts of a free impact would make, but no further than ``sustained`` parts.
     """
     parts = steps.per_contact
     if last.steps <= 1:
@@ -561,7 +525,7 @@ def late_touchdown(
     s = joint_crossing(last, contact, False, h)[0]
     if s > 1.0:
         return math.inf
-    closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
+    closing = rate_within(last, contact, h, s)
     part = contact_step(joint, 0.0, closing, steps.per_contact)
     behind = min(LANDING * part, 0.1 * h)
     if joint.normal.abrupt:

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
@@ -121,43 +120,17 @@ def test_drives_do_the_work_that_the_press_stores(smooth: tuple[Run, Run]) -> No
     assert float(theirs["drive_work_J"]) == pytest.approx(float(ours["drive_work_J"]), abs=1e-6)
 
 
-def test_recorded_torque_is_the_power_balance() -> None:
-    """Integral of torque times speed over the series is the drive work."""
-    scene = ideal()
-    plan = Plan(scene.mechanism.period, 1)
-    run = InHouse().simulate(scene.linkage(), start_of(scene), plan)
-    rows = run.recorder.rows
-    speeds = np.array([drive.speed for drive in scene.linkage().drives])
-    power = rows[:, -2:] @ speeds
-    work = CubicSpline(rows[:, 0], power).integrate(0.0, run.time)
-    exchange = float(run.diagnostics["drive_exchange_J"])
-    assert abs(work - float(run.diagnostics["drive_work_J"])) < 1e-6 * exchange
-
-
-@pytest.fixture(scope="module")
-def cycle() -> Run:
-    """One cycle of the two-clearance press at the default tolerance."""
-    return InHouse().simulate(PRESS.linkage(), start_of(PRESS), Plan(PRESS.mechanism.period, 1))
-
-
-def test_energy_of_a_cycle_adds_up(cycle: Run) -> None:
-    ledger = cycle.diagnostics
-    exchange = float(ledger["drive_exchange_J"])
-    assert float(ledger["friction_loss_J"]) > 1e-3
-    assert float(ledger["contact_loss_J"]) > 1e-3
-    assert abs(float(ledger["energy_residual_J"])) < 1e-6 * exchange
-
-
-def test_constraints_hold_over_a_cycle(cycle: Run) -> None:
-    assert float(cycle.diagnostics["constraint_error_m"]) < 1e-11
-    assert float(cycle.diagnostics["constraint_velocity_error_m_s"]) < 1e-9
-
-
-def test_touches_are_placed_on_the_surface(cycle: Run) -> None:
-    """At the recorded onset the penetration is zero; the contacts alternate with flights."""
-    assert np.all(cycle.recorder.records.counters["contacts"] > 10)
+def test_energies_of_a_cycle_add_up_and_constraints_hold() -> None:
+    """The two-clearance press at the default tolerance; contacts alternate with flights."""
+    run = InHouse().simulate(PRESS.linkage(), start_of(PRESS), Plan(PRESS.mechanism.period, 1))
+    ledger = {key: value for key, value in run.diagnostics.items() if not isinstance(value, str)}
+    assert min(ledger["friction_loss_J"], ledger["contact_loss_J"]) > 1e-3
+    assert abs(ledger["energy_residual_J"]) < 1e-6 * ledger["drive_exchange_J"]
+    assert ledger["constraint_error_m"] < 1e-11
+    assert ledger["constraint_velocity_error_m_s"] < 1e-9
     for k in range(2):
-        onset, end = cycle.recorder.stored_contacts(k)[:, :2].T
+        onset, end = run.recorder.stored_contacts(k)[:, :2].T
+        assert len(onset) > 10
         assert np.all(end > onset)
         assert np.all(onset[1:] >= end[:-1])
 
@@ -224,15 +197,6 @@ def test_a_start_that_violates_a_joint_is_refused_by_name() -> None:
     faster[2] += 0.5
     with pytest.raises(InputError, match="velocity"):
         InHouse().simulate(scene.linkage(), Start(start.position, faster), Plan(0.01, 1))
-
-
-def test_a_joint_given_twice_is_refused_by_name() -> None:
-    scene = ideal()
-    linkage = scene.linkage()
-    again = replace(linkage.revolutes[3], name="B again")
-    doubled = replace(linkage, joints=(*linkage.joints, again))
-    with pytest.raises(InputError, match="joint B again repeats"):
-        InHouse().simulate(doubled, start_of(scene), Plan(0.01, 1))
 
 
 def test_a_pendulum_keeps_its_energy() -> None:

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from free_pair import CLEARANCE, STIFFNESS, free_pair
-from listeners import EndsAfter
 from numpy.typing import NDArray
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import ExudynJoints
+from presswear.engines.exudyn_joints.engine import left_out
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.elements import Attachment
 from presswear.linkage.laws import (
     FrictionLaw,
     delivered_restitution,
@@ -19,9 +20,10 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.loads import Spring
 from presswear.recording.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, LOAD_DISTANCE
 from presswear.scene.bearing import CONVENTIONS
-from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.catalog import wear_times
 
 
 def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
@@ -152,23 +154,51 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
         assert volume == pytest.approx(joint.wear.coefficient * load_distance, rel=1e-12)
 
 
-def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:
-    scene = wear_times()
-    for run in press_runs.values():
-        exact = scene.ideal.at(np.array([run.time])).position[0]
-        for crank in ("crank 2", "crank 7"):
-            i = 3 * scene.linkage().index(crank) + 2
-            assert run.end.position[i] == pytest.approx(exact[i], abs=1e-9)
-
-
-def test_cycles_end_on_time_and_enough_stops() -> None:
-    scene = ideal()
-    ends = EndsAfter(2)
-    period = scene.mechanism.period
-    coarse = replace(
-        scene.numerics.joints.for_cycle(scene.mechanism.period), free_step=period / 300.0
+def omitting(joints: str) -> tuple[Run, Run]:
+    scene = replace(wear_times(), joints=joints)
+    linkage, start, plan = scene.linkage(), start_of(scene), Plan(0.03, 1)
+    accuracy = scene.numerics.joints.for_cycle(scene.mechanism.period)
+    fine = replace(
+        accuracy,
+        steps_per_contact=200,
+        steps_sustained=40,
+        free_step=accuracy.longest(0.0) / 4,
+        newton=1e-11,
     )
-    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, observers=(ends,)))
-    assert run.status == "enough"
-    assert ends.asked == [1, 2]
-    assert run.time == pytest.approx(2.0 * period, abs=1e-9)
+    return (
+        fine.simulate(linkage, start, plan),
+        InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan),
+    )
+
+
+CHAIN = "crank 2, crank 7, plate 4 and rod 3"
+
+
+@pytest.mark.parametrize(("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", CHAIN)])
+def test_bodies_that_are_left_out_move_and_bear_the_same(joints: str, omitted: str) -> None:
+    ours, reference = omitting(joints)
+    assert f"drives, {omitted} prescribed;" in str(ours.diagnostics["model"])
+    assert ours.recorder.records.counters["contacts"].sum() >= 2
+    assert ours.end.position == pytest.approx(reference.end.position, abs=2e-7)
+    assert ours.recorder.records.torque == pytest.approx(
+        reference.recorder.records.torque, abs=2e-3
+    )
+    for name in ("drive_work_J", "contact_loss_J"):
+        exchanged = float(reference.diagnostics["drive_exchange_J"])
+        expected_work = float(reference.diagnostics[name])
+        assert ours.diagnostics[name] == pytest.approx(expected_work, abs=5e-6 * exchanged)
+    rows = ours.recorder.rows
+    assert np.ptp(rows[:, -2]) > 0.01  # the torque of drive 2
+
+
+def test_only_bodies_held_by_clearance_joints_are_left_out() -> None:
+    linkage = replace(wear_times(), joints="A").linkage()
+    assert left_out(linkage) == {"crank 2"}
+    spring = Spring("s", Attachment("crank 2", 0, 0), Attachment("frame", 0, 0), 10.0, 0.1)
+    assert left_out(replace(linkage, springs=(spring,))) == frozenset()
+    assert left_out(replace(linkage, drives=linkage.drives[1:])) == frozenset()
+    chain = replace(wear_times(), joints="C").linkage()
+    assert left_out(chain) == {"crank 2", "crank 7", "plate 4", "rod 3"}
+    # Exudyn needs the springs' ends, and with them what holds these.
+    assert left_out(replace(chain, springs=(spring,))) == frozenset()
+    assert left_out(replace(wear_times(), joints="none").linkage()) == frozenset()

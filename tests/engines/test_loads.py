@@ -172,15 +172,6 @@ def test_a_mass_that_dents_a_sheet_rebounds_with_what_is_elastic(
     assert residual(ran) < max(1e-12, 10.0 * within)
 
 
-def test_order_eight_needs_few_steps_for_a_dent() -> None:
-    """Events are where it is met, yields, turns back, is let go and begins anew."""
-    linkage = guided(SHEET)
-    ran = run(InHouse(integration_tolerance=1e-9, free_step=1.0), linkage, -0.5, 2.0, 1.1)
-    assert ran.diagnostics["events"] == 5
-    assert int(ran.diagnostics["steps"]) < 60
-    assert along(ran, linkage) == pytest.approx(rebounded(-0.5, 2.0, 1.1), abs=1e-9)
-
-
 @EVERY
 def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within: float) -> None:
     """It falls into a sheet once; later falls reach the same depth, and take nothing."""
@@ -308,24 +299,6 @@ def test_a_load_on_a_crank_that_is_left_out_is_its_drives() -> None:
     speed = linkage.drives[0].speed
     integral = 0.005 + 2.0 * math.sin(50.0 * 0.005) / 50.0
     assert works[3][1] == pytest.approx(speed * integral, rel=1e-9)
-
-
-def test_a_counterbalance_that_turns_the_mass_at_its_bend_ends() -> None:
-    """A grazing start: at rest exactly on a bend, and on the end of a table."""
-    law = OverPosition([(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
-    for place in (-1.0, 0.0, 1.0):
-        for engine, _ in ENGINES:
-            ran = run(engine, guided(law), place, 0.0, 0.5)
-            assert np.isfinite(ran.end.position).all()
-            assert int(ran.diagnostics["steps"]) < 3000
-
-
-def test_going_on_over_cycles_gives_the_same() -> None:
-    """The piece of a table is part of the state between two cycles."""
-    linkage = guided(OverPosition([(0.0, 0.0), (0.3, -9.0)], sense="along", release=True))
-    for engine, within in ENGINES:
-        whole, parts = (run(engine, linkage, -0.5, 3.0, 0.9, cycles) for cycles in (1, 3))
-        assert along(whole, linkage) == pytest.approx(along(parts, linkage), abs=10.0 * within)
 
 
 def loaded_press() -> Linkage:

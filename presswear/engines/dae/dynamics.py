@@ -49,64 +49,31 @@ TORQUE_INTEGRALS = 4
 
 
 class OpenTree(NamedTuple):
-    """Open tree with working space.
-
-    Attributes
-    ----------
-    links : records of LINK
-    prescribed : Prescribed
-    bodies : records of ARTICULATED
-    carried : ndarray, shape (links, CARRIED)
-    size : int
-        Number of coordinates.
-    """
+    """Open tree with working space."""
 
     links: Records
     prescribed: Prescribed
-    bodies: Records
-    carried: Array
-    size: int
+    bodies: Records  # of ARTICULATED
+    carried: Array  # (links, CARRIED)
+    size: int  # number of coordinates
 
 
 class System(NamedTuple):
-    """Linkage as the kernels see it, with working space.
-
-    Attributes
-    ----------
-    packed : Packed
-    held : Held or None
-        Constraints, in all coordinates.
-    tree : OpenTree or None
-        Tree, in the fewest coordinates.  The compiler leaves out the code of the other.
-    size : int
-        Number of coordinates.
-    state : ndarray, shape (5, 3 bodies)
-        q, v, a and applied generalized forces of all bodies, and of a tree their axes: see
-        ``place_links``.
-    felt : int
-        Number of the first components of the state, on which slopes depend.
-    contacts : records of CONTACT
-    torque : ndarray, shape (drives,)
-    first_torque : int
-        Index in the state of the integrals of the first drive.
-    alpha, beta : float
-        Baumgarte's coefficients, 1/s.
-    has_work : bool
-        Whether loads or dampers do work.
-    """
+    """Linkage as the kernels see it, with working space."""
 
     packed: Packed
-    held: Held | None
-    tree: OpenTree | None
-    size: int
+    held: Held | None  # constraints, in all coordinates
+    tree: OpenTree | None  # in the fewest coordinates; the compiler leaves out the other's code
+    size: int  # number of coordinates
+    # q, v, a, applied generalized forces, and of a tree axes: see ``place_links``; (5, 3 bodies)
     state: Array
-    felt: int
+    felt: int  # number of the first components of the state, on which slopes depend
     contacts: Records
-    torque: Array
-    first_torque: int
-    alpha: float
+    torque: Array  # (drives,)
+    first_torque: int  # index in the state of the integrals of the first drive
+    alpha: float  # Baumgarte's coefficients, 1/s
     beta: float
-    has_work: bool
+    has_work: bool  # whether loads or dampers do work
 
 
 def system_of(

@@ -44,50 +44,27 @@ CONTROL = np.dtype(
 
 
 class Motion(NamedTuple):
-    """State and the step from it.
+    """State and the step from it."""
 
-    Attributes
-    ----------
-    y, trial : ndarray, shape (m,)
-        State, and its successor on trial.
-    slopes : ndarray, shape (13, m)
-        Slopes of the stages; the first holds dy/dt at the start.
-    scale : ndarray, shape (n,)
-        Allowed error of the first n components; the integrals behind them follow, but for the
-        deflections of bristles, in which it is as in the first.
-    """
-
-    y: Array
-    trial: Array
-    slopes: Array
+    y: Array  # (m,)
+    trial: Array  # the state's successor on trial, (m,)
+    slopes: Array  # of the stages, (13, m); the first holds dy/dt at the start
+    # Allowed error of the first n components; the integrals behind them follow, but for the
+    # deflections of bristles, in which it is as in the first.
     scale: Array
 
 
 class Integration(NamedTuple):
-    """Integration of a system; a march receives its address.
-
-    Attributes
-    ----------
-    system : System
-    tableau : Tableau or None
-        Embedded method.
-    classical : int or None
-        Number of stages of the classical method, for equal steps.  The compiler leaves out the
-        method that is None.
-    records : RecorderState
-    control : one record of CONTROL
-    motion : Motion
-    last : int
-        Index of the slopes at the end of a step.
-    """
+    """Integration of a system; a march receives its address."""
 
     system: System
-    tableau: Tableau | None
+    tableau: Tableau | None  # of an embedded method
+    # Stages of the classical method, for equal steps; the compiler leaves out the None of both
     classical: int | None
     records: RecorderState
-    control: Records
+    control: Records  # one of CONTROL
     motion: Motion
-    last: int
+    last: int  # index of the slopes at the end of a step
 
 
 @compiled

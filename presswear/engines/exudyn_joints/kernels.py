@@ -48,30 +48,18 @@ class Frame(NamedTuple):
 
     Where every body is one of Exudyn's, ``q``, ``v`` and ``a`` are its own live arrays
     and nothing has to be copied: ``places`` and ``prescribed`` are empty.
-
-    Attributes
-    ----------
-    solved_q, solved_v, solved_a : ndarray
-        Exudyn's live coordinates, rates and accelerations.
-    places : ndarray of int
-        Where each of them belongs in q.
-    prescribed : Prescribed
-        Bodies that are left out.
-    q, v, a, axes : ndarray, shape (3 bodies,)
-    contacts : records of CONTACT
-        Working space of states on trial.
     """
 
-    solved_q: Array
+    solved_q: Array  # Exudyn's live coordinates, rates and accelerations
     solved_v: Array
     solved_a: Array
-    places: Indices
-    prescribed: Prescribed
-    q: Array
+    places: Indices  # where each of them belongs in q
+    prescribed: Prescribed  # bodies that are left out
+    q: Array  # (3 bodies,)
     v: Array
     a: Array
     axes: Array
-    contacts: Records
+    contacts: Records  # working space of states on trial
 
 
 @compiled
@@ -129,27 +117,14 @@ def connector_forces(address: PackedArguments, t: float) -> None:
 
 
 class Drives(NamedTuple):
-    """Sources of the torques of the drives.
+    """Sources of the torques of the drives."""
 
-    Attributes
-    ----------
-    multiplier : ndarray of int, shape (drives,)
-        Index of each drive's Lagrange multiplier; -1 for that of a body that is left out.
-    multipliers : ndarray
-        Exudyn's live multipliers; the torque of a drive is minus its own.
-    force : ndarray, shape (3 bodies,)
-        Working space.
-    rates : ndarray, shape (JOINT_RATES joints,)
-        Working space.
-    held : Held or None
-        What holds the linkage, where a drive of Exudyn's turns unevenly or a load bends over
-        position; see ``hold``.
-    """
-
-    multiplier: Indices
-    multipliers: Array
-    force: Array
-    rates: Array
+    multiplier: Indices  # index of each drive's multiplier; -1 for that of a body that is left out
+    multipliers: Array  # Exudyn's live ones; the torque of a drive is minus its own
+    force: Array  # working space, (3 bodies,)
+    rates: Array  # working space, (JOINT_RATES joints,)
+    # Constraints, where a drive of Exudyn's turns unevenly or a load bends over position: see
+    # ``hold``
     held: Held | None
 
 

@@ -264,7 +264,7 @@ def prepare(
         solve.sums["proposed"] = FIRST_STEP
         limit = StepLimit(solve)
         mbs.SetPreStepUserFunction(limit.pre_step)
-        mbs.SetPostStepUserFunction(post_step(solve, accept, limit.write))
+        mbs.SetPostStepUserFunction(post_step(solve, accept, limit))
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]

@@ -81,46 +81,24 @@ PACE = np.dtype(
 
 
 class TreeSystem(NamedTuple):
-    """Open tree as the kernels see it, with Exudyn's live state and working space.
-
-    Attributes
-    ----------
-    links : records of LINK
-    prescribed : Prescribed
-    x, u, u_t : ndarray, shape (coordinates,)
-        Exudyn's live coordinates, rates and accelerations.
-    force : ndarray, shape (coordinates,)
-        Forces that Exudyn is handed.
-    expected : ndarray, shape (joints,)
-        Closing speed that the next step uses: latched, or predicted while open, m/s.
-    pace : one record of PACE
-    stages : ndarray, shape (STAGES, 2 + JOINT_RATES joints)
-        Powers of the stages of a step: drives (see ``stage_forces``), the joints', the loads'.
-    state : ndarray, shape (5, 3 bodies)
-        q, v, a and generalized forces of all bodies, and their axes: see ``place_links``.
-    carried : ndarray, shape (links, CARRIED)
-    balance : ndarray, shape (coordinates,)
-    start, inside : ndarray, shape (3, coordinates)
-        Coordinates, rates and accelerations at the start of a step and inside it.
-    bristles : ndarray, shape (2, joints)
-        Deflections of the bristles at the start and at the end of a step, m.
-    """
+    """Open tree as the kernels see it, with Exudyn's live state and working space."""
 
     links: Records
     prescribed: Prescribed
-    x: Array
+    x: Array  # Exudyn's live coordinates, rates and accelerations, (coordinates,)
     u: Array
     u_t: Array
-    force: Array
-    expected: Array
-    pace: Records
+    force: Array  # forces that Exudyn is handed, (coordinates,)
+    expected: Array  # closing speed of the next step: latched, or predicted while open, m/s
+    pace: Records  # one of PACE
+    # Powers of the stages: drives (see ``stage_forces``), the joints', the loads'
     stages: Array
-    state: Array
-    carried: Array
-    balance: Array
-    start: Array
-    inside: Array
-    bristles: Array
+    state: Array  # q, v, a, generalized forces, axes: see ``place_links``; (5, 3 bodies)
+    carried: Array  # (links, CARRIED)
+    balance: Array  # (coordinates,)
+    start: Array  # coordinates, rates and accelerations at the start of a step, (3, coordinates)
+    inside: Array  # and inside it
+    bristles: Array  # their deflections at the start and end of a step, m, (2, joints)
 
 
 @compiled
