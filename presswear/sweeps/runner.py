@@ -23,7 +23,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing import active_children, current_process, get_context
 from pathlib import Path
@@ -294,39 +294,28 @@ def _user_executor(on: str) -> Executor:
 def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Executor, int]]:
     try:
         import dask
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ImportError:
         raise not_installed(f"--on {on}", "distributed", "sweep") from None
-    address = on.removeprefix("dask").removeprefix("://")
-    if on != "dask" and not address.rpartition(":")[2].isdigit():
+    address, local = on.removeprefix("dask").removeprefix("://"), {}
+    if on == "dask":
+        local = {"n_workers": count, "threads_per_worker": 1, "host": LOCAL}
+        local |= {"dashboard_address": f"{LOCAL}:0", "silence_logs": logging.CRITICAL}
+    elif not address.rpartition(":")[2].isdigit():
         raise InputError(f"--on {on}: expected dask://HOST:PORT, such as dask://head:8786")
     for name in ("distributed", "tornado", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    with (
-        dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}),
-        ExitStack() as stack,
-    ):
-
-        def close(opened: Any) -> None:
-            with suppress(Exception):  # the scheduler may be gone
-                opened.close(timeout=CLOSE)
-
-        target: Any = f"tcp://{address}"
-        if not address:
-            target = LocalCluster(
-                host=LOCAL,
-                n_workers=count,
-                threads_per_worker=1,
-                dashboard_address=f"{LOCAL}:0",
-                silence_logs=logging.CRITICAL,
-            )
-            stack.callback(close, target)
-            notify(f"Dask dashboard at {target.dashboard_link}")
+    with dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}):
         try:
-            client = Client(target, timeout=CONNECT)
+            client = Client(f"tcp://{address}" if address else None, timeout=CONNECT, **local)
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(
                 f"--on {on}: no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
             ) from None
-        stack.callback(close, client)
-        yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
+        try:
+            if local:
+                notify(f"Dask dashboard at {client.dashboard_link}")
+            yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
+        finally:
+            with suppress(Exception):  # the scheduler may be gone
+                client.close(timeout=CLOSE)

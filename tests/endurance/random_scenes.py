@@ -198,26 +198,13 @@ def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
 
 @dataclass(frozen=True)
 class Ended:
-    """Outcome of a scene in an engine.
+    """Outcome of a scene in an engine."""
 
-    Attributes
-    ----------
-    part : float
-        Of a cycle that was run.
-    residual, bound : float
-        Energy that is missing, part of what the drives exchanged.
-    failure : str
-        Why it failed, or nothing.
-    is_outside : bool
-        Whether a pin sank in deeper than it is thick: the run says that no law of contact
-        covers such a scene, which no range of a single quantity can tell.
-    """
-
-    part: float
-    residual: float = math.nan
+    part: float  # of a cycle that was run
+    residual: float = math.nan  # energy that is missing, part of what the drives exchanged
     bound: float = 0.0
     failure: str = ""
-    is_outside: bool = False
+    is_outside: bool = False  # a pin sank in deeper than it is thick: no law of contact covers it
 
     @property
     def passed(self) -> bool:
@@ -225,13 +212,7 @@ class Ended:
 
 
 class TooLongError(RunFailed):
-    """A run that has taken all its steps.
-
-    Attributes
-    ----------
-    done : float
-        The part of it that they reached.
-    """
+    """A run that has taken all its steps."""
 
     def __init__(self, done: float, steps: int) -> None:
         super().__init__(f"it takes more than {steps} steps")

@@ -42,14 +42,7 @@ def is_one_line(output: str) -> bool:
 
 @dataclass(frozen=True)
 class Answer:
-    """Outcome of a command line.
-
-    Attributes
-    ----------
-    code : int
-    output, errors : str
-        What it wrote to standard output and standard error.
-    """
+    """Outcome of a command line."""
 
     code: int
     output: str
@@ -116,13 +109,7 @@ def resume_option(out: Path) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Subject:
-    """A short run that is put through trials.
-
-    Attributes
-    ----------
-    settings : tuple of str
-        As ``--set`` takes them.
-    """
+    """A short run that is put through trials."""
 
     engine: str
     scene: str
@@ -210,13 +197,7 @@ class Energy:
 
 
 def run_part(scene: Scene, part: float, look: Callable[[float], None]) -> Energy:
-    """Run a part of a cycle; RunFailed where it fails, or does not end sound and finite.
-
-    Parameters
-    ----------
-    look : callable
-        Told the part of it that is done, 0 .. 1, each time that the engine looks up.
-    """
+    """Run a part of a cycle; RunFailed where it fails, or does not end sound and finite."""
     period, linkage = scene.mechanism.period, scene.linkage()
     plan = Plan(part * period, 1, 1, report=lambda part, recorder: look(part))
     run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)

@@ -7,24 +7,12 @@ SEED = 20240131  # of all random moments, positions and scenes of the full trial
 
 @dataclass
 class Trial:
-    """Number of attempts of one kind and of those that passed.
-
-    Attributes
-    ----------
-    title : str
-        Expected behaviour.
-    attempts, passes : int
-    allowed : int
-        Misses that are not failures of the program.
-    note : str
-        Measured values.
-    first_miss : str
-    """
+    """Number of attempts of one kind and of those that passed."""
 
     title: str = ""
     attempts: int = 0
     passes: int = 0
-    allowed: int = 0
+    allowed: int = 0  # misses that are not failures of the program
     note: str = ""
     first_miss: str = ""
 

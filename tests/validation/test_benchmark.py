@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from presswear.__main__ import main
-from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.engines.settings import InHouse
 from presswear.linkage.laws import delivered_restitution
 from presswear.scene.catalog import wear_times
 from presswear.tools.errors import InputError, RunFailed
@@ -45,7 +45,6 @@ SHORT = Extent(
 )
 SCENE = wear_times()
 TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
-Progress = list[tuple[str, float]]
 
 
 def silent(name: str, part: float) -> None:
@@ -53,16 +52,13 @@ def silent(name: str, part: float) -> None:
 
 
 @pytest.fixture(scope="module")
-def progress() -> Progress:
-    return []
-
-
-@pytest.fixture(scope="module")
-def points(progress: Progress) -> list[Point]:
-    def report(name: str, part: float) -> None:
-        progress.append((name, part))
-
-    return work_precision.work_precision(SCENE, SHORT, report)
+def points() -> list[Point]:
+    progress: list[float] = []
+    points = work_precision.work_precision(SCENE, SHORT, lambda name, part: progress.append(part))
+    assert progress == sorted(progress)
+    assert 0.0 == progress[0] < progress[-1] <= 1.0
+    assert all(point.timing or point.failure for point in points)
+    return points
 
 
 def family(points: list[Point], problem: int, name: str = "") -> list[Point]:
@@ -170,18 +166,6 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
         "exudyn-tree, DOPRI5, tolerance 3e-07",
         "dae, RK4, step 3e-05",
     }
-
-
-def test_times_steps_and_progress_are_complete(points: list[Point], progress: Progress) -> None:
-    for point in points:
-        assert (point.timing is None) == bool(point.failure)
-        if point.timing is not None:
-            assert len(point.timing.walls) == SHORT.repeats
-            is_exudyn = isinstance(point.method.engine, ExudynJoints)
-            assert (point.timing.evaluations is None) == is_exudyn
-    parts = [part for _, part in progress]
-    assert parts == sorted(parts)
-    assert 0.0 == parts[0] < parts[-1] <= 1.0
 
 
 @pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
