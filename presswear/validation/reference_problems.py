@@ -1,8 +1,10 @@
 """Reference problems from the literature: linkages, published values, and checks of the engines."""
 
 import math
+import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
@@ -36,58 +38,11 @@ from presswear.validation.cases import Case, Check, contacts_of, finished, first
 
 TIGHT = InHouse(integration_tolerance=1e-11)  # the default, 1e-9, leaves 2e-8 in the restitution
 
-# Andrews' squeezer: IVP test set (andrews.f, Mazzia and Magherini, University of Bari), after Giles
-# 1978 and Manning 1981; IFToMM library of benchmarks A03. A row for each of the angles beta, Theta,
-# gamma, Phi, delta, Omega, epsilon: initial value, rad, at rest; angle, rad, and rate, rad/s, at
-# 0.03 s by PSIDE in double precision.
-ANDREWS_DURATION = 0.03  # s
-ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(
-    [
-        [-0.0617138900142764496, 15.81077119629904, 1139.920302151208],
-        [0.0, -15.75637105984298, -1424.379294994111],
-        [0.455279819163070380, 0.04082224013073101, 11.03291221937134],
-        [0.222668390165885885, -0.5347301163226948, 19.29337464421385],
-        [0.487364979543842550, 0.5244099658805304, 0.5735699284790808],
-        [-0.222668390165885885, 0.5347301163226948, -19.29337464421385],
-        [1.23054744454982119, 1.048080741042263, 0.3231791658026955],
-    ]
-).T
+_ANDREWS = tomllib.loads(files("presswear.validation").joinpath("andrews.toml").read_text("utf-8"))
+ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
+ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
 ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
 NEWTON = 1e-12  # of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
-
-# Lengths of andrews.f, m, with its names.
-_D, _DA, _E, _EA = 28e-3, 115e-4, 2e-2, 1421e-5
-_RR, _RA, _SS, _SA, _SB, _SC, _SD = 7e-3, 92e-5, 35e-3, 1874e-5, 1043e-5, 18e-3, 2e-2
-_TA, _TB, _U, _UA, _UB = 2308e-5, 916e-5, 4e-2, 1228e-5, 449e-5
-_ZF, _ZT, _FA = 2e-2, 4e-2, 1421e-5
-_FRAME = {"O": (0.0, 0.0), "A": (-0.06934, -0.00227), "B": (-0.03635, 0.03273)}
-# Bodies in the order in which their pins place them: mass, kg, moment of inertia, kg m^2, and pins
-# in the frame of the body, whose x axis has the angle of _TURNS; the first pin is placed before.
-_BODIES = {
-    "K1": (0.04325, 2.194e-6, {"O": (-_RA, 0.0), "P": (_RR - _RA, 0.0)}),
-    "K2": (0.00365, 4.410e-7, {"P": (_DA, 0.0), "Q": (_DA - _D, 0.0)}),
-    "K3": (
-        0.02373,
-        5.255e-6,
-        {"B": (-_SB, _SA), "Q": (-_SB, _SA - _SS), "D": (_SD - _SB, _SA - _SC)},
-    ),
-    "K5": (0.07050, 1.169e-5, {"A": (-_TA, _TB), "E": (_ZT - _TA, _TB)}),
-    "K7": (0.05498, 1.912e-5, {"A": (_UB, _UA), "H": (_UB, _UA - _U)}),
-    "K4": (0.00706, 5.667e-7, {"E": (0.0, _E - _EA), "Q": (0.0, -_EA)}),
-    "K6": (0.00706, 5.667e-7, {"H": (_FA - _ZF, 0.0), "Q": (_FA, 0.0)}),
-}
-_JOINTS = (  # name, whose first letter is that of the pin, and bodies
-    ("O", "K1", GROUND),
-    ("P", "K1", "K2"),
-    ("Q 3", "K2", "K3"),
-    ("Q 4", "K2", "K4"),
-    ("Q 6", "K2", "K6"),
-    ("B", "K3", GROUND),
-    ("A 5", "K5", GROUND),
-    ("A 7", "K7", GROUND),
-    ("E", "K4", "K5"),
-    ("H", "K6", "K7"),
-)
 # Angles of the seven bodies from the seven angles of the reference.
 _TURNS: Array = np.eye(7)
 _TURNS[[1, 3, 5], [0, 4, 6]] = 1.0
@@ -115,37 +70,39 @@ def free_bodies(
 
 def andrews() -> Linkage:
     """Return Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
+    bodies, spring = _ANDREWS["bodies"], _ANDREWS["spring"]
 
     def pin(body: str, name: str) -> Attachment:
-        return Attachment(body, *(_FRAME if body == GROUND else _BODIES[body][2])[name])
+        pins = _ANDREWS["frame"] if body == GROUND else bodies[body]["pins"]
+        return Attachment(body, *pins[name])
 
+    ends = pin(spring["body"], spring["pin"]), Attachment(GROUND, *spring["frame"])
     return assemble(
         name="Andrews' squeezer",
-        bodies=tuple(Body(name, *_BODIES[name][:2]) for name in sorted(_BODIES)),
-        joints=tuple(Revolute(name, pin(a, name[0]), pin(b, name[0])) for name, a, b in _JOINTS),
+        bodies=tuple(Body(k, bodies[k]["mass"], bodies[k]["inertia"]) for k in sorted(bodies)),
+        joints=tuple(
+            Revolute(name, pin(first, name[0]), pin(second, name[0]))
+            for name, first, second in _ANDREWS["joints"]
+        ),
         output=OutputPoint("K3", 0.0),
         gravity=0.0,
-        springs=(
-            Spring("spring", pin("K3", "D"), Attachment(GROUND, 0.014, 0.072), 4530.0, 7785e-5),
-        ),
-        loads=(Load("K1", moment=33e-3),),
+        springs=(Spring("spring", *ends, spring["stiffness"], spring["length"]),),
+        loads=(Load("K1", moment=_ANDREWS["moment"]),),
     )
 
 
 def andrews_start() -> Start:
     """Return the bodies at rest at the angles ``ANDREWS_START``."""
     angles = _TURNS @ ANDREWS_START
-    places = dict(_FRAME)
+    places = {name: np.array(place) for name, place in _ANDREWS["frame"].items()}
     position = np.zeros(21)
-    for body, (_, _, pins) in _BODIES.items():
+    for body, data in _ANDREWS["bodies"].items():
         i = int(body[1]) - 1
         c, s = math.cos(angles[i]), math.sin(angles[i])
-        turned = {name: np.array([c * x - s * y, s * x + c * y]) for name, (x, y) in pins.items()}
-        first = next(iter(pins))
-        centre = np.array(places[first]) - turned[first]
-        for name, point in turned.items():
-            x, y = centre + point
-            places.setdefault(name, (float(x), float(y)))
+        turned = {k: np.array([c * x - s * y, s * x + c * y]) for k, (x, y) in data["pins"].items()}
+        first = next(iter(turned))
+        centre = places[first] - turned[first]
+        places = {name: centre + point for name, point in turned.items()} | places
         position[3 * i : 3 * i + 3] = centre[0], centre[1], angles[i]
     return Start(position, np.zeros(21))
 
