@@ -11,7 +11,7 @@ from presswear.tools.errors import InputError
 
 
 def dynamics(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the command and return its exit code."""
+    """Print contact modes and periods, or an exponent, or draw a bifurcation diagram."""
     folder = Path(arguments.scene)
     if folder.is_dir():
         if arguments.over or arguments.set:
@@ -47,7 +47,7 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     from presswear.analysis.bifurcation import DIRECTIONS, Cycles, Parameter, compute
     from presswear.campaign.replicates import start_of
     from presswear.show.figures import save
-    from presswear.show.figures.bifurcation import draw_diagram, draw_orders
+    from presswear.show.figures.dynamics import draw_diagram, draw_orders
 
     parameter = Parameter.parse(arguments.over, scene)
     cycles = Cycles(arguments.cycles, arguments.stored, arguments.exponent, arguments.orders)

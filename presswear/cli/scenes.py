@@ -1,4 +1,4 @@
-"""``presswear list``, ``new`` and ``show``: scenes, example files, and their mechanism."""
+"""``presswear list``, ``new``, ``show`` and ``completion``: scenes and their names in a shell."""
 
 import argparse
 import math
@@ -7,17 +7,24 @@ from pathlib import Path
 
 from rich.console import Console
 
+from presswear.cli import COMMANDS
+from presswear.cli.parser import parser_with
 from presswear.cli.terminal import load_scene, parse_settings, print_lines
 from presswear.linkage.linkage import Linkage, values_of
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import SUFFIX, example_file
+from presswear.scene.scene import ENGINES
 from presswear.scene.settings import changed, settings_of
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, not_installed, unknown
 from presswear.tools.quantities import Quantity, parse_quantity
+
+CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
+SHELLS = ("bash", "zsh")
 
 
 def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the command and return its exit code."""
+    """List the scenes, or the settings of a scene."""
     if arguments.scene is None:
         width = max(map(len, SCENES))
         print_lines(console, *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()))
@@ -34,7 +41,7 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def new(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the command and return its exit code."""
+    """Write an example file."""
     text, file = example_file(arguments.kind), arguments.file
     if file.suffix != SUFFIX:
         raise InputError(f"{file}: the name must end in {SUFFIX}")
@@ -48,7 +55,7 @@ def new(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def show(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the command and return its exit code."""
+    """Draw the mechanism of a scene."""
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
@@ -66,4 +73,26 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
         drawing = labelled(scene, time)
     save(replace(drawing, file=file.name), file.parent)
     print_lines(console, drawing.caption, f"picture in {file}")
+    return 0
+
+
+def completion(arguments: argparse.Namespace, console: Console) -> int:
+    """Print a script of shtab for completion in a shell."""
+    if arguments.shell not in SHELLS:
+        raise unknown("shell", arguments.shell, SHELLS)
+    try:
+        import shtab
+    except ImportError:
+        raise not_installed("presswear completion", "shtab", "completion") from None
+    parser, parsers = parser_with(COMMANDS)
+    for command in parsers.values():
+        command.description = None  # menus show the line of help
+        for action in command._actions:
+            if action.dest in CHOICES:
+                action.choices = tuple(CHOICES[action.dest])
+            elif action.metavar == "DIR":
+                vars(action)["complete"] = shtab.DIRECTORY
+            elif action.metavar == "FILE":
+                vars(action)["complete"] = shtab.FILE
+    console.file.write(f"{shtab.complete(parser, arguments.shell)}\n")
     return 0

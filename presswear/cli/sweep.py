@@ -29,7 +29,7 @@ SETTINGS = ("engine", "cycles")  # settings that have an option
 
 
 def sweep(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the command and return its exit code."""
+    """Run a scene at many points."""
     from presswear.sweeps.sweep import check_folder_of, parse_shard, run_sweep
 
     shard = parse_shard(arguments.shard or "1/1")

@@ -27,7 +27,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.physics.constraints import constraints_of
 from presswear.scene.settings import changed
-from presswear.show.figures.bifurcation import draw_diagram
+from presswear.show.figures.dynamics import draw_diagram
 
 SCENE = pw.scenes.slider_crank()
 CYCLES = Cycles(12, 6, 0, 0)

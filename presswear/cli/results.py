@@ -1,4 +1,4 @@
-"""``presswear replay``: a stored run in Exudyn's renderer."""
+"""``presswear report``, ``export`` and ``replay``: results of a folder."""
 
 import argparse
 import re
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from presswear.cli import terminal
+from presswear.cli.terminal import load_result, print_lines
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder
 from presswear.tools.quantities import Quantity, parse_quantity
@@ -16,8 +17,42 @@ if TYPE_CHECKING:
     from presswear.show.replay.clip import Clip
 
 
+def report(arguments: argparse.Namespace, console: Console) -> int:
+    """Write figures and report of a stored run or sweep."""
+    check_folder(arguments.folder)
+    if (arguments.folder / "sweep.json").exists():
+        from presswear.cli import sweep
+
+        return sweep.report(arguments, console)
+    if arguments.limit:
+        raise InputError(f"--limit needs a sweep; {arguments.folder} is a run")
+    from presswear.show.report import write_report
+
+    print_lines(console, f"report in {write_report(load_result(arguments.folder, console))}")
+    return 0
+
+
+def export(arguments: argparse.Namespace, console: Console) -> int:
+    """Write stored results as tables for other programs."""
+    from presswear.results.export import life_table, strokes_table, table_of, write_table
+
+    if (arguments.folder / "sweep.json").exists():
+        from presswear.cli import sweep
+
+        return sweep.export(arguments, console)
+    result = load_result(arguments.folder, console)
+    if arguments.life:
+        table = life_table(result)
+    else:
+        table = (strokes_table if arguments.strokes else table_of)(result, arguments.stage)
+    write_table(arguments.file, table)
+    rows = next(iter(table.values())).size
+    print_lines(console, f"{rows} rows of {len(table)} columns in {arguments.file}")
+    return 0
+
+
 def replay(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the command and return its exit code."""
+    """Play a stored run in Exudyn's renderer, or write it as a film or a picture."""
     check_folder(arguments.folder)
     _check(arguments)
     from presswear.show.replay.clip import equal_limits, life_clip

@@ -1,0 +1,236 @@
+"""``presswear crosscheck``, ``verify`` and ``benchmark``: engines against references."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.markup import escape
+
+from presswear.cli import terminal
+from presswear.cli.terminal import print_lines, print_table, progress_bar, verdict
+from presswear.tools.errors import InputError
+from presswear.tools.files import check_folder, only_writer
+
+if TYPE_CHECKING:
+    from presswear.scene.scene import Scene
+    from presswear.validation.cases import Outcome
+
+
+MIN_CYCLES, MAX_CYCLES = 1e-3, 100.0  # time over which trajectories are compared, cycles
+
+
+def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
+    """Compare two engines, or a run with the table of another program."""
+    excluded = ("set", "out", "duration") if arguments.against else ("until", "tolerance")
+    for name in excluded:
+        if getattr(arguments, name) not in (None, []):
+            verb = "cannot be combined with" if arguments.against else "needs"
+            raise InputError(f"--{name} {verb} --against; see presswear crosscheck --help")
+    return (_against if arguments.against else _engines)(arguments, console)
+
+
+def _engines(arguments: argparse.Namespace, console: Console) -> int:
+    arguments.scene = arguments.scene or "wear-times"
+    scene = terminal.requested_scene(arguments)
+    shortest, longest = (n * scene.mechanism.period for n in (MIN_CYCLES, MAX_CYCLES))
+    if arguments.duration is not None and not shortest <= arguments.duration <= longest:
+        raise InputError(
+            f"--duration {arguments.duration:g}: must be {shortest:.3g} to {longest:.3g} s, "
+            f"{MIN_CYCLES:g} to {MAX_CYCLES:g} cycles"
+        )
+    folder = arguments.out or terminal.free_folder(f"crosscheck-{scene.name}")
+    from presswear.show.figures import save
+    from presswear.tools.serialize import write_json
+    from presswear.validation.crosscheck import check_engines, draw_differences
+
+    with only_writer(folder):
+        with terminal.named_progress(console, "start") as report:
+            outcome = check_engines(scene, arguments.duration, report)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
+        save(draw_differences(outcome), folder)
+    reason = "trajectories diverge" if outcome.diverged else "the end; trajectories do not diverge"
+    terminal.print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
+    _print_checks(
+        console,
+        ("difference", "bound"),
+        [
+            (check.quantity, check.unit, (check.value, check.bound), check.passed)
+            for check in outcome.checks
+        ],
+    )
+    terminal.print_lines(console, f"table and figure in {folder}")
+    return 0 if outcome.passed else 1
+
+
+def _against(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.scene is None:
+        raise InputError("--against needs the result folder to compare with: crosscheck DIR")
+    from presswear.results.export import TOLERANCE, compare_tables, read_table, table_of
+
+    folder = Path(arguments.scene)
+    check_folder(folder)
+    theirs = read_table(arguments.against)
+    ours = table_of(terminal.load_result(folder, console), 0)
+    tolerance = arguments.tolerance or TOLERANCE
+    columns = compare_tables(ours, theirs, arguments.until, tolerance)
+    _print_checks(
+        console,
+        ("largest", "rms", "bound of rms"),
+        [
+            (each.column, each.unit, (each.greatest, each.rms, each.bound), each.passed)
+            for each in columns
+        ],
+    )
+    return 0 if all(each.passed for each in columns) else 1
+
+
+def _print_checks(
+    console: Console,
+    names: tuple[str, ...],
+    rows: list[tuple[str, str, tuple[float | None, ...], bool]],
+) -> None:
+    cells = []
+    for quantity, unit, numbers, passed in rows:
+        texts = ["" if value is None else f"{value:.2e}" for value in numbers]
+        cells.append(
+            [quantity, *texts, unit, "" if numbers[-1] is None else terminal.verdict(passed)]
+        )
+    terminal.print_table(console, ("quantity",), names, cells, ("unit", ""))
+
+
+def verify(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the engines on reference problems, or on hard cases."""
+    if arguments.long and not arguments.hard:
+        raise InputError("--long needs --hard; see presswear verify --help")
+    from presswear.validation import cases, hard_cases, reference_problems
+
+    selected = reference_problems.reference_cases()
+    if arguments.hard:
+        selected = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
+    outcomes: list[Outcome] = []
+    with progress_bar(console) as bar:
+        task = bar.add_task("verify", total=float(len(selected)))
+        for case in selected:
+            bar.update(task, description=f"{case.name}, {case.engine}")
+            outcomes.extend(cases.outcomes(case))
+            bar.advance(task)
+    (_print_hard if arguments.hard else _print_references)(console, outcomes)
+    missed = sum(outcome.verdict == "MISS" for outcome in outcomes)
+    refused = sum(outcome.verdict == "refused" for outcome in outcomes)
+    others = f", {refused} refused, {missed} missed" if arguments.hard else ""
+    passed = len(outcomes) - missed - refused
+    print_lines(console, f"{passed} of {len(outcomes)} within their bounds{others}")
+    return 1 if missed else 0
+
+
+def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
+    rows = []
+    for outcome in outcomes:
+        check, cells = outcome.check, ["", "", "", ""]
+        if check is not None and check.reference is not None:
+            cells = [f"{check.reference:.9g}", f"{check.reference + check.value:.9g}"]
+            cells += [f"{abs(check.value):.1e}", f"{check.bound:.0e}"]
+        rows.append([outcome.label, *cells, verdict(outcome.verdict == "pass")])
+    numbers = ("reference", "computed", "error", "bound")
+    print_table(console, ("quantity",), numbers, rows, ("",))
+
+
+def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
+    rows = []
+    for outcome in outcomes:
+        case, check, numbers = outcome.case, outcome.check, ["", ""]
+        if check is not None:
+            numbers = [f"{check.value:.1e}", f"{check.bound:.0e}"]
+        mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)
+        cells = [f"{outcome.seconds:.1f}", case.engine, escape(outcome.label), mark]
+        rows.append([case.name, *numbers, *cells])
+    names = ("engine", "checked", "")
+    print_table(console, ("case",), ("value", "bound", "s"), rows, names)
+
+
+SCENE = "wear-times"
+
+
+def benchmark(arguments: argparse.Namespace, console: Console) -> int:
+    """Measure speed against error, or the cost of each feature.
+
+    It measures and does not judge: the exit code is 0 however slow or inaccurate a method is.
+    """
+    repeats, scene = arguments.repeats, terminal.requested_scene(arguments)
+    folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
+    measure = _features if arguments.features else _work_precision
+    with only_writer(folder):
+        measure(scene, arguments.quick, repeats, folder, console)
+        from presswear.results.folder import provenance
+        from presswear.tools.serialize import write_json
+
+        write_json(folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()})
+    terminal.print_lines(console, f"results in {folder}")
+    return 0
+
+
+def _work_precision(
+    scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
+) -> None:
+    from presswear.show.figures import save
+    from presswear.validation import work_precision as module
+    from presswear.validation.timing import write_csv
+
+    extent = module.QUICK if quick else module.FULL
+    if repeats is not None:
+        extent = replace(extent, repeats=repeats)
+    with terminal.named_progress(console, "benchmark") as report:
+        points = module.work_precision(scene, extent, report)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_csv(module.table(points), folder / "benchmark.csv")
+    save(module.draw_work_precision(points), folder)
+    for problem in {id(point.problem): point.problem for point in points}.values():
+        quantity = next(iter(problem.quantities))
+        rows = [
+            [p.method.label, f"{1e3 * p.timing.wall:.3g}", f"{p.errors[quantity]:.1e}"]
+            for p in points
+            if p.problem is problem and p.timing is not None
+        ]
+        numbers = ("wall ms", f"error of {quantity}")
+        terminal.print_table(
+            console, ("method",), numbers, rows, title=problem.name, title_justify="left"
+        )
+    for point in points:
+        if point.failure:
+            words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
+            console.print(words, highlight=False, markup=False)
+
+
+def _features(
+    scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
+) -> None:
+    from presswear.validation import feature_costs as module
+    from presswear.validation.timing import write_csv
+
+    extent = module.QUICK if quick else module.FeatureExtent()
+    if repeats is not None:
+        extent = replace(extent, repeats=repeats)
+    with terminal.named_progress(console, "benchmark") as report:
+        costs = module.feature_costs(scene, extent, report)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_csv(module.table(costs), folder / "features.csv")
+    rows = [
+        [
+            f"{cost.feature}: {cost.state}",
+            cost.engine,
+            f"{cost.timing.per_second:.3f}",
+            f"{1e6 * cost.timing.per_step:.2f}",
+            f"{cost.step_ratio:.2f}",
+            f"{cost.wall_ratio:.2f}",
+        ]
+        for cost in costs
+    ]
+    numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
+    terminal.print_table(console, ("feature", "engine"), numbers, rows)
+    console.print(
+        "s/s is wall time per simulated second; ratios are to the row without the feature",
+        highlight=False,
+    )
