@@ -448,16 +448,8 @@ def _servo_angle(degrees: float, text: str, low: float = -_TURN) -> Any:
     return quantity(math.radians(degrees), "rad", low, _TURN, "chosen", text)
 
 
-def _stroke() -> Any:
-    return quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
-
-
-def _bottom(degrees: float) -> Any:
-    return _servo_angle(degrees, "turn of crank 2 from its start to bottom dead centre", 0.0)
-
-
-def _start(degrees: float) -> Any:
-    return _servo_angle(degrees, "angle of crank 7 at the start, which sets the slider's height")
+_BOTTOM = "turn of crank 2 from its start to bottom dead centre"
+_START = "angle of crank 7 at the start, which sets the slider's height"
 
 
 @dataclass(frozen=True)
@@ -469,9 +461,9 @@ class Dwell(Checked):
     part: float = quantity(
         1.0 / 9.0, "", 0.0, 0.5, "chosen", "part of the cycle of the dwell", open_low=True
     )
-    stroke: float = _stroke()
-    bottom: float = _bottom(120.0)
-    angle: float = _start(-20.0)
+    stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
+    bottom: float = _servo_angle(120.0, _BOTTOM, 0.0)
+    angle: float = _servo_angle(-20.0, _START)
     law: str = choice("modified-sine", tuple(RISES), "law of the rise and the return")
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
@@ -501,9 +493,9 @@ class Forming:
         6e-3, "m", 1e-5, 10.0, "chosen", "height at which the constant speed begins"
     )
     end: float = quantity(1e-3, "m", 1e-6, 10.0, "chosen", "height at which it ends")
-    stroke: float = _stroke()
-    bottom: float = _bottom(150.0)
-    angle: float = _start(0.0)
+    stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
+    bottom: float = _servo_angle(150.0, _BOTTOM, 0.0)
+    angle: float = _servo_angle(0.0, _START)
 
     def __post_init__(self) -> None:
         """Raise InputError where heights are in the wrong order."""
