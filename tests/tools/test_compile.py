@@ -1,4 +1,4 @@
-"""Compiled kernels: calls between them, lazy compilation, cache, bound arguments."""
+"""Compiled kernels: lazy compilation, cache, bound arguments."""
 
 import gc
 import os
@@ -6,7 +6,7 @@ import subprocess
 import sys
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,41 +31,6 @@ Array = NDArray[np.float64]
 @compiled
 def _leaf(x: float) -> float:
     return x * x + 1.0
-
-
-class _Inner(NamedTuple):
-    numbers: Array
-    is_odd: bool
-    nothing: Array | None
-
-
-class _Outer(NamedTuple):
-    inner: _Inner
-    columns: Array
-    factor: float
-
-
-@compiled
-def _inner_sum(inner: _Inner, from_place: int) -> float:
-    total = 0.0 if inner.nothing is None else 1e3
-    for x in inner.numbers[from_place:]:
-        total += x
-    return -total if inner.is_odd else total
-
-
-@compiled
-def _outer_sum(outer: _Outer, k: int) -> float:
-    cut = _Inner(outer.columns[:, k], not outer.inner.is_odd, None)
-    return outer.factor * (_inner_sum(outer.inner, 1) + _inner_sum(cut, 0))
-
-
-def test_nested_named_tuples_are_passed() -> None:
-    columns = np.arange(6.0).reshape(3, 2)
-    for is_odd, sign in ((True, -1.0), (False, 1.0)):
-        bare = _Outer(_Inner(np.array([1.0, 2.0, 4.0]), is_odd, None), columns, 2.0)
-        assert _outer_sum(bare, 1) == 2.0 * sign * (6.0 - 9.0)
-        full = bare._replace(inner=bare.inner._replace(nothing=columns[0]))
-        assert _outer_sum(full, 0) == 2.0 * sign * (1006.0 - 6.0)
 
 
 def test_garbage_collection_resumes_after_an_error() -> None:
@@ -116,14 +81,14 @@ def test_compiling_is_reported_with_its_duration_and_loading_is_not() -> None:
     def half(x: float) -> float:
         return 0.5 * _leaf(x)
 
-    heard: list[float] = []
-    with on_compiling(heard.append):
+    durations: list[float] = []
+    with on_compiling(durations.append):
         assert half(1.0) == 1.0
         assert half(3.0) == 5.0
-    start, took = heard
+    start, took = durations
     assert start == 0.0 < took
     specialised(half, 1)
-    assert len(heard) == 2
+    assert len(durations) == 2
 
 
 COUNTED = """

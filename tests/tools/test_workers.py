@@ -265,20 +265,20 @@ if __name__ == "__main__":
 """
 
 
+def run_script(file: Path, text: str) -> "subprocess.CompletedProcess[str]":
+    file.write_text(text)
+    source = str(Path(presswear.__path__[0]).parent)
+    command, env = [sys.executable, str(file)], {**os.environ, "PYTHONPATH": source}
+    return subprocess.run(command, env=env, capture_output=True, text=True, timeout=5 * PATIENCE)
+
+
 def test_a_run_works_where_processes_can_only_be_spawned(tmp_path: Path) -> None:
-    (tmp_path / "script.py").write_text(_SPAWNED)
-    done = subprocess.run(
-        [sys.executable, tmp_path / "script.py"],
-        env={**os.environ, "PYTHONPATH": str(Path(presswear.__path__[0]).parent)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_script(tmp_path / "script.py", _SPAWNED)
     assert done.stdout == "completed\n", done.stderr
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
-def test_a_signal_while_workers_start_leaves_no_traceback() -> None:
+def test_a_signal_while_workers_start_leaves_no_traceback(tmp_path: Path) -> None:
     script = """
 import os, signal, threading
 from presswear.tools.processes import Pool, stoppable
@@ -289,12 +289,6 @@ try:
 except KeyboardInterrupt:
     print("stopped")
 """
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    done = run_script(tmp_path / "script.py", script)
     assert done.stdout.endswith("stopped\n")
     assert done.stderr == ""
