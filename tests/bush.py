@@ -102,12 +102,9 @@ def bush(
         angles=angles,
     )
     numerics = Numerics(*(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae")))
-    defaults: dict[str, Any] = {
-        "engine": "dae",
-        "replicates": 1,
-        "conventions": CONVENTIONS["refined"],
-    }
-    return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **{**defaults, **settings})
+    settings.setdefault("conventions", CONVENTIONS["refined"])
+    settings = {"engine": "dae", "replicates": 1, **settings}
+    return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **settings)
 
 
 @dataclass

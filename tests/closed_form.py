@@ -48,7 +48,7 @@ Turning = tuple[Array, Array | float, Array | float]
 
 def crank(centre: Point, length: float, turning: Turning) -> Point:
     """Tip of a crank that turns about a fixed point."""
-    angle, speed, faster = (np.broadcast_to(own, turning[0].shape)[:, None] for own in turning)
+    angle, speed, faster = (np.broadcast_to(x, turning[0].shape)[:, None] for x in turning)
     arm = length * _direction(angle[:, 0])
     return Point(centre.position + arm, speed * _left(arm), faster * _left(arm) - speed**2 * arm)
 
@@ -115,8 +115,8 @@ def slider_state(c: Point, angle: float) -> BodyState:
     )
 
 
-def bar_state(own: Attachment, tail: Point, head: Point) -> BodyState:
-    """Motion of a body whose x axis points from one of its points, ``own``, to another."""
+def bar_state(origin: Attachment, tail: Point, head: Point) -> BodyState:
+    """Motion of a body whose x axis points from its point ``origin`` to another point."""
     arm = head.position - tail.position
     square = _dot(arm, arm)
     theta = np.arctan2(arm[:, 1], arm[:, 0])
@@ -124,7 +124,7 @@ def bar_state(own: Attachment, tail: Point, head: Point) -> BodyState:
     alpha = _dot(_left(arm), head.acceleration - tail.acceleration) / square
     axis = _direction(theta)
     # From the tail to the mass centre, in global directions.
-    lever = -(own.x * axis + own.y * _left(axis))
+    lever = -(origin.x * axis + origin.y * _left(axis))
     position = tail.position + lever
     velocity = tail.velocity + omega[:, None] * _left(lever)
     acceleration = tail.acceleration + alpha[:, None] * _left(lever) - (omega**2)[:, None] * lever
@@ -227,7 +227,7 @@ def needed_by_virtual_work(
 ) -> Array:
     """Torques of cranks 2 and 7 under a force on the slider, N, joints closed, (n, 2), N m."""
     linkage, motion = press.linkage(), press_motion(press, time, None, turning_7)
-    mass = np.array([[own.mass, own.mass, own.inertia] for own in linkage.bodies]).ravel()
+    mass = np.array([[body.mass, body.mass, body.inertia] for body in linkage.bodies]).ravel()
     force = -mass * motion.acceleration
     force[:, 1::3] -= press.gravity * mass[1::3]
     force[:, 3 * linkage.index("slider 6") + 1] += upwards

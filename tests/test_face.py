@@ -1,4 +1,4 @@
-"""The face: everything that a script may import, and how a run ends for it."""
+"""Public interface: every name, bad values of every part, and how a run ends for a script."""
 
 import subprocess
 import sys
@@ -20,23 +20,23 @@ from presswear.recording.recorder import Recorder
 QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}
 
 
-def test_every_name_can_be_asked_for() -> None:
+def test_every_public_name_exists() -> None:
     for name in dir(pw):
         assert getattr(pw, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'Sceen'"):
         _ = getattr(pw, "Sceen")  # noqa: B009 (a type checker refuses the attribute)
 
 
-def test_the_version_is_that_of_the_package_and_of_its_citation() -> None:
+def test_one_version_in_package_citation_and_changelog() -> None:
     root = Path(__file__).parents[1]
-    message = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
-    assert message == pw.__version__
-    assert f"\nversion: {message}\n" in (root / "CITATION.cff").read_text()
-    assert f"\n## {message}\n" in (root / "CHANGELOG.md").read_text()
+    version = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
+    assert version == pw.__version__
+    assert f"\nversion: {version}\n" in (root / "CITATION.cff").read_text()
+    assert f"\n## {version}\n" in (root / "CHANGELOG.md").read_text()
 
 
 @pytest.mark.parametrize("program", ["import presswear", "main(['list'])", "main(['run', 'no'])"])
-def test_what_does_not_compute_loads_neither_numba_nor_exudyn(program: str) -> None:
+def test_a_program_without_a_run_loads_neither_numba_nor_exudyn(program: str) -> None:
     code = (
         f"import sys; from presswear.__main__ import main; {program}; "
         "sys.exit(bool({'numba', 'exudyn', 'scipy', 'matplotlib', 'msgspec'} & set(sys.modules)))"
@@ -74,16 +74,6 @@ def test_a_part_with_one_value_changed_is_accepted_or_refused_in_one_line(
     name = data.draw(st.sampled_from([item.name for item in fields(cast(Any, whole)) if item.init]))
     with suppress(pw.InputError):
         replace(cast(Any, whole), **{name: data.draw(anything)})
-
-
-def test_scenes_take_text_with_units_and_numbers() -> None:
-    scene = pw.scenes.wear_times(clearance="0.6 mm", friction=0.05, cycles=5)
-    assert (scene.bearings.clearance, scene.bearings.friction, scene.cycles) == (6e-4, 0.05, 5)
-    assert scene.origins["friction"] == "set by the user"
-    with pytest.raises(pw.InputError, match=r"friction = 3: allowed is 0 to 0\.8"):
-        pw.scenes.wear_times(friction=3)
-    with pytest.raises(pw.InputError, match="did you mean clearance"):
-        pw.scenes.wear_times(clearence=1e-3)
 
 
 class Stops(pw.Observer):
