@@ -1,7 +1,6 @@
-"""Command lines that must be refused, drawn at random; each is bad by the way it is made.
+"""Command lines that must be refused, drawn at random; each is bad by construction.
 
-Nothing here asks the code that is tried whether a line is bad: it is misspelt, beyond a range
-that the scene states, without its unit, or together with what it contradicts.
+A line is misspelt, beyond a range of the scene, or without its unit.
 """
 
 import math
@@ -15,13 +14,12 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import settings_of
 from presswear.tools.quantities import Choice, Quantity
 
-Family = Callable[[Random], list[str]]  # Draws a command line of a kind
+Family = Callable[[Random], list[str]]  # draws a command line of a kind
 
-# A file and a folder that holds something, as seen from where the lines are given.
-FILE, FOLDER = "../a-file", "../a-folder"
+FILE, FOLDER = "../a-file", "../a-folder"  # the folder is not empty
 _PRESS, _CRANK = wear_times(), slider_crank()
 _KEYS = {scene.name: {setting.key for setting in settings_of(scene)} for scene in (_PRESS, _CRANK)}
-# Units that are none of a dimension.
+# Units that do not belong to a dimension.
 NOT_UNITS_OF = {
     "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
     "rad/s": "m, kg, s, rad, m/s, 1/s",
@@ -46,35 +44,16 @@ _NO_NUMBER_TEXTS = (
     "2**8 1/3 (1) __import__('os').getcwd() ${HOME} `ls` %s {0} 1e400 -1e400 1e99999999 ١٢٣ １２ "
     "² ½ −5 \x1b[31m5 \udcff \u202e5"
 )
-# What is no number that a computer can hold, with or without a unit behind it.
 _NO_NUMBERS = (*_NO_NUMBER_TEXTS.split(), "", " ", "5\x00", "5\n6", "9" * 5000)
 _NO_COUNTS = ("0", "-1", "1.5", "many", "", "1e400", "nan", "٣", "9" * 5000)
-# Folders that cannot be written into, as they are somebody's or no folders.
+# Folders that cannot be written into.
 _PLACES = (
     *(FOLDER, FILE, f"{FILE}/below", "", " ", "a\0b", "n" * 300, "x/" + "y" * 256),
     *("a\nb", "\udcff", "\x1b[2J", "/proc/none/x", "/dev/null", "/dev/null/x"),
 )
 _ALPHABETS = (range(32, 127), range(32), range(0x80, 0xD800), range(0xE000, 0x110000))
 
-_AT_ODDS = """
-run wear-times --set=joints=A --engine=exudyn-tree
-run clearance-a --engine=exudyn-tree
-run ideal --engine=exudyn-tree
-run slider-crank --set=joints=none --engine=exudyn-tree
-run slider-crank --set=joints=AC
-run ideal --set=replicates=2
-run wear-times --set=joints=none --set=replicates=3
-run wear-times --set=contact=foundation --set=exponent=1.2
-run wear-times --wear-updates=1 --set=wear_updates=21
-run wear-times --set=friction=0.1 --set=friction=0.2
-run wear-times --jobs=0
-run wear-times --resume
-run friction --resume
-benchmark ideal --quick
-benchmark --quick --set=joints=none
-benchmark --features --set=joints=A
-"""
-# Values of options that none of them has, by what stands before them.
+# Values that no option has, by the words before the option.
 _OPTIONS = {
     "run {scene}": "cycles={count} wear_updates={text} wear_updates=-1 wear_updates={many} "
     "tolerance={count} engine={text} conventions={text} out={place} on=no/{text}",
@@ -94,14 +73,14 @@ _LINES = (
 _NAMES = ("no{text}", "{command} no{text}", "{command} --x{word}", "{command} --x{word}={text}")
 
 
-def _text(draw: Random, most: int = 40) -> str:
-    length = draw.randrange(most)
-    return "".join(
-        chr(draw.choice(draw.choice((_ALPHABETS[0], *_ALPHABETS)))) for _ in range(length)
-    )
+def _text(draw: Random) -> str:
+    """Return any text, half of it of characters that people type."""
+    alphabets = (_ALPHABETS[0], *_ALPHABETS)
+    return "".join(chr(draw.choice(draw.choice(alphabets))) for _ in range(draw.randrange(40)))
 
 
 def _wild(draw: Random) -> str:
+    """Return any text that does not begin like a number."""
     text = _text(draw)
     while re.match(r"\s*[+-]?\.?[0-9]", text):
         text = _text(draw)
@@ -109,11 +88,12 @@ def _wild(draw: Random) -> str:
 
 
 def _within(draw: Random, low: float, high: float) -> float:
+    """Return a number of a range, at times one of its ends."""
     return draw.choice((low, high, *(draw.uniform(low, high) for _ in range(8))))
 
 
 def _filled(lines: Sequence[str]) -> Family:
-    """Lines like given ones, a word for each of theirs."""
+    """Return a family of lines whose placeholders are filled at random."""
 
     def line(draw: Random) -> list[str]:
         text, no_count = _wild(draw), draw.choice(_NO_COUNTS)
@@ -138,21 +118,18 @@ def _set(scene: Scene, **values: str) -> list[str]:
     return ["run", scene.name, *(f"--set={key}={value}" for key, value in values.items())]
 
 
-def _of_setting(
-    kind: type,
-    text: Callable[[Random, Any], str],
-    fits: Callable[[Any], bool] = lambda meaning: True,
-) -> Family:
-    """Lines that give a quantity or choice of a scene a text that is none for it."""
-    owners = [
+def _of_setting(kind: type, text: Callable[[Random, Any], str], is_whole: bool = False) -> Family:
+    """Return a family of lines with a bad text for a quantity or choice of a scene."""
+    settings = [
         (scene, setting)
         for scene in (_PRESS, _CRANK)
         for setting in settings_of(scene)
-        if isinstance(setting.meaning, kind) and fits(setting.meaning)
+        if isinstance(setting.meaning, kind)
+        and getattr(setting.meaning, "whole", False) >= is_whole
     ]
 
     def line(draw: Random) -> list[str]:
-        scene, setting = draw.choice(owners)
+        scene, setting = draw.choice(settings)
         return _set(scene, **{setting.key: text(draw, setting.meaning)})
 
     return line
@@ -164,12 +141,13 @@ def _no_number(draw: Random, meaning: Quantity) -> str:
 
 
 def _wrong_unit(draw: Random, meaning: Quantity) -> str:
+    """Return a number with the unit of another dimension, or without the unit it needs."""
     units = NOT_UNITS_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
     return f"{_within(draw, 0.0, 100.0)!r} {draw.choice(units)}".strip()
 
 
 def _beyond(draw: Random, meaning: Quantity) -> str:
-    """A value outside its range, on either side, by a hair or by far."""
+    """Return a value outside its range, on either side, just outside or far."""
     far = draw.choice((0.0, 5e-324, 1e-12, 1.0, 1e10, 1e300, draw.uniform(0.0, 1e300)))
     is_above = draw.random() < 0.5
     if meaning.whole:
@@ -190,7 +168,7 @@ def _no_choice(draw: Random, choice: Choice) -> str:
 
 
 def _unknown_key(draw: Random) -> list[str]:
-    """Keys that no scene has, that are misspelt, or that belong to another mechanism."""
+    """Return a line with a key that is misspelt or belongs to another mechanism."""
     scene = draw.choice((_PRESS, _CRANK))
     here, all_keys = _KEYS[scene.name], sorted(_KEYS[_PRESS.name] | _KEYS[_CRANK.name])
     strange = ("__class__", "name", "title", "origins", "mechanism", "bearings.width")
@@ -203,48 +181,19 @@ def _unknown_key(draw: Random) -> list[str]:
             return _set(scene, **{key: "1"})
 
 
-def _at_odds(draw: Random) -> list[str]:
-    """Values that are allowed alone but not together."""
-    size, part = _within(draw, 1e-4, 1.0), _within(draw, 0.0, 1.0)
-    speed, length = _within(draw, 1e-9, 1.0), _within(draw, 1e-3, 10.0)
-    short, long = _within(draw, 1e-3, 0.1), _within(draw, 0.5, 10.0)
-    bc, cd = _within(draw, 1e-3, 4.0), _within(draw, 1e-3, 4.0)
-    exponent = draw.choice((1.0, 2.5, draw.uniform(1.0, 1.49), draw.uniform(1.51, 2.5)))
-
-    def lengths(scene: Scene, **values: float) -> list[str]:
-        return _set(scene, **{key: f"{value!r}m" for key, value in values.items()})
-
-    ramp = {"upper_speed": f"{speed!r}m/s", "lower_speed": f"{min(speed * (1.0 + part), 1.0)!r}m/s"}
-    return draw.choice(
-        (
-            lengths(_PRESS, bearing_radius=size, clearance=min(size * (1.0 + part), 1.0)),
-            lengths(_PRESS, length_3=short),
-            lengths(_PRESS, **{draw.choice(("length_2", "length_7")): long}),
-            lengths(_PRESS, side_bc=bc, side_cd=cd, side_bd=(bc + cd) * (1.0 + short)),
-            lengths(_CRANK, crank_length=length, rod_length=max(length * part, 1e-3)),
-            _set(_PRESS, **ramp),
-            [*_set(_PRESS, exponent=f"{exponent!r}"), "--conventions=refined"],
-            _filled(_AT_ODDS.strip().splitlines())(draw),
-        )
-    )
-
-
-# All kinds of bad command lines.
 FAMILIES: dict[str, Family] = {
     "unknown keys": _unknown_key,
     "no numbers": _of_setting(Quantity, _no_number),
     "wrong units": _of_setting(Quantity, _wrong_unit),
     "beyond ranges": _of_setting(Quantity, _beyond),
     "no choices": _of_setting(Choice, _no_choice),
-    "no whole numbers": _of_setting(
-        Quantity, lambda draw, meaning: f"{draw.randrange(90)}.5", lambda meaning: meaning.whole
-    ),
-    "contradictions": _at_odds,
+    "no whole numbers": _of_setting(Quantity, lambda draw, _: f"{draw.randrange(90)}.5", True),
     "bad options": _filled(_LINES),
     "bad names": _filled(_NAMES),
 }
 
 
 def bad_line(place: int, seed: int) -> list[str]:
+    """Return the bad line with a number; families take turns."""
     family = list(FAMILIES.values())[place % len(FAMILIES)]
     return family(Random(f"{seed} {place}"))

@@ -1,4 +1,4 @@
-"""Trials at their lengths, what they share, and the table at the end of ``pytest -m endurance``."""
+"""Fixtures of the trials, and the table at the end of ``pytest -m endurance``."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -19,7 +19,7 @@ TRIALS = pytest.StashKey[list[Trial]]()
 def trial(
     request: pytest.FixtureRequest, record_property: Callable[[str, object], None]
 ) -> Iterator[Trial]:
-    """A row of the table, also in what ``--junitxml`` writes."""
+    """Return a new row of the table, which ``--junitxml`` writes too."""
     trial = Trial()
     request.config.stash.setdefault(TRIALS, []).append(trial)
     yield trial
@@ -46,7 +46,7 @@ def pytest_terminal_summary(
 
 @pytest.fixture(scope="session")
 def alone(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Subject], Alone]:
-    """Each subject's run that is left alone, made when it is first asked for."""
+    """Return a function that runs a subject undisturbed, once."""
 
     @cache
     def run(subject: Subject) -> Alone:

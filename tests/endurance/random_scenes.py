@@ -1,50 +1,48 @@
 """Random scenes, and how each ends in an engine.
 
-Every quantity is drawn over its whole range, by its logarithm where that spans decades.  Links
-are drawn around a geometry that assembles, all of one scale: independent ones never would.
-Inertias are those that links of their masses and lengths can have, bearings are no larger than
-the shortest link.
+Every quantity is drawn over its whole range, by its logarithm where that spans decades. Links
+are drawn around a geometry that assembles, all of one scale: independent links never would.
+Inertias fit the masses and lengths of the links; bearings are no larger than the shortest link.
 """
 
+import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from random import Random
 from typing import Any
 
-from endurance.subject import OutsideError, run_part
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Plan
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE, Materials
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.physics.packed import mass_of
 from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.options import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of
-from presswear.validation.cases import ENERGY
+from presswear.validation.cases import ENERGY, sound
 
-# Coarsest tolerances drawn: those at which statistics are still usable for wear. Coarser ones are
-# allowed, for showing how wrong they are; a run says so by its energy.
+# Coarsest tolerances at which statistics are usable for wear; coarser ones are reported by energy.
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
-# Of the in-house solver: below, a stiff damper on a light link ends in round-off, and says so.
-FINEST = 1e-11
-GYRATION = (0.01, 10.0)  # Radius of gyration of a link, part of its length
-# Energy that may be missing however coarse a scene asks to be solved, part of that exchanged.
-MISSING = 1e-2
-# Part of the kinetic energy that counts as exchanged: of a run of a few steps, hardly any is, and
-# what is missing is round-off of what all bodies hold.
+FINEST = 1e-11  # of the in-house solver: below, a stiff damper on a light link ends in round-off
+GYRATION = (0.01, 10.0)  # radius of gyration of a link, part of its length
+MISSING = 1e-2  # energy that may be missing at any tolerance, part of the exchanged energy
+# Part of the kinetic energy that counts as exchanged: a run of a few steps exchanges hardly any.
 UNEXCHANGED = 1e-7
-# Steps after which an engine tells how far it is.
-STEPS_BETWEEN_LOOKS = {"dae": 2000, "exudyn-tree": 512, "exudyn-joints": 512}
-_ENDS = 0.08  # Part of all draws that take an end of their range
-_LEAST = 1e-9  # Smallest value drawn from a range that begins at zero, part of its end
-_CHANGE = 0.15  # Standard deviation of the logarithm of a link's length
+STEPS_BETWEEN_REPORTS = {"dae": 2000, "exudyn-tree": 512, "exudyn-joints": 512}
+_ENDS = 0.08  # part of all draws that are an end of their range
+_LEAST = 1e-9  # smallest value drawn from a range that begins at zero, part of its end
+_CHANGE = 0.15  # standard deviation of the logarithm of the length of a link
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
-# A cycle is run: that of a long run-up is hardly a motion. Drawn limits are mostly refused.
-_DRAWN_APART = (*_LENGTHS, "run_up", "torque_limit")
+# A cycle with a long run-up is hardly a motion; drawn limits are mostly refused.
+_NOT_DRAWN = (*_LENGTHS, "run_up", "torque_limit")
 
 
 def _spread(draw: Random, low: float, high: float) -> float:
+    """A value of a range that spans decades."""
     return math.exp(draw.uniform(math.log(low), math.log(high)))
 
 
@@ -63,12 +61,12 @@ def _value(draw: Random, meaning: Quantity) -> float:
     return draw.uniform(low, high)
 
 
-def _drawn(draw: Random, owner: Any, apart: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Values of the quantities and choices of a data class, some left as they are."""
+def _drawn(draw: Random, owner: Any, excluded: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return random values of the quantities and choices of a data class."""
     results: dict[str, Any] = {}
     for item in fields(owner):
         meaning = meaning_of(item, owner)
-        if item.name.startswith(apart):
+        if item.name.startswith(excluded):
             continue
         if isinstance(meaning, Choice) and not meaning.instances and not meaning.kinds:
             results[item.name] = draw.choice(meaning.words)
@@ -101,6 +99,7 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
 
 
 def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:
+    """Lengths of links around those of a mechanism that assembles."""
     results: dict[str, float] = {}
     for item in fields(owner):
         meaning = meaning_of(item)
@@ -130,22 +129,20 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
         crank = SliderCrank()
         links = _links(draw, crank, scale)
         weights = _weights(draw, crank, (("rod_inertia", "rod_mass", links["rod_length"]),))
-        return SliderCrank(**(_drawn(draw, crank, _DRAWN_APART) | weights | links))
+        return SliderCrank(**(_drawn(draw, crank, _NOT_DRAWN) | weights | links))
     press = Press(geometry=draw.choice(list(GEOMETRIES.values())))
     geometry = press.geometry
     moved = {"hx": scale * geometry.hx, "hy": scale * geometry.hy}
     placed = replace(geometry, **moved, **_links(draw, geometry, scale))
     links = _links(draw, press, scale)
-    turning = (
-        ("inertia_3", "mass_3", links["length_3"]),
-        ("inertia_4", "mass_4", placed.side_bd),
-        ("inertia_5", "mass_5", links["length_5"]),
-    )
-    values = _drawn(draw, press, _DRAWN_APART) | _weights(draw, press, turning) | links
+    lengths = {3: links["length_3"], 4: placed.side_bd, 5: links["length_5"]}
+    turning = tuple((f"inertia_{k}", f"mass_{k}", length) for k, length in lengths.items())
+    values = _drawn(draw, press, _NOT_DRAWN) | _weights(draw, press, turning) | links
     return Press(geometry=placed, **values)
 
 
 def _numerics(draw: Random) -> Numerics:
+    """Steps and tolerances of methods with error control."""
     usual = Numerics()
     values: dict[str, Any] = {}
     for engine in (usual.tree, usual.joints, usual.dae):
@@ -165,21 +162,17 @@ def scene_of(draw: Random) -> Scene:
     if conventions.contact == "foundation":
         bearings = replace(bearings, exponent=1.5)
     joints = draw.choice([*mechanism.openable, "".join(mechanism.openable), "none"])
-    return replace(
-        base,
-        mechanism=mechanism,
-        bearings=bearings,
-        conventions=conventions,
-        numerics=_numerics(draw),
-        joints=joints,
-        wear_updates=0,
-        replicates=1,
-        origins={},
-    )
+    parts: dict[str, Any] = {
+        "mechanism": mechanism,
+        "bearings": bearings,
+        "conventions": conventions,
+    }
+    parts |= {"numerics": _numerics(draw), "joints": joints, "origins": {}}
+    return replace(base, **parts, wear_updates=0, replicates=1)
 
 
 def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
-    """So many scenes, each with the number of those refused before it as not assembling."""
+    """Yield scenes, each with the number of draws before it that did not assemble."""
     for place in range(count):
         draw = Random(f"{seed} {place}")
         refused = 0
@@ -208,42 +201,54 @@ class Ended:
 
     @property
     def passed(self) -> bool:
+        """Return whether the run was sound and conserved energy."""
         return not self.failure and self.residual <= self.bound
 
 
-class TooLongError(RunFailed):
-    """A run that has taken all its steps."""
+class OutsideError(RunFailed):
+    """A pin sank in deeper than it is thick."""
 
-    def __init__(self, done: float, steps: int) -> None:
-        super().__init__(f"it takes more than {steps} steps")
+
+class TooLongError(RunFailed):
+    """A run that has used all its steps, and the part of it that they reached."""
+
+    def __init__(self, done: float) -> None:
+        super().__init__("too many steps")
         self.done = done
 
 
-def limited(scene: Scene, most: int) -> Callable[[float], None]:
-    """Return a function that stops a run after so many steps."""
-    left = most // STEPS_BETWEEN_LOOKS[scene.solver.word]
+def run_part(scene: Scene, part: float, most: int) -> float:
+    """Run a part of a cycle in a number of steps and return the relative missing energy."""
+    reports = itertools.count(1)
 
-    def look(done: float) -> None:
-        nonlocal left
-        left -= 1
-        if left < 0:
-            raise TooLongError(done, most)
+    def report(done: float, recorder: object) -> None:
+        if next(reports) > most // STEPS_BETWEEN_REPORTS[scene.solver.word]:
+            raise TooLongError(done)
 
-    return look
+    period, linkage = scene.mechanism.period, scene.linkage()
+    plan = Plan(part * period, 1, 1, report=report)
+    run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
+    if run.finding and run.finding.kind == "penetration":
+        raise OutsideError(run.message)
+    numbers = {name: value for name, value in sound(run, plan).diagnostics.items() if "_J" in name}
+    # Where weights fall, their energy turns into heat without the drives.
+    dissipated = float(numbers["contact_loss_J"]) + float(numbers["friction_loss_J"])
+    exchanged = max(float(numbers["drive_exchange_J"]), dissipated)
+    kinetic = 0.5 * float(mass_of(linkage) @ run.end.velocity**2)
+    return abs(float(numbers["energy_residual_J"])) / (exchanged + UNEXCHANGED * kinetic)
 
 
 def ended(scene: Scene, most: int) -> Ended:
-    """Run a cycle of a scene, or what so many steps reach of it."""
+    """Run a cycle of a scene, or the part of it that a number of steps reaches."""
     part = 1.0
     try:
         try:
-            energy = run_part(scene, part, limited(scene, most))
+            residual = run_part(scene, part, most)
         except TooLongError as reached:
             part = 0.9 * reached.done
-            energy = run_part(scene, part, limited(scene, 2 * most))
+            residual = run_part(scene, part, 2 * most)
     except (InputError, RunFailed, ArithmeticError) as error:
         return Ended(part, failure=f"{error}", is_outside=isinstance(error, OutsideError))
-    residual = energy.missing / (energy.exchanged + UNEXCHANGED * energy.kinetic)
     return Ended(part, residual, min(ENERGY[scene.solver.word] * coarser(scene), MISSING))
 
 
@@ -252,14 +257,11 @@ def coarser(scene: Scene) -> float:
 
     It grows with the tolerance, and with the square of a step.
     """
-    usual, numerics = Numerics(), scene.numerics
+    usual, numerics, word = Numerics(), scene.numerics, scene.solver.word
+    if word == "dae":
+        return max(1.0, numerics.dae.tolerance / usual.dae.tolerance)
+    if word == "exudyn-tree":
+        return max(1.0, numerics.tree.tolerance / usual.tree.tolerance)
     steps = ("steps_per_contact", "steps_sustained", "free_steps")
-    ratio = {
-        "dae": numerics.dae.tolerance / usual.dae.tolerance,
-        "exudyn-tree": numerics.tree.tolerance / usual.tree.tolerance,
-        "exudyn-joints": max(
-            getattr(usual.joints, name) / getattr(numerics.joints, name) for name in steps
-        )
-        ** 2,
-    }
-    return max(1.0, ratio[scene.solver.word])
+    ratios = (getattr(usual.joints, name) / getattr(numerics.joints, name) for name in steps)
+    return max(1.0, *ratios) ** 2

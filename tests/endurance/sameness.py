@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from endurance.subject import check_result
+from presswear.results.result import load
 from presswear.tools.errors import InputError
 
 SKIPPED = ("started", "resumed", "digest", "files")
 
 
 def _items(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the leaves of a document as text, by path."""
     if not isinstance(value, dict | list) or not value:
         yield path, repr(value)
         return
@@ -27,7 +28,8 @@ def _items(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _contents(folder: Path) -> dict[str, dict[str, Any]]:
-    check_result(folder)
+    """Return the contents of each file of a result, by name."""
+    load(folder)
     document = json.loads((folder / "result.json").read_text())
     contents: dict[str, dict[str, Any]] = {"result.json": dict(_items(document))}
     for name in document["files"]:

@@ -1,7 +1,4 @@
-"""presswear as the trials meet it: command lines, processes and folders.
-
-What they take from its inside, but for scenes and their settings, stands here and nowhere else.
-"""
+"""presswear as the trials meet it: command lines, processes and folders."""
 
 import contextlib
 import io
@@ -15,17 +12,10 @@ from pathlib import Path
 
 import presswear
 from presswear.__main__ import main
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
-from presswear.physics.packed import mass_of
 from presswear.results.folder import read_stored
-from presswear.results.result import load
-from presswear.scene.scene import Scene
-from presswear.tools.errors import RunFailed
 from presswear.tools.files import holder, read_checked
-from presswear.validation.cases import sound
 
-PATIENCE = 60.0  # Wall time after which a command line that must be refused counts as hung, s
+PATIENCE = 60.0  # s of wall time, after which a command line that must be refused counts as hung
 # As ``python -m presswear``; a shell's background jobs have SIGINT ignored.
 _PROGRAM = """
 import signal, sys
@@ -37,12 +27,13 @@ Process = subprocess.Popen[str]
 
 
 def is_one_line(output: str) -> bool:
+    """Return whether the output is one line of the program and no traceback."""
     return output.startswith("presswear: ") and len(output.removesuffix("\n").splitlines()) == 1
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Outcome of a command line."""
+    """Exit code of a command line, and its standard output and standard error."""
 
     code: int
     output: str
@@ -50,10 +41,12 @@ class Answer:
 
     @property
     def is_refusal(self) -> bool:
+        """True for exit code 2 with one line of errors and no output."""
         return self.code == 2 and is_one_line(self.errors) and not self.output
 
     @property
     def problem(self) -> str:
+        """Short description for a failed test."""
         return f"exit code {self.code}, {(self.errors or self.output).strip()[-300:]!r}"
 
 
@@ -62,7 +55,7 @@ class Ran(BaseException):
 
 
 def answered(line: list[str]) -> Answer:
-    """A command line in this process; a traceback counts as exit code 1, as in a shell."""
+    """Run a command line in this process; a traceback counts as exit code 1, as in a shell."""
     output, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
         try:
@@ -71,14 +64,13 @@ def answered(line: list[str]) -> Answer:
             code = ended.code if isinstance(ended.code, int) else 1
         except Ran:
             return Answer(0, output.getvalue(), "it ran")
-        # Whatever gets out of the program is a traceback to its user, which the trials count.
         except Exception as error:
             return Answer(1, output.getvalue(), f"{type(error).__name__}: {error}")
     return Answer(code, output.getvalue(), errors.getvalue())
 
 
 def start_process(*line: str, program: str = _PROGRAM) -> Process:
-    """A command line as a person types it, in a process and a session of its own."""
+    """Start a command line as a person types it, in a new process and session."""
     # The same source as in this process, wherever the other is.
     places = str(Path(presswear.__path__[0]).parent), os.environ.get("PYTHONPATH")
     source = os.pathsep.join(place for place in places if place)
@@ -94,6 +86,7 @@ def start_process(*line: str, program: str = _PROGRAM) -> Process:
 
 
 def end(process: Process, patience: float | None = None) -> Answer:
+    """Wait for a process, and kill it after ``patience``, s."""
     try:
         output, errors = process.communicate(timeout=patience)
     except subprocess.TimeoutExpired:
@@ -104,12 +97,13 @@ def end(process: Process, patience: float | None = None) -> Answer:
 
 
 def resume_option(out: Path) -> tuple[str, ...]:
+    """Return the option that resumes a run if a stopped run has left a folder."""
     return ("--resume",) if out.exists() else ()
 
 
 @dataclass(frozen=True)
 class Subject:
-    """A short run that is put through trials."""
+    """A short run for trials; settings are those of ``--set``."""
 
     engine: str
     scene: str
@@ -117,22 +111,12 @@ class Subject:
 
     def start(self, out: Path, *more: str) -> Process:
         """Start it with a checkpoint after every cycle."""
-        changes = [f"--set={setting}" for setting in self.settings]
-        return start_process(
-            *(
-                "run",
-                self.scene,
-                "--engine",
-                self.engine,
-                "--wear-updates",
-                "1",
-                "--checkpoint",
-                "0",
-            ),
-            *(*changes, "--out", str(out), *more),
-        )
+        line = f"run {self.scene} --engine {self.engine} --wear-updates 1 --checkpoint 0".split()
+        settings = [f"--set={setting}" for setting in self.settings]
+        return start_process(*line, *settings, "--out", str(out), *more)
 
     def finish(self, out: Path, *more: str) -> Answer:
+        """Run it to its end."""
         return end(self.start(out, *more))
 
 
@@ -141,8 +125,7 @@ _CRANK = ("cycles_per_update=2e4", "steps_per_contact=20", "steps_sustained=5")
 TREE = Subject("exudyn-tree", "wear-times", (*_PRESS, "cycles=2"))
 IN_HOUSE = Subject("dae", "wear-times", (*_PRESS, "cycles=2", "replicates=2"))
 JOINTS = Subject("exudyn-joints", "slider-crank", (*_CRANK, "cycles=1"))
-# One for each engine: several cycles, starts and steps of a wear, a few seconds each.
-SUBJECTS = (TREE, IN_HOUSE, JOINTS)
+SUBJECTS = (TREE, IN_HOUSE, JOINTS)  # several cycles, replicates and wear steps, some seconds each
 
 
 @dataclass(frozen=True)
@@ -153,17 +136,15 @@ class Alone:
     lasts: float
 
 
-Check = Callable[[Path], object]
-check_result: Check = load  # Reads a result folder whole; InputError names what is wrong with it
-
-
 def check_checkpoint(folder: Path) -> None:
+    """Read the checkpoint of a folder; InputError names what is wrong with it."""
     checkpoint = read_stored(folder).checkpoint
     if checkpoint is not None:
         read_checked(folder / checkpoint.file, checkpoint.digest)
 
 
 def checkpoint_of(folder: Path) -> Path | None:
+    """Return the checkpoint that the folder of a run names, if there is one."""
     if not (folder / "result.json").exists():
         return None
     checkpoint = read_stored(folder).checkpoint
@@ -171,6 +152,7 @@ def checkpoint_of(folder: Path) -> Path | None:
 
 
 def wait_for(is_so: Callable[[], object]) -> bool:
+    """Wait until a condition holds, at most for twice PATIENCE; return whether it holds."""
     last = time.monotonic() + 2.0 * PATIENCE
     while time.monotonic() < last:
         if is_so():
@@ -180,32 +162,5 @@ def wait_for(is_so: Callable[[], object]) -> bool:
 
 
 def is_at_work(process: Process, folder: Path) -> bool:
+    """Return whether a process holds a folder."""
     return f"process {process.pid} " in (holder(folder) or "")
-
-
-class OutsideError(RunFailed):
-    """A run of a scene that no law of contact covers: a pin sank in deeper than it is thick."""
-
-
-@dataclass(frozen=True)
-class Energy:
-    """Energy of a run, J: missing, exchanged by the drives, and kinetic at its end."""
-
-    missing: float
-    exchanged: float
-    kinetic: float
-
-
-def run_part(scene: Scene, part: float, look: Callable[[float], None]) -> Energy:
-    """Run a part of a cycle; RunFailed where it fails, or does not end sound and finite."""
-    period, linkage = scene.mechanism.period, scene.linkage()
-    plan = Plan(part * period, 1, 1, report=lambda part, recorder: look(part))
-    run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
-    if run.finding and run.finding.kind == "penetration":
-        raise OutsideError(run.message)
-    described = sound(run, plan).diagnostics
-    missing, exchanged = float(described["energy_residual_J"]), float(described["drive_exchange_J"])
-    # Where weights fall, their energy turns into heat without the drives.
-    dissipated = float(described["contact_loss_J"]) + float(described["friction_loss_J"])
-    exchanged = max(exchanged, dissipated)
-    return Energy(abs(missing), exchanged, 0.5 * float(mass_of(linkage) @ run.end.velocity**2))

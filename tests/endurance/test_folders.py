@@ -1,7 +1,5 @@
-"""Folders that fill up, cannot be written, vanish or are written by two; files that are damaged."""
+"""Folders that fill up, are read-only, vanish or have two writers; damaged files."""
 
-import hashlib
-import json
 import os
 import shutil
 import subprocess
@@ -10,20 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from random import Random
-from typing import Any
 
-import numpy as np
 import pytest
 
 from endurance.sameness import folder_differences
 from endurance.subject import (
     TREE,
     Alone,
-    Check,
     Subject,
-    answered,
     check_checkpoint,
-    check_result,
     checkpoint_of,
     end,
     is_at_work,
@@ -32,6 +25,7 @@ from endurance.subject import (
     wait_for,
 )
 from endurance.trial import SEED, Trial
+from presswear.results.result import load
 from presswear.tools.errors import InputError
 
 Runs = Callable[[Subject], Alone]
@@ -39,14 +33,11 @@ Runs = Callable[[Subject], Alone]
 
 @contextmanager
 def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
-    """A file system of its own of so many bytes; the test is skipped where that is not allowed."""
+    """Mount a file system of some bytes; skip the test where that is not allowed."""
     folder.mkdir()
     command = ["mount", "-t", "tmpfs", "-o", f"size={size}{options}", "tmpfs", str(folder)]
-    if shutil.which("mount") is None:
-        pytest.skip("no disk of its own can be made: there is no mount")
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        pytest.skip(f"no disk of its own can be made: {done.stderr.strip()}")
+    if not shutil.which("mount") or subprocess.run(command, capture_output=True).returncode:
+        pytest.skip("no file system can be mounted")
     try:
         yield folder
     finally:
@@ -55,7 +46,6 @@ def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
 
 @pytest.mark.endurance
 def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
-    """A disk too small for a run ends it with one line; where there is room again it goes on."""
     trial.title, trial.note = "disk full", "one line; with room again it goes on, equal"
     whole = alone(TREE).folder
     for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
@@ -77,7 +67,6 @@ def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) ->
 
 @pytest.mark.endurance
 def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
-    """A folder that cannot be written is refused before anything is computed."""
     trial.title, trial.note = "read-only folder", "refused with one line at the start"
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
@@ -113,7 +102,6 @@ def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bo
 def test_two_runs_into_one_folder(
     trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
 ) -> None:
-    """A second run into a folder is refused and leaves the first alone."""
     trial.title = "two runs into one folder"
     trial.note = "the second is refused, the first ends as if alone"
     out = tmp_path / "out"
@@ -129,7 +117,8 @@ def test_two_runs_into_one_folder(
     assert trial.passed, trial.first_miss
 
 
-def missed(check: Check, file: Path) -> str:
+def missed(check: Callable[[Path], object], file: Path) -> str:
+    """Return why a damaged file is not reported correctly, or nothing."""
     try:
         check(file.parent)
     except InputError as error:
@@ -148,7 +137,7 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
     process.kill()
     end(process)
     files = [*whole.glob("*.json"), *sorted(whole.glob("*.npz"))]
-    cases = [(check_result, file) for file in files]
+    cases: list[tuple[Callable[[Path], object], Path]] = [(load, file) for file in files]
     checkpoint = checkpoint_of(stopped)
     assert checkpoint is not None
     cases.append((check_checkpoint, checkpoint))
@@ -171,30 +160,3 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
         file.write_bytes(data)
         check(file.parent)
     assert trial.passed, trial.first_miss
-
-
-class Payload:
-    """Creates a folder when it is unpickled."""
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return os.mkdir, ("executed",)
-
-
-@pytest.mark.endurance
-def test_code_in_a_result_is_not_executed(
-    alone: Runs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """An array of pickled objects with a fitting digest is refused, not loaded."""
-    monkeypatch.chdir(tmp_path)
-    shutil.copytree(alone(TREE).folder, tmp_path / "copy")
-    file, document = tmp_path / "copy/stage-0.npz", tmp_path / "copy/result.json"
-    with np.load(file) as stored:
-        arrays: dict[str, Any] = dict(stored)
-    arrays["time"] = np.array([Payload()], dtype=object)
-    np.savez_compressed(file, **arrays)
-    content = json.loads(document.read_text())
-    content["files"][file.name] = hashlib.sha256(file.read_bytes()).hexdigest()
-    document.write_text(json.dumps(content))
-    answer = answered(["report", "copy"])
-    assert answer.is_refusal, answer.problem
-    assert not (tmp_path / "executed").exists()

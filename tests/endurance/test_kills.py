@@ -1,4 +1,4 @@
-"""Runs stopped at random moments, resumed, and held against one that was left alone."""
+"""Runs stopped at random moments and resumed, compared with an undisturbed run."""
 
 import contextlib
 import json
@@ -26,13 +26,13 @@ from endurance.subject import (
 )
 from endurance.trial import SEED, Trial
 
-# Runs that are tried for each stop wanted: most end before they are stopped where this fails.
-MOST_RUNS = 4
-STOPS = 4  # Of one run, at most
+MOST_RUNS = 4  # runs for each requested stop: some end before they are stopped
+Runs = Callable[[Subject], Alone]
+STOPS = 4  # of one run, at most
 
 
 def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> str | None:
-    """Stop a run after a time, s: what is wrong with how it ended; None: before it was stopped."""
+    """Stop a run after a time, s; return the problem, or None if it ended before."""
     process = subject.start(out, *resume_option(out))
     with contextlib.suppress(subprocess.TimeoutExpired):
         process.wait(after)
@@ -41,24 +41,16 @@ def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> s
     answer = end(process)
     if answer.code == 0:
         return None
-    if number == signal.SIGKILL:
-        return "" if answer.code == -number else f"stopped, {answer.problem}"
-    # As Python itself starts, it answers in its own way.
-    if answer.code != 128 + number and (had_started or answer.code != -number):
-        return f"stopped, {answer.problem}"
-    return (
-        f"not one line, {answer.problem}" if had_started and "\n" in answer.errors.strip() else ""
-    )
+    # A kill, or a signal while Python itself starts, ends the process at once.
+    if answer.code == -number and (number == signal.SIGKILL or not had_started):
+        return ""
+    is_line = not had_started or "\n" not in answer.errors.strip()
+    is_expected = number != signal.SIGKILL and answer.code == 128 + number and is_line
+    return "" if is_expected else f"stopped, {answer.problem}"
 
 
-def kill(
-    trial: Trial,
-    number: signal.Signals,
-    count: int,
-    alone: Callable[[Subject], Alone],
-    folder: Path,
-) -> None:
-    """Stop runs of all engines in turn so many times in all; each goes on until its end."""
+def kill(trial: Trial, number: signal.Signals, count: int, alone: Runs, folder: Path) -> None:
+    """Stop runs of all engines in turn, ``count`` times in all; each is resumed until its end."""
     trial.title = f"{number.name} at a random moment, resumed"
     wait = Random(SEED)
     longest: dict[Subject, float] = {}
@@ -81,12 +73,10 @@ def kill(
             answer = subject.finish(out, *resume_option(out))
             problems.append(answer.problem if answer.code else "")
         if not stops:
-            # The one that was left alone may have waited for the compiler.
+            # The undisturbed run may have waited for the compiler.
             longest[subject] = min(most, time.monotonic() - began)
             continue
-        wrong = [problem for problem in problems if problem] or folder_differences(
-            whole.folder, out
-        )[:3]
+        wrong = [text for text in problems if text] or folder_differences(whole.folder, out)[:3]
         trial.add(f"{subject.engine}: {'; '.join(wrong)}" if wrong else "", stops)
     trial.note = f"{runs} runs of {min(runs, len(SUBJECTS))} engines end equal, bit for bit"
 
@@ -101,14 +91,14 @@ def test_stops_at_random_moments(
     count: int,
     few: int,
     trial: Trial,
-    alone: Callable[[Subject], Alone],
+    alone: Runs,
     tmp_path: Path,
     is_quick: bool,
 ) -> None:
-    wanted = few if is_quick else count
-    kill(trial, number, wanted, alone, tmp_path)
+    requested = few if is_quick else count
+    kill(trial, number, requested, alone, tmp_path)
     assert trial.passed, trial.first_miss
-    assert trial.attempts == wanted, f"only {trial.attempts} stops"
+    assert trial.attempts == requested, f"only {trial.attempts} stops"
 
 
 def test_a_run_stopped_by_a_signal_goes_on(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 import re
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -11,18 +10,13 @@ import pytest
 from endurance.subject import end, start_process
 from endurance.trial import Trial
 
-ALLOWED = 0.1  # Part by which the longer run may take more
-# Time between two checkpoints, s. Both runs write checkpoints and continue from stored states.
-# With the default of 60 s only a run of more than 15 s does, and these take 45 MB at any number
-# of cycles.
-CHECKPOINT = 0.2
-# Prints the peak of its memory; ``getrusage`` would begin with the peak of its parent. A
-# checkpoint takes some 30 MB, whatever the number of cycles, and the shorter run would end before
-# the first.
+ALLOWED = 0.1  # part by which the longer run may take more
+# Both runs write checkpoints and continue from stored states, whatever their length; their peak is
+# printed, because ``getrusage`` would begin with the peak of the parent.
 _PROGRAM = """
 import re, sys
 from presswear.results import folder
-folder.INTERVAL, folder.MIN_WAIT = 1.0, 1.0  # both runs write checkpoints
+folder.INTERVAL, folder.MIN_WAIT = 1.0, 1.0
 from presswear.__main__ import main
 code = main(sys.argv[1:])
 print("peak", re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read())[1])
@@ -30,48 +24,20 @@ sys.exit(code)
 """
 
 
-@dataclass(frozen=True)
-class Size:
-    """Peak memory of a run, kB, and size of its stored arrays and checkpoints, bytes.
+def size_of(engine: str, cycles: int, out: Path) -> tuple[float, float]:
+    """Run fast cycles of the press; return peak memory and size of arrays and checkpoints, MB.
 
     The size does not include the table that holds the numbers of each cycle.
     """
-
-    memory: int
-    files: int
-
-
-def file_size(path: Path) -> int:
-    with ZipFile(path) as file:
-        return sum(i.compress_size for i in file.infolist() if i.filename != "cycles.npy")
-
-
-def size_of(engine: str, cycles: int, out: Path) -> Size:
-    """Run so many fast cycles of the press in a process of its own."""
-    line = ["run", "wear-times", "--engine", engine, "--cycles", f"{cycles}", "--wear-updates", "0"]
-    line += ["--checkpoint", f"{CHECKPOINT}"]
-    quick = ("speed=60rad/s", "integration_tolerance=1e-6", "tree_tolerance=1e-4")
-    settings = [f"--set={one}" for one in quick]
-    answer = end(start_process(*line, *settings, "--out", str(out), program=_PROGRAM))
+    line = f"run wear-times --engine {engine} --cycles {cycles} --wear-updates 0 --checkpoint 0.2"
+    line += " --set=speed=60rad/s --set=integration_tolerance=1e-6 --set=tree_tolerance=1e-4"
+    answer = end(start_process(*line.split(), "--out", str(out), program=_PROGRAM))
     assert answer.code == 0, answer.problem
-    results = re.search(r"^peak (\d+)$", answer.output, re.MULTILINE)
-    assert results is not None
-    return Size(int(results[1]), sum(map(file_size, out.glob("*.npz"))))
-
-
-def compare(trial: Trial, engine: str, few: int, many: int, place: Path) -> None:
-    """Try whether many cycles take no more memory and files than few, within ALLOWED."""
-    trial.title = f"{many} cycles in the memory and files of {few}, {engine}"
-    # Where nothing was compiled before, the compiler needs more than a run.
-    size_of(engine, 1, place / "compiled")
-    first, second = (size_of(engine, cycles, place / f"{cycles}") for cycles in (few, many))
-    memory, files = second.memory / first.memory, second.files / first.files
-    trial.note = (
-        f"peak {first.memory / 1024:.0f} and {second.memory / 1024:.0f} MB ({memory:.3f}), "
-        f"files {first.files / 1e6:.2f} and {second.files / 1e6:.2f} MB ({files:.3f})"
-    )
-    is_bounded = max(memory, files) <= 1.0 + ALLOWED
-    trial.add("" if is_bounded else f"more than {ALLOWED:.0%} apart: {trial.note}")
+    peak = re.search(r"^peak (\d+)$", answer.output, re.MULTILINE)
+    assert peak is not None
+    parts = [part for path in out.glob("*.npz") for part in ZipFile(path).infolist()]
+    size = sum(part.compress_size for part in parts if part.filename != "cycles.npy")
+    return int(peak[1]) / 1024.0, size / 1e6
 
 
 @pytest.mark.endurance
@@ -79,5 +45,15 @@ def compare(trial: Trial, engine: str, few: int, many: int, place: Path) -> None
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_ten_times_the_cycles(engine: str, trial: Trial, tmp_path: Path, is_quick: bool) -> None:
     few, many = (60, 600) if is_quick else (200, 2000)
-    compare(trial, engine, few, many, tmp_path)
+    trial.title = f"{many} cycles in the memory and files of {few}, {engine}"
+    # Where nothing was compiled before, the compiler needs more than a run.
+    size_of(engine, 1, tmp_path / "compiled")
+    short, long = (size_of(engine, cycles, tmp_path / f"{cycles}") for cycles in (few, many))
+    memory, files = long[0] / short[0], long[1] / short[1]
+    trial.note = (
+        f"peak {short[0]:.0f} and {long[0]:.0f} MB ({memory:.3f}), "
+        f"files {short[1]:.2f} and {long[1]:.2f} MB ({files:.3f})"
+    )
+    is_bounded = max(memory, files) <= 1.0 + ALLOWED
+    trial.add("" if is_bounded else f"more than {ALLOWED:.0%} apart: {trial.note}")
     assert trial.passed, trial.first_miss

@@ -1,4 +1,4 @@
-"""Random scenes within all ranges: any that is allowed runs in both engines, its energy adds up."""
+"""Random scenes within all ranges run in both engines and conserve energy."""
 
 from dataclasses import replace
 
@@ -8,9 +8,8 @@ from endurance.random_scenes import ended, random_scenes
 from endurance.trial import SEED, Trial
 
 ENGINES = ("exudyn", "dae")
-STEPS = 5000  # Of a run: most do not get through a cycle in so few, some would take millions
-# Part of the scenes that may end with a message: that says nothing false, but is no survivor.
-ALLOWED = 0.05
+STEPS = 5000  # of a run: most do not reach the end of a cycle, some would take millions
+ALLOWED = 0.05  # part of the scenes that may end with a message
 
 
 def run_scenes(trial: Trial, count: int, seed: int) -> None:
@@ -37,15 +36,13 @@ def run_scenes(trial: Trial, count: int, seed: int) -> None:
         ]
         trial.add("; ".join(problems))
     trial.allowed = min(stopped, int(ALLOWED * count))
-    note = (
+    trial.note = (
         f"{stopped} ended with a message; largest residual {worst:.1e} of the energy exchanged; "
         f"{parts} in part, at {STEPS} steps; {refused} more did not assemble, in "
         f"{outside} pins sank in deeper than they are thick"
     )
-    trial.note, trial.first_miss = (
-        note,
-        f"{note}; first {trial.first_miss}" if trial.first_miss else "",
-    )
+    if trial.first_miss:
+        trial.first_miss = f"{trial.note}; first {trial.first_miss}"
 
 
 def test_random_scenes_run_in_both_engines() -> None:
