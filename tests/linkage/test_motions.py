@@ -39,8 +39,8 @@ def closed_form(law: str, x: Array) -> Array:
         return np.asarray(10.0 * x**3 - 15.0 * x**4 + 6.0 * x**5)
     outer = math.pi * x - 0.25 * np.sin(4.0 * math.pi * x)
     inner = 2.0 + math.pi * x - 2.25 * np.sin((4.0 * math.pi * x + math.pi) / 3.0)
-    found = np.where(x < 0.125, outer, np.where(x < 0.875, inner, 4.0 + outer))
-    return np.asarray(found / (4.0 + math.pi))
+    result = np.where(x < 0.125, outer, np.where(x < 0.875, inner, 4.0 + outer))
+    return np.asarray(result / (4.0 + math.pi))
 
 
 @pytest.mark.parametrize("law", RISES)
@@ -79,17 +79,17 @@ def test_rises_join_smoothly_around_the_cycle(drawn: tuple[list[float], ...]) ->
     """Where one piece ends the next goes on with the same angle, speed and acceleration."""
     parts, ways, laws, first, share = drawn
     ends = first + TURN * np.cumsum([0.0, *parts]) / sum(parts)
-    found = [
+    result = [
         Rise(begin, begin + share * (end - begin), by, str(law))
         for (begin, end), by, law in zip(pairwise(ends), ways, laws, strict=True)
     ]
-    pieces = pieces_of((), tuple(found))
+    pieces = pieces_of((), tuple(result))
     assert pieces.net == pytest.approx(sum(ways), abs=1e-12)
     assert np.all(np.diff(pieces.start) > 0.0)
     assert 0.0 <= pieces.start[0] <= pieces.start[-1] < TURN
     h = 1e-9
     before, after = pieces.at(pieces.start - h), pieces.at(pieces.start + h)
-    shortest = min(rise.end - rise.start for rise in found)
+    shortest = min(rise.end - rise.start for rise in result)
     for level, (one, other) in enumerate(zip(before, after, strict=True)):
         jerk = 200.0 / shortest ** (level + 1)
         np.testing.assert_allclose(one, other, atol=1e-13 + 2.0 * h * jerk * 2.0)

@@ -40,12 +40,12 @@ def four_bar(
     )
 
 
-def agree(found: Motion, exact: Motion, speed: float) -> None:
+def agree(result: Motion, exact: Motion, speed: float) -> None:
     """To 1e-12 m and rad, and accelerations to 1e-10 of their greatest."""
-    np.testing.assert_allclose(found.position, exact.position, atol=1e-12)
-    np.testing.assert_allclose(found.velocity / speed, exact.velocity / speed, atol=1e-11)
+    np.testing.assert_allclose(result.position, exact.position, atol=1e-12)
+    np.testing.assert_allclose(result.velocity / speed, exact.velocity / speed, atol=1e-11)
     most = np.abs(exact.acceleration).max()
-    np.testing.assert_allclose(found.acceleration, exact.acceleration, atol=1e-10 * most)
+    np.testing.assert_allclose(result.acceleration, exact.acceleration, atol=1e-10 * most)
 
 
 @given(
@@ -57,11 +57,11 @@ def test_the_press_moves_as_in_closed_form(name: str, speed: float, cycles: list
     press = Press(geometry=GEOMETRIES[name], speed=speed)
     time = press.period * np.array(cycles)
     exact = press_motion(press, np.append(0.0, time))
-    found = motion_of(press).at(np.append(0.0, time))
+    result = motion_of(press).at(np.append(0.0, time))
     # The closed form makes angles continuous from one instant to the next, whatever lies between.
-    turns = np.round((exact.position - found.position)[:, 2::3] / (2.0 * math.pi))
+    turns = np.round((exact.position - result.position)[:, 2::3] / (2.0 * math.pi))
     exact.position[:, 2::3] -= 2.0 * math.pi * turns
-    agree(found, exact, speed)
+    agree(result, exact, speed)
 
 
 @given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
@@ -74,15 +74,15 @@ def test_the_slider_crank_moves_as_in_closed_form(crank: float, ratio: float, sp
 def test_the_four_bar_moves_as_in_the_textbook() -> None:
     """Freudenstein's equation for the rocker, and the coupler between their ends."""
     time = np.linspace(0.0, PERIOD, 361)
-    found = ideal_motion(four_bar(), PERIOD).at(time).position
+    result = ideal_motion(four_bar(), PERIOD).at(time).position
     crank = 0.3 + 30.0 * time
     a, b, c, d = 0.05, 0.20, 0.12, 0.18
     k1, k2, k3 = d / a, d / c, (a * a - b * b + c * c + d * d) / (2.0 * a * c)
     # K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), angles from the frame's line.
-    rocker = found[:, 8]
+    rocker = result[:, 8]
     left = k1 * np.cos(rocker) - k2 * np.cos(crank) + k3
     np.testing.assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
-    tip = a * np.exp(1j * crank) + b * np.exp(1j * found[:, 5])
+    tip = a * np.exp(1j * crank) + b * np.exp(1j * result[:, 5])
     np.testing.assert_allclose(tip, d + c * np.exp(1j * rocker), atol=1e-13)
 
 
@@ -111,8 +111,8 @@ def test_the_guess_says_which_way_it_is_put_together() -> None:
     crank, base = up[0, 2], 0.18
     assert crank == down[0, 2] == 0.3
     tip = np.array([0.05 * math.cos(0.3), 0.05 * math.sin(0.3)])
-    for found, side in ((up, 1.0), (down, -1.0)):
-        head = np.array([base, 0.0]) + 0.12 * np.array([np.cos(found[2, 2]), np.sin(found[2, 2])])
+    for result, side in ((up, 1.0), (down, -1.0)):
+        head = np.array([base, 0.0]) + 0.12 * np.array([np.cos(result[2, 2]), np.sin(result[2, 2])])
         assert np.hypot(*(head - tip)) == pytest.approx(0.20, rel=1e-13)
         line = np.array([base, 0.0]) - tip
         assert side * (line[0] * (head - tip)[1] - line[1] * (head - tip)[0]) > 0.0

@@ -30,21 +30,21 @@ def bar(speed: float = 10.0, angle: float = 0.0, **changes: Any) -> Linkage:
 def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
     press = Press(geometry=GEOMETRIES[geometry])
     linkage = press.linkage()
-    found = bottom_of(ideal_motion(linkage, press.period))
-    assert found is not None
+    result = bottom_of(ideal_motion(linkage, press.period))
+    assert result is not None
 
     def level(time: float, which: int) -> float:
         return float(press_motion(press, np.array([time])).output(linkage)[0, which])
 
-    time = brentq(level, found.time - 0.02, found.time + 0.02, args=(1,), xtol=1e-16)
-    assert found.time == pytest.approx(time, abs=1e-14)
-    assert found.height == pytest.approx(level(time, 0), abs=1e-15)
+    time = brentq(level, result.time - 0.02, result.time + 0.02, args=(1,), xtol=1e-16)
+    assert result.time == pytest.approx(time, abs=1e-14)
+    assert result.height == pytest.approx(level(time, 0), abs=1e-15)
     everywhere = np.linspace(0.0, press.period, 20_001)
     height, speed, _ = press_motion(press, everywhere).output(linkage).T
-    assert found.height <= height.min() + 1e-15
-    assert found.stroke == pytest.approx(float(np.ptp(height)), rel=1e-5)
-    begin, end = found.window
-    assert begin < found.time < end <= press.period
+    assert result.height <= height.min() + 1e-15
+    assert result.stroke == pytest.approx(float(np.ptp(height)), rel=1e-5)
+    begin, end = result.window
+    assert begin < result.time < end <= press.period
     # The window is the lower half of the stroke, to within a node of 1440.
     half = height.min() + 0.5 * np.ptp(height)
     for edge in (begin, end):
@@ -72,13 +72,13 @@ def test_slider_crank_is_lowest_where_crank_and_rod_are_in_line(
 @pytest.mark.parametrize("run_up", [0, 2])
 def test_bar_is_lowest_at_three_quarters(angle: float, place: float, run_up: int) -> None:
     linkage = bar(angle=angle, run_up=run_up)
-    found = bottom_of(ideal_motion(linkage, linkage.period))
-    assert found is not None
+    result = bottom_of(ideal_motion(linkage, linkage.period))
+    assert result is not None
     back = 1.0 if place + 0.25 > 1.0 else 0.0
-    assert found.time == pytest.approx((place - back) * linkage.period, abs=1e-13)
-    assert found.height == pytest.approx(-0.2, abs=1e-15)
-    assert found.first == int(back)
-    late = found.delay(linkage.run_up_time + linkage.period * np.array([place, 7.0 + place, 0.9]))
+    assert result.time == pytest.approx((place - back) * linkage.period, abs=1e-13)
+    assert result.height == pytest.approx(-0.2, abs=1e-15)
+    assert result.first == int(back)
+    late = result.delay(linkage.run_up_time + linkage.period * np.array([place, 7.0 + place, 0.9]))
     assert late[:2] == pytest.approx(0.0, abs=1e-13)
     assert late[2] == pytest.approx((0.9 - place) * linkage.period, abs=1e-13)
 

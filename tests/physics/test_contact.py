@@ -58,10 +58,10 @@ def _contact_point(pair: Pair) -> Array:
     e = np.array([pin.x - bearing.x, pin.y - bearing.y])
     n = e / np.hypot(*e)
     turns = float(joint.map_frame == "body")
-    own = np.array([math.atan2(e[1], e[0]) - turns * pair.q[2]])
+    angle = np.array([math.atan2(e[1], e[0]) - turns * pair.q[2]])
     gap = gap_of(joint, math.atan2(e[1], e[0]), pair.q[2], pair.q[5])
     indentation = 0.5 * max(float(np.hypot(*e)) - gap, 0.0)
-    reach = joint.bearing_radius + float(joint.bearing_surface(own)[0]) + indentation
+    reach = joint.bearing_radius + float(joint.bearing_surface(angle)[0]) + indentation
     return np.asarray(np.array([bearing.x, bearing.y]) + reach * n)
 
 

@@ -23,5 +23,7 @@ from presswear.physics.packed import pack
 def test_only_what_exceeds_half_of_the_exchange_is_wrong(
     loss: float, exchange: float, wrong: bool
 ) -> None:
-    told = made_energy(pack(FOUR_BAR), loss, exchange)
-    assert ("made 0.6 J" in told and "steps are too coarse" in told) if wrong else told == ""
+    warning = made_energy(pack(FOUR_BAR), loss, exchange)
+    assert (
+        ("made 0.6 J" in warning and "steps are too coarse" in warning) if wrong else warning == ""
+    )

@@ -81,14 +81,14 @@ def test_the_crank_is_turned_as_the_law_of_cosines_says(
     harmonics = [(scale * a / (k + 1), scale * b / (k + 1)) for k, (a, b) in enumerate(waves)]
     drive = Drive("crank", 0.0, 0.5 * math.pi, 20.0, follow=Follow("slider.centre", 0.0, harmonics))
     linkage = CRANK.changed(drives=[drive], run_up=run_up, guess={"rod": -math.asin(R / ROD)})
-    found = followed(linkage)
+    solution = followed(linkage)
     time = np.linspace(0.0, linkage.period, 300)
     x = np.full_like(time, math.sqrt(ROD**2 - R**2))
     for k, (a, b) in enumerate(harmonics, start=1):
         x += a * (np.cos(20.0 * k * time) - 1.0) + b * np.sin(20.0 * k * time)
     exact = np.arccos((x**2 + R**2 - ROD**2) / (2.0 * R * x))
-    assert np.abs(found.drives[0].motion(time)[0] - exact).max() < 1e-8
-    assert found.run_up == run_up
+    assert np.abs(solution.drives[0].motion(time)[0] - exact).max() < 1e-8
+    assert solution.run_up == run_up
 
 
 def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly() -> None:
@@ -96,7 +96,7 @@ def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly() -> None:
     uneven = replace(PRESS.drives[1], harmonics=[(0.0, 0.0), (0.0, 0.0), (0.0, 0.08)])
     later = math.radians(1.6) / W
     phase, time = TURN * np.arange(250) / 250, np.linspace(0.0, PERIOD, 500)
-    motion, given = motion_of(servo(uneven)), uneven.motion(time + later)[0]
+    motion, expected = motion_of(servo(uneven)), uneven.motion(time + later)[0]
     there = motion.at(np.array([later])).position[0].reshape(-1, 3)
     angles = {body.name: float(there[k, 2]) for k, body in enumerate(PRESS.bodies)}
     place, velocity, acceleration = motion.at(later + phase / W).output(PRESS).T
@@ -106,29 +106,29 @@ def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly() -> None:
         guess={name: angles[name] for name in ("rod 3", "plate 4", "rod 5")},
         drives=[
             replace(PRESS.drives[0], angle=angles["crank 2"]),
-            Drive("crank 7", W, float(given[0]), follow=follow),
+            Drive("crank 7", W, float(expected[0]), follow=follow),
         ],
     )
-    assert np.abs(followed(linkage).drives[1].motion(time)[0] - given).max() < 1e-7
+    assert np.abs(followed(linkage).drives[1].motion(time)[0] - expected).max() < 1e-7
 
 
 def test_a_dead_point_that_is_in_the_way_is_told_with_its_place() -> None:
     """A curve higher by a ten thousandth leads past what the servo can reach there."""
-    curve: Any = [[phase, *(1.0001 * own for own in rest)] for phase, *rest in curve_of(PRESS)]
+    curve: Any = [[phase, *(1.0001 * item for item in rest)] for phase, *rest in curve_of(PRESS)]
     drive = Drive("crank 7", W, ANGLE, follow=Follow("slider 6.centre", table=curve))
-    told = "drive of crank 7 cannot make its point follow the curve: at crank angle "
-    with pytest.raises(AssemblyError, match=told) as refusal:
+    message = "drive of crank 7 cannot make its point follow the curve: at crank angle "
+    with pytest.raises(AssemblyError, match=message) as refusal:
         followed(servo(drive))
-    found = re.search(r"angle ([\d.]+) deg \(([\d.]+) s", str(refusal.value))
-    assert found is not None
-    angle, instant = map(float, found.groups())
+    located = re.search(r"angle ([\d.]+) deg \(([\d.]+) s", str(refusal.value))
+    assert located is not None
+    angle, instant = map(float, located.groups())
     assert angle == pytest.approx(360.0 * instant / PERIOD, abs=0.1)
     # There, and not a few degrees off, the slider hardly moves with crank 7.
     moved = []
     for turn in (-1e-4, 1e-4):
-        own = servo(replace(PRESS.drives[1], angle=ANGLE + turn))
+        turned = servo(replace(PRESS.drives[1], angle=ANGLE + turn))
         times = instant + np.array([0.0, -PERIOD / 36.0, PERIOD / 36.0])
-        moved.append(motion_of(own).at(times).output(own)[:, 0])
+        moved.append(motion_of(turned).at(times).output(turned)[:, 0])
     influence = np.abs(moved[1] - moved[0]) / 2e-4
     assert influence[0] < 0.1 * influence[1:].min()
 
@@ -198,9 +198,9 @@ def test_a_fast_motion_takes_few_steps(
     """Steps are long again behind a fast part; the slider is where the closed form has it."""
     steps = []
 
-    def counted(*given: Any) -> Any:
-        steps.append(given)
-        return closed(*given)
+    def counted(*arguments: Any) -> Any:
+        steps.append(arguments)
+        return closed(*arguments)
 
     monkeypatch.setattr(ideal, "closed", counted)
     drive = Drive("crank", 0.0, 0.0, 30.0, rises=rises)

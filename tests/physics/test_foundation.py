@@ -92,14 +92,14 @@ def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) ->
     here += float(pin(np.array(places[1:]))[0] if pin.is_worn else 0.0)
     empty = Surface(np.zeros(BINS))
     args = (bearing, pin if pin.is_worn else empty, C + here + above, *places)
-    found, expected = bed(*args), directly(*args)
-    assert found.overlap == pytest.approx(expected[0], abs=1e-12)
-    sums = [found.along, found.across, found.slope, found.square]
+    result, expected = bed(*args), directly(*args)
+    assert result.overlap == pytest.approx(expected[0], abs=1e-12)
+    sums = [result.along, result.across, result.slope, result.square]
     # The grid's own error: kinks of p inside a step of 3e-6 rad.
-    scales = [found.along + 1e-16, found.along + 1e-16, 2e-3 * found.along + 1e-18]
+    scales = [result.along + 1e-16, result.along + 1e-16, 2e-3 * result.along + 1e-18]
     for ours, theirs, scale in zip(sums[:3], expected[1:4], scales, strict=True):
         assert ours == pytest.approx(theirs, abs=2e-6 * scale)
-    assert found.square == pytest.approx(expected[4], rel=1e-6, abs=1e-24)
+    assert result.square == pytest.approx(expected[4], rel=1e-6, abs=1e-24)
 
 
 @pytest.mark.parametrize("bins", [9, 63, 90, 720])
@@ -109,13 +109,13 @@ def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity: float, bins: in
     bearing, pin = rough(4, bins), rough(5, bins)
     s = np.linspace(-math.pi, math.pi, 800_001)
     overlap = overlaps(s, bearing, pin, eccentricity, 0.4, 2.2)
-    found = bed(bearing, pin, eccentricity, 0.4, 2.2)
+    result = bed(bearing, pin, eccentricity, 0.4, 2.2)
     # The grid's own error: a bend of 2 m/rad^2 over half its step.
-    assert found.overlap == pytest.approx(overlap.max(), rel=0.0, abs=2e-11)
-    at = overlaps(np.array([found.place]), bearing, pin, eccentricity, 0.4, 2.2)[0]
-    assert at == pytest.approx(found.overlap, rel=0.0, abs=1e-17)
+    assert result.overlap == pytest.approx(overlap.max(), rel=0.0, abs=2e-11)
+    at = overlaps(np.array([result.place]), bearing, pin, eccentricity, 0.4, 2.2)[0]
+    assert at == pytest.approx(result.overlap, rel=0.0, abs=1e-17)
     area = np.maximum(overlap, 0.0).sum() * (s[1] - s[0])
-    assert found.area == pytest.approx(area, rel=1e-5, abs=1e-22)
+    assert result.area == pytest.approx(area, rel=1e-5, abs=1e-22)
 
 
 @pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
@@ -212,10 +212,10 @@ def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
     before = bed(bearing, pin, C, *places)
     # So far that the place that comes nearest meets by the micrometre.
     eccentricity = C + (1e-6 + above - before.overlap) / math.cos(before.place)
-    found = bed(bearing, pin, eccentricity, *places)
-    assert found.along > 0.0
+    result = bed(bearing, pin, eccentricity, *places)
+    assert result.along > 0.0
     s = np.linspace(-1.5, 1.5, 300_001)
     overlap = overlaps(s, bearing, pin, eccentricity, *places)
-    assert found.overlap == pytest.approx(overlap.max(), abs=1e-12)
+    assert result.overlap == pytest.approx(overlap.max(), abs=1e-12)
     along = (np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0])
-    assert found.along == pytest.approx(along, rel=2e-4, abs=1e-12)
+    assert result.along == pytest.approx(along, rel=2e-4, abs=1e-12)

@@ -21,9 +21,9 @@ def test_torques_of_the_press_are_those_of_virtual_work(run_up: int) -> None:
     within = np.linspace(0.0, press.period, 101)
     place = press_motion(press, within).output(plain)[:, 0]
     upwards = np.interp(place, *np.array(stop.table).T)
-    found = needed_torques(linkage, motion_of(linkage), linkage.run_up_time + within)
+    result = needed_torques(linkage, motion_of(linkage), linkage.run_up_time + within)
     expected = needed_by_virtual_work(press, within, upwards)
-    np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(result, expected, atol=1e-9 * np.abs(expected).max())
 
 
 def test_a_limit_is_that_of_the_greatest_torque() -> None:

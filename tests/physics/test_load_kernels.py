@@ -127,9 +127,9 @@ def test_in_one_sense_a_load_grows_with_the_speed_and_never_drives(
     for speed in (-3e-3, -5e-4, 0.0, 2e-4, 1e-3, 5.0, 5e-4, -5e-4, -2e-3, 5e-4):
         settle(packed, 0.0, 0.3, speed)
         part = min(max(sign * speed / 1e-3, 0.0), 1.0)
-        found = size(packed, 0.0, 0.3, speed)
-        assert found == pytest.approx(-sign * 4.0 * part)
-        assert found * speed <= 0.0
+        result = size(packed, 0.0, 0.3, speed)
+        assert result == pytest.approx(-sign * 4.0 * part)
+        assert result * speed <= 0.0
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
@@ -170,15 +170,15 @@ def rows_of(law: OverPosition) -> tuple[list[float], list[float]]:
 def borne(law: OverPosition, walk: list[float]) -> list[float]:
     """Resistance along a walk in the sense of a law from before its table, by its definition."""
     places, values = rows_of(law)
-    deepest, is_broken, found = -math.inf, False, []
+    deepest, is_broken, result = -math.inf, False, []
     for s in walk:
         if s <= places[0]:
             deepest, is_broken = -math.inf, False
         deepest = max(deepest, s)
         is_broken = is_broken or (law.release and s >= places[-1])
         line = np.interp(deepest, places, values) - law.unloading * (deepest - s)
-        found.append(0.0 if is_broken else max(float(line), 0.0))
-    return found
+        result.append(0.0 if is_broken else max(float(line), 0.0))
+    return result
 
 
 SENSES = st.sampled_from(["along", "against"])
@@ -205,7 +205,7 @@ def test_what_unloads_keeps_the_deepest_place_and_never_drives(
     bends += [s - float(np.interp(s, places, values)) / law.unloading for s in turns]
     packed = packed_of(law, turning=True)
     place_loads(packed, np.array([0.0, 0.0, sign * outside]), np.zeros(3))
-    walk, found = [outside], [0.0]
+    walk, result = [outside], [0.0]
     for one, other in pairwise(ends):
         way = math.copysign(1.0, other - one)
         settle(packed, 0.0, sign * one, 0.0, sign * way)
@@ -213,9 +213,9 @@ def test_what_unloads_keeps_the_deepest_place_and_never_drives(
         for s in [*sorted(between, reverse=way < 0.0), other]:
             settle(packed, 0.0, sign * s, sign * way)
             walk.append(s)
-            found.append(-sign * size(packed, 0.0, sign * s, sign * way))
-    assert found == pytest.approx(borne(law, walk), abs=1e-7)
-    work = np.diff(walk) @ (np.array(found[1:]) + np.array(found[:-1]))
+            result.append(-sign * size(packed, 0.0, sign * s, sign * way))
+    assert result == pytest.approx(borne(law, walk), abs=1e-7)
+    work = np.diff(walk) @ (np.array(result[1:]) + np.array(result[:-1]))
     assert work >= -1e-7
 
 
@@ -227,12 +227,12 @@ def test_a_start_within_a_sheet_is_at_its_deepest_place(sense: Sense, sign: floa
         packed = packed_of(law, turning=True)
         place_loads(packed, np.array([0.0, 0.0, 1.5 * sign]), np.array([0.0, 0.0, sign * speed]))
         assert -sign * size(packed, 0.0, 1.5 * sign, 0.0) == pytest.approx(6.0)
-        found = []
+        result = []
         way = [(1.4, -1.0), (1.0, -1.0), (0.9, 1.0), (1.4, 1.0), (1.6, 1.0)]
         for s, v in way if speed < 0.0 else [(1.5 + 0.1 * k, 1.0) for k in range(5)]:
             settle(packed, 0.0, sign * s, sign * v)
-            found.append(-sign * size(packed, 0.0, sign * s, sign * v))
-        assert found == pytest.approx(after, abs=1e-12)
+            result.append(-sign * size(packed, 0.0, sign * s, sign * v))
+        assert result == pytest.approx(after, abs=1e-12)
 
 
 def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
@@ -245,8 +245,8 @@ def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
     force = np.zeros(3)
     power = load_forces(packed, 0.0, q, v, force)
     s, speed, faster = load_motion(load, q, v, a)
-    given = size(packed, 0.0, s, speed)
-    assert power == pytest.approx(given * speed)
+    scale = size(packed, 0.0, s, speed)
+    assert power == pytest.approx(scale * speed)
     assert power == pytest.approx(force @ v)
     h = 1e-4
 
@@ -261,7 +261,7 @@ def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
         slope = (load_motion(load, q + step, v, a)[0] - load_motion(load, q - step, v, a)[0]) / (
             2.0 * h
         )
-        assert force[c] == pytest.approx(given * slope, rel=1e-6)
+        assert force[c] == pytest.approx(scale * slope, rel=1e-6)
 
 
 def test_loads_with_a_law_are_no_weight() -> None:

@@ -58,9 +58,9 @@ def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> 
     for level, (one, other) in enumerate(zip(drive_motion(packed(drive), t), exact, strict=True)):
         bound = 1e-13 * scale * (1.0 + 5.0 * drive.frequency) ** level * (1.0 + abs(drive.speed))
         assert one == pytest.approx(other, abs=bound)
-    found = [float(level[0]) for level in drive.motion(np.array([t]))]
-    found[0] -= drive.angle
-    np.testing.assert_allclose(found, drive_motion(packed(drive), t), rtol=1e-12, atol=1e-9)
+    result = [float(level[0]) for level in drive.motion(np.array([t]))]
+    result[0] -= drive.angle
+    np.testing.assert_allclose(result, drive_motion(packed(drive), t), rtol=1e-12, atol=1e-9)
     assert is_steady(FOUR_BAR, drive) == (not drive.harmonics)
     assert not is_steady(FOUR_BAR.changed(run_up=1), drive)
 
@@ -159,7 +159,7 @@ def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name: str) -> 
     assert np.all(off < (1e-12, 1e-12, 1e-11))
     # No torque in the series is beside the one of the motion.
     fine = InHouse(integration_tolerance=1e-12).simulate(scene.linkage(), start_of(scene), plan)
-    one, other = (own.recorder for own in (run, fine))
+    one, other = (item.recorder for item in (run, fine))
     torque = np.interp(one.rows[:, 0], other.rows[:, 0], other.torques[:, 0])
     assert np.abs(one.torques[:, 0] - torque).max() < 1e-3 * np.abs(torque).max()
 
@@ -183,9 +183,9 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     assert (touches < 3) == is_far
     for count, state in enumerate(kept, 1):
         exact = linkage.drives[0].motion(np.array([count * plan.cycle]))
-        found = [state[level][2] for level in "qva"]
+        result = [state[level][2] for level in "qva"]
         # Round-off of the accelerations of the free bodies is in that of the drive.
-        np.testing.assert_allclose(found, np.ravel(exact), rtol=1e-12)
+        np.testing.assert_allclose(result, np.ravel(exact), rtol=1e-12)
     assert len(kept) == 3
 
 
@@ -237,8 +237,8 @@ def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
     while breaks[-1] < run.time:
         breaks.append(break_after(motion, breaks[-1]))
     assert scene.run_up in breaks
-    for own in breaks[1:-1]:
-        assert np.abs(time - own).min() < 1e-12
+    for item in breaks[1:-1]:
+        assert np.abs(time - item).min() < 1e-12
 
 
 @pytest.mark.parametrize("scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"])
@@ -319,11 +319,11 @@ def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) ->
     assume(all(start == 0.0 or start > 1e-6 for start in drive.pieces.start))
     linkage = FOUR_BAR.changed(drives=[drive], run_up=run_up, cycle=TURN / 7.0)
     motion, duration = motions_of(linkage)[0], linkage.run_up_time
-    found = [t]
+    result = [t]
     for _ in range(3 * len(drive.pieces.start) + 1):
-        found.append(break_after(motion, found[-1]))
-    assert np.all(np.diff(found) > 0.0)
-    times = np.array(found[1:])
+        result.append(break_after(motion, result[-1]))
+    assert np.all(np.diff(result) > 0.0)
+    times = np.array(result[1:])
     phase = 7.0 * run_up_motion(times, duration)[0]
     off = np.abs(phase[:, np.newaxis] - drive.pieces.start) / TURN
     off = np.abs(off - np.round(off)).min(axis=1)
@@ -332,8 +332,8 @@ def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) ->
     assert off[~of_run_up].max(initial=0.0) < 1e-11
     # None is left out: as many as pieces begin in that time.
     first = 7.0 * run_up_motion(np.array([t]), duration)[0]
-    begun = [np.floor((p - drive.pieces.start) / TURN + 1e-9) for p in (first, phase[-1])]
-    assert len(times) - of_run_up.sum() == (begun[1] - begun[0]).sum()
+    started = [np.floor((p - drive.pieces.start) / TURN + 1e-9) for p in (first, phase[-1])]
+    assert len(times) - of_run_up.sum() == (started[1] - started[0]).sum()
 
 
 @given(st.floats(0.5, 500.0), st.integers(1, 10_000))

@@ -51,7 +51,7 @@ def test_bodies_without_freedom_are_those_that_the_jacobian_holds(linkage: Linka
         rows = constraints_of(opened).evaluate(0.123, motion.position[0], motion.velocity[0])[3]
         free = np.abs(null_space(rows, rcond=1e-9)).reshape(len(linkage.bodies), -1)
         held = free.max(axis=1, initial=0.0) < 1e-9
-        expected = {body.name for body, own in zip(linkage.bodies, held, strict=True) if own}
+        expected = {body.name for body, item in zip(linkage.bodies, held, strict=True) if item}
         assert prescribed_of(opened) == expected, names
         moving += len(linkage.bodies) - len(expected)
     assert moving > 0
@@ -65,8 +65,8 @@ def followed(prescribed: Prescribed, motion: Motion) -> list[Array]:
     begin_motion(prescribed, float(motion.time[0]), motion.position[0])
     for time in motion.time:
         place_prescribed(prescribed, float(time), q, v, a, axes)
-        for level, own in zip(levels, (q, v, a), strict=True):
-            level.append(own.copy())
+        for level, item in zip(levels, (q, v, a), strict=True):
+            level.append(item.copy())
     return [np.array(level) for level in levels]
 
 
@@ -84,8 +84,8 @@ def test_a_linkage_without_freedom_follows_its_ideal_motion(linkage: Linkage) ->
     ideal = motion_of(linkage).at(times_of(linkage))
     q, v, a = followed(pack_prescribed(linkage, everything), ideal)
     assert np.abs(q - ideal.position).max() < 1e-12
-    for own, exact in ((v, ideal.velocity), (a, ideal.acceleration)):
-        assert np.abs(own - exact).max() < 1e-10 * np.abs(exact).max()
+    for item, exact in ((v, ideal.velocity), (a, ideal.acceleration)):
+        assert np.abs(item - exact).max() < 1e-10 * np.abs(exact).max()
 
 
 @each_mechanism

@@ -64,22 +64,22 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(geometry: str, force: 
 
     def height(longer: Array) -> float:
         rods = {"length_3": press.length_3 + longer[0], "length_5": press.length_5 + longer[1]}
-        own = replace(press, **rods)
-        return float(press_motion(own, time).output(linkage)[0, 0])
+        item = replace(press, **rods)
+        return float(press_motion(item, time).output(linkage)[0, 0])
 
     longer, way = np.zeros(2), 1e-6
     for _ in range(20):
         ahead, behind = (
-            np.array([height(longer + sign * way * own) for own in np.eye(2)])
+            np.array([height(longer + sign * way * item) for item in np.eye(2)])
             for sign in (1.0, -1.0)
         )
         bears = force * (ahead - behind) / (2.0 * way)
-        plays = [play(*own) for own in zip(linkage.clearances, bears, strict=True)]
+        plays = [play(*item) for item in zip(linkage.clearances, bears, strict=True)]
         longer = np.copysign(plays, bears)
-    found = equilibrium(linkage, press.period + bottom.time, force)
-    assert found.height == pytest.approx(height(longer), abs=1e-12)
-    assert found.contacts["normal"] == pytest.approx(np.abs(bears), rel=1e-6)
-    assert heights_at_bottom(linkage, [force])[0] == pytest.approx(found.height, abs=1e-15)
+    result = equilibrium(linkage, press.period + bottom.time, force)
+    assert result.height == pytest.approx(height(longer), abs=1e-12)
+    assert result.contacts["normal"] == pytest.approx(np.abs(bears), rel=1e-6)
+    assert heights_at_bottom(linkage, [force])[0] == pytest.approx(result.height, abs=1e-15)
 
 
 @pytest.mark.parametrize("conventions", ["paper", "refined"])
@@ -94,9 +94,9 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
     expected = 2.0 * sum(play(joint, force, 3e-5) for joint in linkage.clearances)
     springs = expected - 2.0 * sum(joint.clearance + 3e-5 for joint in linkage.clearances)
     allowed = 1e-14 if conventions == "paper" else 0.03 * springs
-    found = pw.total_clearance(linkage, force)
-    assert found == pytest.approx(expected, abs=allowed)
-    assert found > pw.total_clearance(scene.linkage(), force) + 1.1e-4
+    result = pw.total_clearance(linkage, force)
+    assert result == pytest.approx(expected, abs=allowed)
+    assert result > pw.total_clearance(scene.linkage(), force) + 1.1e-4
 
 
 def held(force: float, angle: float) -> Linkage:
@@ -143,14 +143,14 @@ def test_engine_that_runs_to_rest_stands_there(conventions: str, force: float) -
         wear_updates=0,
     )
     linkage = scene.linkage()
-    found = equilibrium(linkage, 0.0)
+    result = equilibrium(linkage, 0.0)
     run = scene.solver.for_cycle(0.05).simulate(linkage, start_of(scene), Plan(0.05, 8))
     assert run.status == "completed"
     assert np.abs(run.end.velocity).max() < 1e-8
-    np.testing.assert_allclose(found.position, run.end.position, rtol=0.0, atol=1e-11)
+    np.testing.assert_allclose(result.position, run.end.position, rtol=0.0, atol=1e-11)
     # The load is as good as a pull at the slider.
     pulled = equilibrium(replace(linkage, loads=()), 0.0, force)
-    np.testing.assert_allclose(pulled.position, found.position, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(pulled.position, result.position, rtol=0.0, atol=1e-12)
 
 
 def test_weight_acts_and_loads_with_a_law_do_not() -> None:
@@ -167,7 +167,7 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
     assert heights_at_bottom(pressed, [0.0])[0] == hanging
     heavy = linkage.changed(bodies=[replace(body, mass=1e3 * body.mass) for body in linkage.bodies])
     assert pull_of(linkage) == LEAST_PULL
-    assert pull_of(heavy) == pytest.approx(1e4 * 9.81 * sum(own.mass for own in linkage.bodies))
+    assert pull_of(heavy) == pytest.approx(1e4 * 9.81 * sum(item.mass for item in linkage.bodies))
 
 
 def test_what_has_no_play_has_none() -> None:

@@ -320,19 +320,19 @@ def test_peak_between_fifteen_steps_of_a_contact(shift: float) -> None:
         return float(stiffness * penetration**1.5 * (1.0 + chi * rate / line.onset[0]))
 
     h = duration / 15.0
-    accepted = found = 0.0
+    accepted = result = 0.0
     for i in range(16):
         penetration, rate = motion((i - shift) * h)
         line.accept(h, LINE.clearance + penetration, rate)
-        found = max(found, float(line.memory["step_peak"][0]))
+        result = max(result, float(line.memory["step_peak"][0]))
         if penetration > 0.0:
             accepted = max(accepted, force((i - shift) * h))
     assert line.onset[0] > 0.0
     top = minimize_scalar(
         lambda part: -force(part * duration), bounds=(0.2, 0.7), options={"xatol": 1e-9}
     )
-    assert found == pytest.approx(-float(top.fun), rel=1e-5)
-    assert found > accepted * (1.0 - 1e-8)
+    assert result == pytest.approx(-float(top.fun), rel=1e-5)
+    assert result > accepted * (1.0 - 1e-8)
     # Open at its end: no peak is left of the contact.
     line.accept(h, LINE.clearance - 1e-6, -1.0)
     assert line.memory["step_peak"][0] == 0.0

@@ -65,18 +65,18 @@ def test_a_linkage_that_is_no_tree_is_explained(taken_out: str, reason: str) -> 
 @pytest.mark.parametrize("name", sorted(GEOMETRIES))
 def test_coordinates_give_back_the_ideal_motion(name: str, opened: str) -> None:
     press = Press(geometry=GEOMETRIES[name])
-    found = tree(without(press.linkage(), *opened.split()))
+    system = tree(without(press.linkage(), *opened.split()))
     for time in (0.0, 0.13, 0.41):
         motion = motion_of(press).at(np.array([time]))
         exact_q, exact_v, exact_a = motion.position[0], motion.velocity[0], motion.acceleration[0]
-        begin_motion(found.prescribed, time, exact_q)
-        q, v, a, axes = placed(found, 6, time, *found.coordinates(exact_q, exact_v))
+        begin_motion(system.prescribed, time, exact_q)
+        q, v, a, axes = placed(system, 6, time, *system.coordinates(exact_q, exact_v))
         turns = np.round((q - exact_q)[2::3] / (2.0 * math.pi))
         q[2::3] -= 2.0 * math.pi * turns
         assert q == pytest.approx(exact_q, abs=2e-14)
         assert v == pytest.approx(exact_v, abs=2e-13)
         # Rates and accelerations of relative coordinates are the same differences.
-        accelerate_links(found.links, found.coordinates(exact_q, exact_a)[1], v, axes, a)
+        accelerate_links(system.links, system.coordinates(exact_q, exact_a)[1], v, axes, a)
         assert a == pytest.approx(exact_a, abs=2e-11)
 
 
@@ -93,16 +93,16 @@ def drawn(data: st.DataObject, count: int) -> NDArray[np.float64]:
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_forces_are_gathered_by_virtual_work(data: st.DataObject) -> None:
-    found = tree(data.draw(st.sampled_from(TREES)))
-    count = found.size
+    system = tree(data.draw(st.sampled_from(TREES)))
+    count = system.size
     x, direction, force = drawn(data, count), drawn(data, count), drawn(data, 15)
     t, h = 0.02, 1e-6
     rest = np.zeros(count)
-    ahead = placed(found, 5, t, x + h * direction, rest)[0]
-    behind = placed(found, 5, t, x - h * direction, rest)[0]
-    q, _, _, axes = placed(found, 5, t, x, rest)
+    ahead = placed(system, 5, t, x + h * direction, rest)[0]
+    behind = placed(system, 5, t, x - h * direction, rest)[0]
+    q, _, _, axes = placed(system, 5, t, x, rest)
     out = np.zeros(count)
-    gather_forces(found.links, q, axes, force.copy(), out)
+    gather_forces(system.links, q, axes, force.copy(), out)
     work = force @ (ahead - behind) / (2.0 * h)
     assert out @ direction == pytest.approx(work, abs=2e-8)
 

@@ -57,7 +57,7 @@ class _Half(Observer):
     def on_cycle(self, recorder: Recorder, state: object) -> bool:
         if len(recorder.cycles) == 2:
             assert callable(state)
-            self.state = {name: np.array(own) for name, own in state().items()}
+            self.state = {name: np.array(item) for name, item in state().items()}
         return False
 
 
@@ -79,8 +79,8 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
     result = pw.run(changed(SCENE, wanted), tmp_path, engine="dae")
     read = pw.load(tmp_path)
     assert read.scene.recording == pw.Recording(1, 300, "all", "single", 4, 0.5 * math.pi)
-    for name, own in read.stages[0].arrays.items():
-        np.testing.assert_array_equal(own, result.stages[0].arrays[name])
+    for name, item in read.stages[0].arrays.items():
+        np.testing.assert_array_equal(item, result.stages[0].arrays[name])
     stage, full = read.stages[0], pw.run(SCENE, engine="dae").stages[0]
     period = SCENE.mechanism.period
     assert stage.time[-1] <= 1.01 * period
@@ -96,17 +96,17 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     for one, folder in ((scene, "output"), (SCENE, "full")):
         pw.run(one, tmp_path / folder, engine="dae", jobs=1)
     read, full = (pw.load(tmp_path / folder) for folder in ("output", "full"))
-    own, stage = read.stages[0], full.stages[0]
+    item, stage = read.stages[0], full.stages[0]
     left_out = {f"B_{name}" for name in ("eccentricity", "penetration", "force", "sliding")}
-    assert stage.arrays.keys() - own.arrays.keys() == left_out
-    for name, values in own.arrays.items():
+    assert stage.arrays.keys() - item.arrays.keys() == left_out
+    for name, values in item.arrays.items():
         np.testing.assert_array_equal(values, stage.arrays[name])
     with pytest.raises(pw.InputError, match="joint B: its force was not kept; --set series=all"):
-        _ = own.joints["B"].force
+        _ = item.joints["B"].force
     with pytest.raises(pw.InputError, match="nothing to draw as 'path'"):
         read.plot("path")
     assert "B_normal_force" in table_of(full, 0)
     assert "B_normal_force" not in table_of(read, 0)
     assert "What the motion is" not in write_report(read).read_text()
-    room, whole = ((tmp_path / own / "stage-0.npz").stat().st_size for own in ("output", "full"))
+    room, whole = ((tmp_path / item / "stage-0.npz").stat().st_size for item in ("output", "full"))
     assert room < 0.6 * whole

@@ -47,11 +47,11 @@ def test_depths_on_the_scenes_own_bins_are_taken_as_they_are() -> None:
 def test_the_worn_volume_of_equal_bins_stays(depth: list[float], angles: int) -> None:
     if max(depth) == 0.0:
         return
-    found = on(depth, angles=angles).surfaces["A"][0].depth
-    assert found.size == angles
-    assert found.min() >= 0.0
-    assert found.max() <= max(depth) * (1.0 + 1e-9)
-    assert abs(found.mean() - np.mean(depth)) <= 1e-12 * max(depth)
+    result = on(depth, angles=angles).surfaces["A"][0].depth
+    assert result.size == angles
+    assert result.min() >= 0.0
+    assert result.max() <= max(depth) * (1.0 + 1e-9)
+    assert abs(result.mean() - np.mean(depth)) <= 1e-12 * max(depth)
 
 
 def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
@@ -120,11 +120,11 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> No
             for side in ("bearing", "pin")
         ],
     )
-    found = []
+    result = []
     for name, text in (("one.csv", first), ("two.csv", second)):
         (tmp_path / name).write_text(text)
-        found.append(wear_times(surfaces=read_profiles(tmp_path / name)).surfaces["A"])
-    for one, other in zip(*found, strict=True):
+        result.append(wear_times(surfaces=read_profiles(tmp_path / name)).surfaces["A"])
+    for one, other in zip(*result, strict=True):
         np.testing.assert_allclose(one.depth, other.depth, rtol=1e-12)
         np.testing.assert_allclose(one.depth, smooth(bin_centres(360)), rtol=0.0, atol=1e-8)
 
