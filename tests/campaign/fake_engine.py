@@ -1,4 +1,4 @@
-"""An engine that does nothing but wear, as a law says, and an observer that hears of it."""
+"""Engine that does nothing but wear by a law, and an observer of a campaign."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,6 @@ from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.recording.observer import Observer, Progress
-from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.results.stage import StageResult
 from presswear.tools.arrays import named, part
@@ -24,7 +23,7 @@ Law = Callable[[int, Array], Array]
 
 @dataclass
 class FakeEngine:
-    """Wears as a law says; runs are numbered from 1, and one of them may go wrong."""
+    """Engine that wears by a law; runs are numbered from 1, and one of them may fail or stop."""
 
     law: Law
     fails: int = 0
@@ -43,7 +42,9 @@ class FakeEngine:
             if self.runs == self.stopped and cycle == 1:
                 raise KeyboardInterrupt
             recorder.records.cycle[:] = 100.0 * self.runs
-            recorder.records.depth[...] = self.law(self.runs, depth_of(recorder, linkage))
+            worn = recorder.surface_depth
+            worn = worn if worn.size else np.zeros(recorder.records.depth.shape)
+            recorder.records.depth[...] = self.law(self.runs, worn)
             added = recorder.end_cycle()
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
@@ -64,31 +65,22 @@ class FakeEngine:
         )
 
 
-def depth_of(recorder: Recorder, linkage: Linkage) -> Array:
-    worn = recorder.surface_depth
-    return worn if worn.size else np.zeros((len(linkage.clearances), 2, 360))
-
-
 class Seen(Observer):
-    """Everything that an observer was told."""
+    """Stages, progress and outcome of a campaign."""
 
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
-        self.told: list[Progress] = []
+        self.progress: list[Progress] = []
         self.status = self.message = ""
 
     def on_progress(self, progress: Progress) -> None:
-        self.told.append(progress)
+        self.progress.append(progress)
 
     def on_stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
 
-    @property
-    def wholes(self) -> list[float]:
-        return [progress.whole for progress in self.told]
-
 
 def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a fake engine run in place of any."""
+    """Run a fake engine in place of any."""
     for kind in (ExudynTree, ExudynJoints, InHouse):
         monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))

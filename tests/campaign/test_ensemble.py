@@ -1,4 +1,4 @@
-"""Several starts: they part, are pooled, end early together and are stored apart."""
+"""Several replicates: they diverge, are pooled and end early together."""
 
 from dataclasses import replace
 
@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.campaign.campaign import run_campaign, run_stage
+from presswear.campaign.campaign import run_stage
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, start_of
 from presswear.campaign.stage_statistics import COLUMNS, deviation
 from presswear.physics.constraints import constraints_of
-from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES, map_batches
 from presswear.results.stage import SIDES, StageResult
 from presswear.scene.catalog import wear_times
@@ -26,7 +25,6 @@ QUICK = changed(
 
 @pytest.fixture(scope="module")
 def two() -> tuple[StageResult, Ensemble]:
-    """Two starts of six cycles each."""
     return run_stage(replace(QUICK, replicates=2, cycles=6), 0)
 
 
@@ -50,7 +48,7 @@ def test_replicates_start_within_a_part_of_the_clearance_and_diverge(
     assert abs(one[5] - other[5]) > 1e-3 * one[5] > 0.0
 
 
-def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None:
+def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> None:
     recorders = two[1].recorders
     peaks = [own.each_cycle("force_max", 0)[STARTUP_CYCLES:] for own in recorders]
     force = two[0].statistics.joints["A"]
@@ -71,53 +69,31 @@ def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None
     assert depth.low < depth.mean < depth.high
 
 
-def ends_early(replicates: int, tolerance: float) -> Ensemble:
-    scene = replace(QUICK, replicates=replicates, cycles=None, tolerance=tolerance)
-    return run_stage(scene, 0)[1]
-
-
-def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
-    ensemble = ends_early(3, 0.12)
+def test_stage_ends_when_all_replicates_together_know_the_maps() -> None:
+    scene = replace(QUICK, replicates=3, cycles=None, tolerance=0.12)
+    ensemble = run_stage(scene, 0)[1]
     maps, weights = map_batches(ensemble.maps)
-    assert len(ensemble.runs) == 3
-    assert ensemble.status == "enough"
+    assert (len(ensemble.runs), ensemble.status) == (3, "enough")
     assert weights.sum() >= FEWEST
     mean = np.average(maps, axis=0, weights=weights)
     noise = maps.var(axis=0, ddof=1) / len(maps)
     error = np.sqrt(noise.sum(axis=(1, 2)) / (mean**2).sum(axis=(1, 2)))
     assert error.max() <= 0.12
     assert max(len(recorder.cycles) for recorder in ensemble.recorders) < 20
-
-
-def test_no_stage_runs_longer_than_the_most_cycles() -> None:
-    scene = replace(QUICK, replicates=3, cycles=None, tolerance=1e-3, max_cycles=13)
-    ensemble = run_stage(scene, 0)[1]
+    ensemble = run_stage(replace(scene, tolerance=1e-3, max_cycles=13), 0)[1]
     assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
 
 
-def test_progress_goes_through_all_starts() -> None:
-    parts: list[float] = []
-
-    class Heard(Observer):
-        def on_progress(self, progress: Progress) -> None:
-            parts.append(progress.whole)
-
-    run_campaign(replace(QUICK, replicates=3, cycles=1), [Heard()])
-    assert parts == sorted(parts)
-    assert parts[0] < 0.1
-    assert parts[-1] > 0.95
-
-
 def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:
-    """How far a run is off whose recorded slider follows the ideal one late."""
+    """Return the deviation of a run whose recorded slider follows the ideal one late."""
     ensemble = run_stage(replace(scene, cycles=2), 0)[1]
     rows = ensemble.recorders[0].rows
     rows[:, 1:4] = scene.ideal_slider(rows[:, 0] - delay)
     return deviation(scene, ensemble.recorders[0])
 
 
-def test_a_late_slider_lags_by_its_delay() -> None:
+def test_late_slider_lags_by_its_delay() -> None:
     late = 1e-4
     found = delayed(QUICK, late)
     assert found[:, COLUMNS.index("lag")] == pytest.approx(late, rel=2e-3)

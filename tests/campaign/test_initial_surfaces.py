@@ -1,4 +1,4 @@
-"""Campaigns that begin on initial surfaces."""
+"""Campaigns that start on worn surfaces."""
 
 import shutil
 from dataclasses import replace
@@ -27,8 +27,8 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> pw.Result:
     return pw.run(scene, tmp_path_factory.mktemp("first") / "out")
 
 
-def test_a_scene_goes_on_where_another_stopped_bit_for_bit(first: pw.Result) -> None:
-    """A stage is the same whether its surfaces come from a wear or are given."""
+def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
+    """A stage is the same if its surfaces come from a wear update or from the scene."""
     worn = first.stages[1]
     scene = pw.scenes.wear_times(surfaces=worn.surfaces, cycles=3, wear_updates=0, **QUICK)
     again = pw.run(scene).stages[0]
@@ -41,15 +41,15 @@ def test_a_scene_goes_on_where_another_stopped_bit_for_bit(first: pw.Result) -> 
         assert again.arrays[name].tobytes() == array.tobytes(), name
 
 
-def test_a_wear_adds_to_the_surfaces_that_were_given(first: pw.Result) -> None:
-    given = first.stages[1].surfaces
-    result = pw.run(pw.scenes.wear_times(surfaces=given, cycles=1, wear_updates=1, **QUICK))
-    begun, worn = (stage.joints["A"] for stage in result.stages)
-    for side, surface in zip(SIDES, given["A"], strict=True):
-        assert begun.depth(side).tobytes() == surface.depth.tobytes()
-        total = begun.depth(side) + begun.wear(side)
+def test_wear_adds_to_the_initial_surfaces(first: pw.Result) -> None:
+    initial = first.stages[1].surfaces
+    result = pw.run(pw.scenes.wear_times(surfaces=initial, cycles=1, wear_updates=1, **QUICK))
+    start, worn = (stage.joints["A"] for stage in result.stages)
+    for side, surface in zip(SIDES, initial["A"], strict=True):
+        assert start.depth(side).tobytes() == surface.depth.tobytes()
+        total = start.depth(side) + start.wear(side)
         np.testing.assert_allclose(worn.depth(side), total, rtol=1e-15)
-        assert begun.wear(side).max() > 0.0
+        assert start.wear(side).max() > 0.0
 
 
 def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result) -> None:
@@ -72,9 +72,7 @@ def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(("contact", "frame"), [("radial", "fixed"), ("foundation", "body")])
-def test_what_contacts_make_in_the_cycles_adds_up(
-    first: pw.Result, contact: str, frame: str
-) -> None:
+def test_energy_made_by_contacts_adds_up(first: pw.Result, contact: str, frame: str) -> None:
     surfaces = first.stages[1].surfaces
     settings = {**QUICK, "replicates": 2, "contact": contact, "map_frame": frame}
     scene = pw.scenes.wear_times(surfaces=surfaces, cycles=4, wear_updates=0, **settings)
@@ -83,28 +81,19 @@ def test_what_contacts_make_in_the_cycles_adds_up(
     assert made.sum() == pytest.approx(stage.diagnostics["contact_made_J"], rel=1e-12)
     # The force of a foundation on surfaces that turn with their bodies has a potential.
     assert made.any() == (contact == "radial")
-    told = stage.statistics.energy_made_per_cycle
-    assert told is not None
+    mean = stage.statistics.energy_made_per_cycle
+    assert mean is not None
     # The first two cycles are no samples.
-    assert told.mean == pytest.approx(np.mean(made[:, 2:]), rel=1e-12)
-    assert told.samples == 4
+    assert mean.mean == pytest.approx(np.mean(made[:, 2:]), rel=1e-12)
+    assert mean.samples == 4
 
 
-def test_the_source_is_needed_no_more(
+def test_stored_scene_needs_no_source(
     first: pw.Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Begun from the command line, then run from what is stored, stopped and gone on with."""
+    """Started from the command line, then run from the stored scene, interrupted and resumed."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
-    words = [
-        "run",
-        "wear-times",
-        "--surfaces",
-        f"{source}:1",
-        "--cycles",
-        "1",
-        "--wear-updates",
-        "1",
-    ]
+    words = f"run wear-times --surfaces {source}:1 --cycles 1 --wear-updates 1".split()
     for key, value in QUICK.items():
         unit = " rad/s" if key == "speed" else ""
         words += ["--set", f"{key}={value}{unit}"]
@@ -113,8 +102,8 @@ def test_the_source_is_needed_no_more(
     shutil.rmtree(source)
     scene = pw.load(whole).scene
     deepest = readable(1e6 * float(first.stages[1].joints["A"].depth("bearing").max()))
-    told = f"starts on surfaces from {source}:1. Deepest wear: bearing of A {deepest} µm"
-    assert told in (whole / "report.html").read_text()
+    text = f"starts on surfaces from {source}:1. Deepest wear: bearing of A {deepest} µm"
+    assert text in (whole / "report.html").read_text()
 
     class Stops(pw.Observer):
         def on_cycle(self, recorder: object, state: object) -> bool:
@@ -129,8 +118,8 @@ def test_the_source_is_needed_no_more(
     assert capsys.readouterr().err == f"presswear: {source}: there is no such folder\n"
 
 
-def test_surfaces_are_named_as_on_the_command_line(first: pw.Result) -> None:
-    by_stage, last = (pw.read_surfaces(f"{first.path}{own}") for own in (":1", ""))
+def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result) -> None:
+    by_stage, last = (pw.read_surfaces(f"{first.path}{stage}") for stage in (":1", ""))
     assert by_stage == last == first.stages[1].surfaces
     with pytest.raises(pw.InputError, match=r"has no stage 4; it has 0, 1; did you mean 1\?"):
         pw.read_surfaces(f"{first.path}:4")

@@ -1,11 +1,13 @@
-"""Rounds of an ensemble: how far they go, and that no number depends on who runs them."""
+"""Rounds of an ensemble: no number depends on who runs them, and all of them resume."""
 
 import os
 import signal
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,43 +15,27 @@ from endurance.sameness import folder_differences
 
 from presswear.campaign import ensemble
 from presswear.campaign.campaign import Checkpoint, run, run_into, run_stage, workers_of
-from presswear.campaign.ensemble import (
-    FEWEST,
-    Ensemble,
-)
+from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import RunState, StepCheck, WorkUnit
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.folder import ResultFolder
+from presswear.results.folder import ResultFolder, read_document
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import Scene, stage_name
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import RunFailed
-from presswear.tools.processes import Array, InProcess, Job, OnProgress, OnResult, Pool, Report
+from presswear.tools.processes import InProcess, Job, OnProgress, OnResult, Pool, Report
+from presswear.tools.serialize import write_json
 
 QUICK = {
-    "engine": "dae",
-    "integrator": "dopri5",
-    "integration_tolerance": "1e-6",
-    "speed": "60rad/s",
-    "angles": "90",
+    **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
+    **{"speed": "60rad/s", "angles": "90", "wear_updates": 1, "cycles_per_update": 1e5},
 }
-JUMP = changed(
-    replace(
-        wear_times(),
-        wear_updates=1,
-        replicates=3,
-        cycles_per_update=1e5,
-        max_cycles=9,
-        tolerance=1.0,
-    ),
-    QUICK,
-)
-"""All the cycles that may be, a wear in a jump, and rounds behind it, together and alone."""
-UNTIL_KNOWN = changed(replace(wear_times(), wear_updates=0, replicates=4, tolerance=0.06), QUICK)
+# As many cycles as allowed, a wear update in one jump, and rounds after it, together and alone.
+JUMP = changed(replace(wear_times(), replicates=3, max_cycles=9, tolerance=1.0), QUICK)
 STEPS = replace(JUMP, extrapolation="steps", cycles=3, replicates=2)
-
+UNTIL_KNOWN = replace(JUMP, wear_updates=0, replicates=4, max_cycles=200, tolerance=0.06)
 SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
 
 
@@ -59,182 +45,199 @@ def finished(scene: Scene, jobs: int, path: Path) -> Path:
 
 
 @pytest.fixture
-def each_is_examined(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Stages of few cycles tell what finer steps would change as well."""
+def each_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Check the time step of stages of few cycles as well."""
     monkeypatch.setattr(ensemble, "STEP_CHECK_CYCLES", 1)
 
 
-@pytest.mark.usefixtures("each_is_examined")
+@pytest.mark.usefixtures("each_is_checked")
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
-    scene = SCENES[name]
-    one, three = (finished(scene, jobs, tmp_path / f"{jobs}") for jobs in (1, 3))
+    one, three = (finished(SCENES[name], jobs, tmp_path / f"{jobs}") for jobs in (1, 3))
     assert folder_differences(one, three) == []
-    assert all(stage.statistics.load_distance_step_error for stage in load(one).stages)
+    stages = load(one).stages
+    assert all(stage.statistics.load_distance_step_error for stage in stages)
     if name == "until known":
-        (only,) = load(one).stages
         # More than one round, or nothing was decided.
-        assert only.statistics.cycles > 4 * STARTUP_CYCLES + FEWEST
-        assert only.status == "enough"
+        assert stages[0].statistics.cycles > 4 * STARTUP_CYCLES + FEWEST
+        assert stages[0].status == "enough"
 
 
 class Reversed(InProcess):
-    """Does the last job first, so that all come to their ends in another order."""
+    """Runs the last job first."""
 
-    def run(self, jobs: Mapping[int, Job], ended: OnResult, told: OnProgress) -> None:
+    def run(self, jobs: Mapping[int, Job], ended: OnResult, progress: OnProgress) -> None:
         waiting = dict(jobs)
         while waiting:
             key = max(waiting)
 
-            def report(
-                done: float, word: str = "", rows: Array | None = None, key: int = key
-            ) -> None:
-                told(key, done, word, rows)
+            def report(done: float, word: str = "", rows: Any = None, key: int = key) -> None:
+                progress(key, done, word, rows)
 
-            following = ended(key, waiting.pop(key)(report))
-            for other, job in following.items():
+            for other, job in ended(key, waiting.pop(key)(report)).items():
                 waiting.pop(other, None)
                 if job is not None:
                     waiting[other] = job
 
 
-def told(ran: Ensemble) -> list[bytes]:
-    return [array.tobytes() for own in ran.recorders for _, array in sorted(own.save().items())]
+def saved(runs: Ensemble) -> list[bytes]:
+    return [array.tobytes() for run in runs.recorders for _, array in sorted(run.save().items())]
 
 
 def test_no_number_depends_on_the_order() -> None:
+    """Nor on how often a run is handed over: here after each cycle."""
     first = run_stage(UNTIL_KNOWN, 0)[1]
-    # And on how often a run is handed over: here after each cycle.
-    second = run_stage(UNTIL_KNOWN, 0, workers=Reversed(lasts=0.0))[1]
-    assert told(first) == told(second)
+    assert saved(first) == saved(run_stage(UNTIL_KNOWN, 0, workers=Reversed(lasts=0.0))[1])
 
 
 @pytest.mark.parametrize("workers", [InProcess(), InProcess(lasts=0.0), Reversed()])
-def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever ran behind it, in order, is left out, and those before it run on."""
+def test_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__
 
     def failing(self: WorkUnit, report: Report) -> RunState:
-        reached = call(self, report)
-        if self.replicate == 1 and reached.cycles >= 2:
-            return replace(reached, status="failed")
-        return reached
+        state = call(self, report)
+        if self.replicate == 1 and state.cycles >= 2:
+            return replace(state, status="failed")
+        return state
 
     monkeypatch.setattr(WorkUnit, "__call__", failing)
-    ran = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), 0, workers=workers)[1]
-    assert [run.status for run in ran.runs] == ["completed", "failed"]
-    assert len(ran.recorders[0].cycles) == 3
+    runs = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), 0, workers=workers)[1]
+    assert [run.status for run in runs.runs] == ["completed", "failed"]
+    assert len(runs.recorders[0].cycles) == 3
 
 
-class Kills(Observer):
-    """Kill a worker process after a few cycles."""
+class At(Observer):
+    """Calls a function with each progress that fits."""
 
-    def __init__(self, pool: Pool) -> None:
-        self.pool = pool
+    def __init__(self, function: Any, part: float = 0.0, word: str = "") -> None:
+        self.function, self.part, self.word = function, part, word
 
     def on_progress(self, progress: Progress) -> None:
-        if progress.part > 0.3:
-            assert self.pool._executor is not None
-            with suppress(ProcessLookupError):  # killed by the report before
-                os.kill(next(iter(self.pool._executor._processes)), signal.SIGKILL)
+        if progress.whole > self.part and progress.word.startswith(self.word):
+            self.function()
 
 
-def test_a_run_whose_worker_was_killed_is_resumed(tmp_path: Path) -> None:
+def interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def kill_worker(pool: Pool) -> None:
+    assert pool._executor is not None
+    with suppress(ProcessLookupError):  # killed by the report before
+        os.kill(next(iter(pool._executor._processes)), signal.SIGKILL)
+
+
+def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
     scene = replace(UNTIL_KNOWN, cycles=8)
     whole, path = finished(scene, 1, tmp_path / "whole"), tmp_path / "killed"
     with workers_of(scene, 2, interval=0.0) as workers:
         assert isinstance(workers, Pool)
+        observers = [At(partial(kill_worker, workers), 0.3)]
         with pytest.raises(RunFailed, match="memory ran out"):
-            run_into(ResultFolder(path, scene, 0.0), scene, [Kills(workers)], workers)
+            run_into(ResultFolder(path, scene, 0.0), scene, observers, workers)
     run_into(ResultFolder(path, scene, resume=True), scene)
     assert folder_differences(whole, path) == []
 
 
-class Stops(Observer):
-    """Interrupts once so much of the whole is done."""
-
-    def __init__(self, part: float) -> None:
-        self.part = part
-
-    def on_progress(self, progress: Progress) -> None:
-        if progress.whole > self.part:
-            raise KeyboardInterrupt
-
-
 @pytest.mark.parametrize(("part", "jobs"), [(0.2, 2), (0.6, 3)])
-def test_what_is_stopped_in_many_goes_on_in_one(part: float, jobs: int, tmp_path: Path) -> None:
+def test_run_interrupted_in_many_processes_resumes_in_one(
+    part: float, jobs: int, tmp_path: Path
+) -> None:
     """No cycle is lost that any of the processes had finished."""
-    scene = replace(UNTIL_KNOWN, cycles=8)
-    path = tmp_path / "stopped"
-    with (
-        workers_of(scene, jobs) as workers,
-        pytest.raises(KeyboardInterrupt),
-    ):
-        run_into(ResultFolder(path, scene), scene, [Stops(part)], workers)
+    scene, path = replace(UNTIL_KNOWN, cycles=8), tmp_path / "stopped"
+    with workers_of(scene, jobs) as workers, pytest.raises(KeyboardInterrupt):
+        run_into(ResultFolder(path, scene), scene, [At(interrupt, part)], workers)
     with ResultFolder(path, scene, resume=True) as folder:
         assert folder.resumed is not None
-        at = Checkpoint.load(folder.resumed)
-    begun = [own.cycles for own in at.running.runs if own is not None]
-    assert sum(begun) / 32 > part - jobs / 32
+        running = Checkpoint.load(folder.resumed).running
+    assert running.cycles / 32 > part - jobs / 32
     run_into(ResultFolder(path, scene, resume=True), scene)
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
 
 
-class StopsInWear(Observer):
-    """Interrupts the wear behind the first stage."""
-
-    def on_progress(self, progress: Progress) -> None:
-        if progress.word.startswith(stage_name(1)):
-            raise KeyboardInterrupt
-
-
-@pytest.mark.usefixtures("each_is_examined")
-def test_a_wear_that_is_gone_on_with_examines_its_stage_no_more(
+@pytest.mark.usefixtures("each_is_checked")
+def test_resumed_wear_update_does_not_check_its_stage_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole, path = finished(STEPS, 1, tmp_path / "whole"), tmp_path / "stopped"
-    worn: list[float] = []
+    depths: list[float] = []
     call = StepCheck.__call__
 
     def noting(self: StepCheck, report: Report) -> dict[str, float]:
-        worn.append(float(self.depth.max()))
+        depths.append(float(self.depth.max()))
         return call(self, report)
 
     monkeypatch.setattr(StepCheck, "__call__", noting)
     with pytest.raises(KeyboardInterrupt):
-        run_into(ResultFolder(path, STEPS), STEPS, [StopsInWear()])
+        run_into(ResultFolder(path, STEPS), STEPS, [At(interrupt, word="first wear")])
     run_into(ResultFolder(path, STEPS, resume=True), STEPS)
     assert folder_differences(whole, path) == []
-    first, second = worn
-    assert second > first == 0.0
+    assert depths[1] > depths[0] == 0.0
+    assert len(depths) == 2
 
 
-class Watches(Observer):
-    """Wants frames, as a window does."""
+class Stored(Observer):
+    """Keeps the words of the checkpoint that the folder holds after each notification."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.words = path, list[str]()
+
+    def on_checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
+        stored = read_document(self.path)["checkpoint"]
+        self.words.append(stored["words"] if stored else "")
+
+
+@pytest.mark.parametrize(("interval", "is_each_due"), [(0.0, True), (1e6, False)])
+def test_checkpoint_is_written_when_due(interval: float, is_each_due: bool, tmp_path: Path) -> None:
+    """After every cycle without an interval, and after a stage in any case."""
+    observer = Stored(tmp_path / "out")
+    run(
+        replace(STEPS, replicates=1), observer.path, jobs=1, observers=[observer], interval=interval
+    )
+    assert observer.words[0] == ("stage 0, cycle 1" if is_each_due else "")
+    assert (len(set(observer.words)) > 6) == is_each_due
+    assert "stage 1, cycle 0" in observer.words
+    assert not list(observer.path.glob("checkpoint*"))
+
+
+def test_resuming_on_another_machine_is_remarked(tmp_path: Path) -> None:
+    path = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        run(STEPS, path, jobs=1, observers=[At(interrupt, 0.2)])
+    document = read_document(path)
+    document["provenance"]["machine"] = "Plan 9, 1 core"
+    write_json(path / "result.json", document)
+    with ResultFolder(path, STEPS, resume=True) as folder:
+        (remark,) = (line for line in folder.remarks if "last digits may differ" in line)
+    assert "Plan 9, 1 core" in remark
+
+
+class Frames(Observer):
+    """Keeps the progress, with frames as a window needs them."""
 
     frames = 60
 
     def __init__(self) -> None:
-        self.told: list[Progress] = []
+        self.progress: list[Progress] = []
 
     def on_progress(self, progress: Progress) -> None:
-        self.told.append(progress)
+        self.progress.append(progress)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_a_window_is_shown_frames_wherever_a_run_is(jobs: int) -> None:
-    watching = Watches()
-    scene = replace(UNTIL_KNOWN, cycles=6, replicates=2)
-    with workers_of(scene, jobs, [watching]) as workers:
-        run_stage(scene, 0, observers=[watching], workers=workers)
-    films = [progress.film for progress in watching.told if progress.film is not None]
+def test_progress_has_frames_for_a_window(jobs: int) -> None:
+    observer, scene = Frames(), replace(UNTIL_KNOWN, cycles=6, replicates=2)
+    with workers_of(scene, jobs, [observer]) as workers:
+        run_stage(scene, 0, observers=[observer], workers=workers)
+    progress = observer.progress
+    films = [each.film for each in progress if each.film is not None]
     assert films
-    bodies = len(watching.told[0].linkage.bodies)
     for film in films:
-        assert film.position.shape[1] == 3 * bodies
+        assert film.position.shape[1] == 3 * len(progress[0].linkage.bodies)
         assert 0 < len(film.time) <= 60
         assert film.joints.shape[1:] == (2, 6)
         assert np.isfinite(film.position).all()
-    assert any("of 2 starts" in progress.word for progress in watching.told)
-    parts = [progress.part for progress in watching.told]
+    assert any("of 2 starts" in each.word for each in progress)
+    parts = [each.part for each in progress]
     assert parts == sorted(parts)

@@ -56,18 +56,27 @@ def test_finished_runs_are_read_and_others_run_again(
         assert folder_differences(tmp_path / name, ran[0] / name) == []
 
 
-def test_what_cannot_run_is_refused(ran: tuple[Path, list[tuple[str, float, str]]]) -> None:
-    with pytest.raises(pw.InputError, match="another scene: friction is"):
-        pw.run_scenes(scenes(friction=0.3), ran[0])
-    with pytest.raises(pw.InputError, match="cannot name the folder of a scene"):
-        pw.run_scenes({"../one": pw.scenes.wear_times()}, ran[0])
-    with pytest.raises(pw.InputError, match="jobs = 0: must be at least 1"):
-        pw.run_scenes(scenes(), ran[0], jobs=0)
-    with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
-        pw.run_scenes(scenes(), ran[0], engine="exudyntree")
+@pytest.mark.parametrize(
+    ("settings", "arguments", "message"),
+    [
+        ({"friction": 0.3}, {}, "another scene: friction is"),
+        ({}, {"jobs": 0}, "jobs = 0: must be at least 1"),
+        ({}, {"engine": "exudyntree"}, "did you mean exudyn-tree"),
+        (None, {}, "cannot name the folder of a scene"),
+    ],
+)
+def test_scenes_that_cannot_run_are_refused(
+    settings: dict[str, Any] | None,
+    arguments: dict[str, Any],
+    message: str,
+    ran: tuple[Path, list[tuple[str, float, str]]],
+) -> None:
+    named = {"../one": pw.scenes.wear_times()} if settings is None else scenes(**settings)
+    with pytest.raises(pw.InputError, match=message):
+        pw.run_scenes(named, ran[0], **arguments)
 
 
-def test_an_interrupted_study_keeps_what_is_finished_and_resumes(
+def test_interrupted_scenes_keep_what_is_finished_and_resume(
     ran: tuple[Path, list[tuple[str, float, str]]], tmp_path: Path
 ) -> None:
     """SIGINT while two runs are at work: the finished ones stay, and the rest resumes."""
@@ -76,20 +85,17 @@ def test_an_interrupted_study_keeps_what_is_finished_and_resumes(
         "more = {f'more-{k}': s for k in range(9) for s in [scenes(seed=k, cycles=9)['one']]}\n"
         "pw.run_scenes(scenes() | more, sys.argv[1], jobs=2)"
     )
+    command = [sys.executable, "-P", "-c", code, str(tmp_path)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path])}
+    pipe = subprocess.PIPE
     process = subprocess.Popen(
-        [sys.executable, "-P", "-c", code, str(tmp_path)],
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-        start_new_session=True,
+        command, stderr=pipe, text=True, env=environment, start_new_session=True
     )
     until = time.monotonic() + 120.0
     while len(list(tmp_path.glob("*/result.json"))) < 4 and time.monotonic() < until:
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
-    error = process.communicate(timeout=60)[1]
-    assert "KeyboardInterrupt" in error
+    assert "KeyboardInterrupt" in process.communicate(timeout=60)[1]
     statuses = [pw.load(path.parent).status for path in tmp_path.glob("*/result.json")]
     assert 1 <= statuses.count("completed") < 11
     pw.run_scenes(scenes(), tmp_path, jobs=1)

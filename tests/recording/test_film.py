@@ -1,4 +1,4 @@
-"""The film of a run: what it holds is what was so."""
+"""Film of a run."""
 
 import numpy as np
 import pytest

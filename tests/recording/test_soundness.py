@@ -1,4 +1,4 @@
-"""The watch on runs: each thing that makes numbers worthless ends a run and is named."""
+"""Soundness checks: whatever makes numbers worthless ends a run and is named."""
 
 import json
 from collections.abc import Callable
@@ -25,33 +25,26 @@ from presswear.scene.settings import changed
 SCENE = scene_named("wear-times")
 LINKAGE = SCENE.linkage()
 START = start_of(SCENE, 0)
-MET = constraints_of(LINKAGE)
-
-
-def sound() -> Condition:
-    """A run that stands at its start, as it should."""
-    ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
-    return Condition(0.0, ledger, START.position.copy(), START.velocity.copy(), "finer steps", MET)
 
 
 Change = Callable[[Recorder, Condition], Condition]
 
 
 def energies(**values: float) -> Change:
-    return lambda observed, now: replace(now, ledger=replace(now.ledger, **values))
+    return lambda recorder, now: replace(now, ledger=replace(now.ledger, **values))
 
 
-def tallied(**given: object) -> Change:
-    def change(observed: Recorder, now: Condition) -> Condition:
-        for name, values in given.items():
-            observed.records.counters[name] = values
+def counters(**values: object) -> Change:
+    def change(recorder: Recorder, now: Condition) -> Condition:
+        for name, value in values.items():
+            recorder.records.counters[name] = value
         return now
 
     return change
 
 
 def state(level: str, place: int, value: float) -> Change:
-    def change(observed: Recorder, now: Condition) -> Condition:
+    def change(recorder: Recorder, now: Condition) -> Condition:
         getattr(now, level)[place] += value
         return now
 
@@ -59,12 +52,16 @@ def state(level: str, place: int, value: float) -> Change:
 
 
 def examined(change: Change) -> Finding | None:
-    observed = Recorder.of(LINKAGE, START.position, 1, SCENE.mechanism.period)
-    return examine(LINKAGE, observed, change(observed, sound()))
+    """Examine a sound run at its start, with a change."""
+    recorder = Recorder.of(LINKAGE, START.position, 1, SCENE.mechanism.period)
+    ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
+    position, velocity = START.position.copy(), START.velocity.copy()
+    now = Condition(0.0, ledger, position, velocity, "finer steps", constraints_of(LINKAGE))
+    return examine(LINKAGE, recorder, change(recorder, now))
 
 
 def coarse(unresolved: int) -> Change:
-    return tallied(contacts=(5, 20), unresolved=(5, unresolved), fewest_steps=3)
+    return counters(contacts=(5, 20), unresolved=(5, unresolved), fewest_steps=3)
 
 
 DEEP = 1.01 * LINKAGE.clearances[1].pin_radius
@@ -90,37 +87,31 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
         (energies(friction_loss=-0.05, drive_work=0.3006), "energy", "", "limit 0.0005 J"),
         (energies(friction_loss=4.95, drive_work=5.3151), "energy", "", "limit 0.015 J"),
         (coarse(11), "steps", "C", "11 of 20 had too few, the least 3"),
-        (tallied(deepest=(0.0, DEEP)), "penetration", "C", ""),
+        (counters(deepest=(0.0, DEEP)), "penetration", "C", ""),
         (state("position", SLIDER, 9e-6), "constraints", "E", "limit 8e-06"),
     ],
 )
-def test_what_makes_numbers_worthless_is_found(
-    change: Change, kind: str, joint: str, says: str
-) -> None:
-    found = examined(change)
-    assert found is not None
-    assert (found.kind, found.joint) == (kind, joint)
-    assert found.remedy
-    assert "\n" not in found.words
-    assert says in found.words
+def test_worthless_numbers_are_found(change: Change, kind: str, joint: str, says: str) -> None:
+    finding = examined(change)
+    assert finding is not None
+    assert (finding.kind, finding.joint) == (kind, joint)
+    assert finding.remedy
+    assert "\n" not in finding.words
+    assert says in finding.words
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
+def test_sound_runs_continue() -> None:
+    for change in (
         energies(),
         energies(drive_work=0.5019),
         energies(contact_loss=0.01, made=0.19, friction_loss=0.0, drive_work=0.31),
-        # Without drives energy is not judged.
-        energies(drive_work=9.0, drive_exchange=0.0),
+        energies(drive_work=9.0, drive_exchange=0.0),  # without drives energy is not judged
         coarse(10),
-    ],
-)
-def test_a_sound_run_is_let_go_on(change: Change) -> None:
-    assert examined(change) is None
+    ):
+        assert examined(change) is None
 
 
-def test_missing_energy_of_a_vibrating_pin_is_found() -> None:
+def test_missing_energy_of_a_vibrating_pin() -> None:
     """A crank pin that locks by friction passes 70 J to and fro, and 2 J are lost.
 
     At 20 steps in a contact 4 % of the losses are missing, below 0.1 % of what was exchanged.
@@ -149,7 +140,7 @@ def test_missing_energy_of_a_vibrating_pin_is_found() -> None:
     ("depth", "contact", "is_steep"),
     [(0.0, "radial", False), (1e-4, "radial", True), (1e-4, "foundation", False)],
 )
-def test_steep_surfaces_are_named_only_where_worn_ones_meet_radially(
+def test_steep_worn_surfaces_of_the_radial_contact_are_named(
     depth: float, contact: str, is_steep: bool
 ) -> None:
     scene = changed(SCENE, {"contact": contact})
@@ -178,7 +169,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("kind", CASES)
-def test_a_real_run_ends_with_time_joint_and_remedy(
+def test_run_ends_with_time_joint_and_remedy(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     time, joint, settings = CASES[kind]

@@ -1,4 +1,4 @@
-"""Cycles as samples: means, batches, wear maps, bootstrap intervals and what they cover."""
+"""Statistics of cycles: means, batches, wear maps, bootstrap intervals and their coverage."""
 
 import math
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from presswear.recording.statistics import (
     MAX_BATCHES,
     MIN_SAMPLES,
     STARTUP_CYCLES,
+    Estimate,
     MapBatches,
     after_startup,
     angle_interval,
@@ -44,29 +45,29 @@ def test_interval_of_a_mean_over_cycles() -> None:
     assert estimate(np.array([1.0, 3.0])).mean == 3.0
 
 
-def test_batches_see_what_neighbours_share() -> None:
-    """Of an autoregressive series a plain interval is too narrow; that of batches is not."""
-    generator = np.random.default_rng(3)
-    phi, count, draws = 0.8, 1600, 300
-    inside = {"plain": 0, "batched": 0}
-    for _ in range(draws):
-        series = np.zeros(count)
-        for i in range(1, count):
-            series[i] = phi * series[i - 1] + generator.normal()
-        for name, samples in (("plain", series), ("batched", batched(series))):
-            half = half_width(samples)
-            assert half is not None
-            inside[name] += abs(series.mean()) <= half
-    assert inside["plain"] / draws < 0.7
-    assert inside["batched"] / draws > 0.9
-
-
 def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:
-    """Stationary series of unit variance, shape (runs, count)."""
+    """Return stationary series of unit variance, shape (runs, count)."""
     series = generator.normal(size=(runs, count))
     for i in range(1, count):
         series[:, i] = phi * series[:, i - 1] + math.sqrt(1.0 - phi * phi) * series[:, i]
     return series
+
+
+def test_batches_cover_the_mean_of_correlated_cycles() -> None:
+    """Of an autoregressive series a plain interval is too narrow; that of batches is not."""
+    rows = autoregressive(np.random.default_rng(3), 0.8, 300, 1600)
+    for function, low, high in ((batched, 0.9, 1.0), (as_it_is, 0.0, 0.7)):
+        inside = [abs(row.mean()) <= (half_width(function(row)) or 0.0) for row in rows]
+        assert low < np.mean(inside) <= high
+
+
+def ends_of(estimate: Estimate | None) -> tuple[float, float]:
+    """Return the ends of an interval."""
+    assert estimate is not None
+    assert estimate.low is not None
+    assert estimate.high is not None
+    assert estimate.low < estimate.mean < estimate.high
+    return estimate.low, estimate.high
 
 
 def as_it_is(series: Array) -> Array:
@@ -101,20 +102,16 @@ def test_intervals_of_scatter_cover_it(
     for _ in range(draws):
         series = shape(autoregressive(generator, phi, runs, count))
         series += far * np.arange(runs)[:, np.newaxis]
-        found = spread(list(series))
-        assert found is not None
-        assert found.low is not None
-        assert found.high is not None
-        assert found.low < found.mean < found.high
-        deviations += found.low <= 1.0 <= found.high
-        span, told = mean_range(list(series))
-        assert told == size
-        assert span is not None
-        assert span.low is not None
-        assert span.high is not None
-        ranges += span.low <= truth <= span.high
+        scatter = spread(list(series))
+        low, high = ends_of(scatter)
+        deviations += low <= 1.0 <= high
+        span, pieces = mean_range(list(series))
+        assert pieces == size
+        low, high = ends_of(span)
+        ranges += low <= truth <= high
         free = runs * (count - STARTUP_CYCLES - 1)
-        ends = found.mean * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
+        assert scatter is not None
+        ends = scatter.mean * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
         plain += ends[0] <= 1.0 <= ends[1]
     assert 0.89 < deviations / draws < 0.99
     assert 0.89 < ranges / draws < 0.99
@@ -171,12 +168,10 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
         scale = 1.0 + 0.3 * generator.standard_normal((count, 1))
         maps = truth * scale * generator.gamma(11.0, 1.0 / 11.0, (count, 360))
         depth, angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(count)), count)
-        assert depth.low is not None
-        assert depth.high is not None
-        assert angle.low is not None
-        assert angle.high is not None
-        deep += depth.low <= 1.0 <= depth.high
-        turned += angle.low <= math.radians(90.5) + 1e-9 <= angle.high + 2e-9
+        low, high = depth.low or 0.0, depth.high or 0.0
+        deep += low <= 1.0 <= high
+        low, high = ends_of(angle)
+        turned += low <= math.radians(90.5) + 1e-9 <= high + 2e-9
         bias += (depth.mean - 1.0) / draws
     assert bias > 0.03
     assert deep / draws > 0.9
@@ -216,10 +211,8 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     around = (np.arange(360) + 180) % 360 - 180
     maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
     _, angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(12)), 12)
-    assert angle.low is not None
-    assert angle.high is not None
-    assert 0.0 < angle.high - angle.low < math.radians(40.0)
-    assert angle.low < angle.mean < angle.high
+    low, high = ends_of(angle)
+    assert 0.0 < high - low < math.radians(40.0)
 
 
 def test_resampling_weighs_by_cycles() -> None:
@@ -236,15 +229,12 @@ def test_runs_that_differ_are_single_samples() -> None:
     together, are_apart = pooled(alike)
     assert not are_apart
     assert together.samples == 84
-    assert together.half_width is not None
-    assert together.half_width < 0.5
+    assert (together.half_width or 1.0) < 0.5
     wide, are_apart = pooled(apart)
     assert are_apart
-    assert wide.half_width is not None
-    assert wide.half_width == pytest.approx(
-        half_width(np.array([rows[STARTUP_CYCLES:].mean() for rows in apart])) or 0.0
-    )
-    assert wide.half_width > 2.0
+    means = np.array([rows[STARTUP_CYCLES:].mean() for rows in apart])
+    assert wide.half_width == pytest.approx(half_width(means))
+    assert (wide.half_width or 0.0) > 2.0
 
 
 def test_quantiles_and_variances_are_those_of_scipy() -> None:
