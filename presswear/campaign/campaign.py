@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner, max_runs
+from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.service_life import LifeState, run_life, wear_between
 from presswear.campaign.stage_statistics import stage_result
@@ -218,16 +218,9 @@ def workers_of(
     observers: Sequence[Observer] = (),
     interval: float = math.inf,
 ) -> Workers:
-    """Return the workers for the runs of a scene.
-
-    Parameters
-    ----------
-    jobs : int or None
-        Maximum number of runs at a time; None: as many as there are cores.
-    interval : float
-        Time between two checkpoints, s.
-    """
-    count = min(jobs or cores(), max_runs(scene))
+    """Return the workers for the runs of a scene, with checkpoints at an interval, s."""
+    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.replicate_count > 1
+    count = min(jobs or cores(), scene.replicate_count * (2 if is_twice else 1))
     # Frames for a window do not leave the process that runs.
     if any(observer.observes_runs or observer.frames for observer in observers):
         count = 1
@@ -311,13 +304,6 @@ def run_campaign(
     """Run every stage; return status, message and finding.
 
     Observers are notified of each stage once the wear update after it is applied, or has failed.
-
-    Parameters
-    ----------
-    checkpoint : Checkpoint or None
-        State to resume from.
-    workers : Workers or None
-        None: this process does the runs.
     """
     scene.check_own_laws()
     runner = Runner(scene, workers or InProcess(), observers)
@@ -331,14 +317,9 @@ def run_stage(
     observers: Sequence[Observer] = (),
     workers: Workers | None = None,
 ) -> tuple[StageResult, Ensemble]:
-    """Run one stage, without the wear update after it; return its runs as well.
+    """Run one stage on a depth of the surfaces of each run, m, or those that the scene starts on.
 
-    Parameters
-    ----------
-    depth : ndarray, shape (runs, joints, 2, bins)
-        Depth of the surfaces of each run, m; None: those that the scene starts on.
-    workers : Workers or None
-        None: this process does the runs.
+    The wear update after it is not applied; the runs are returned as well.
     """
     runner = Runner(scene, workers or InProcess(), observers)
     runner.start_stage(index)
@@ -500,11 +481,6 @@ def pass_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | 
 
     With the number of cycles set, half of them and then all; else twice as many in each pass, until
     two passes agree, or the cycles are used up.
-
-    Parameters
-    ----------
-    update : WearUpdate or None
-        Last pass.
     """
     done = 0 if update is None else len(update.steps)
     if scene.cycles is not None:
@@ -519,7 +495,7 @@ def pass_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | 
     if is_enough:
         return None
     label = f"{stage_name(index + 1)} in {cycles} steps"
-    wear = wear_per_cycle(scene.cycles_per_update, cycles)
+    wear = wear_per_cycle(scene.cycles_per_update / cycles)
     return RunSpec(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, label=label)
 
 

@@ -1,20 +1,15 @@
 """Ensemble: one linkage run from several replicates, which are samples of a chaotic motion.
 
 Initial states differ by up to 2 % of the smallest clearance.  Within a cycle or two that makes the
-runs independent, which cycles of one run need not be.  Each replicate has its own worn surfaces, so
-that the motion after a wear update is independent too.  After a wear update in one jump the
-replicates run in two sets: together on the surfaces that all their maps give, and each alone.
+runs independent, which cycles of one run need not be.  Each replicate has its own worn surfaces.
+After a wear update in one jump the replicates run in two sets: together on the surfaces that all
+their maps give, and each alone.
 
 A set ends when its maps are known, in rounds: all its runs reach the end of a round, then the maps
 of all decide whether that is enough, so that no number depends on the order, the place or the
 number of processes.  The first round takes FEWEST samples.  Each further round takes half of the
-cycles that the error of the maps says are lacking (it falls with the square root of their number),
-dealt out one by one to the replicates.  Half, because that number is itself an estimate: all of it
-would overshoot as often as undershoot (as triple sampling does: Hall, Annals of Statistics 9, 1229,
-1981), and a decision after every cycle waits for the slowest run each time.  Of the paper's press
-unworn, 4 replicates, maps known to 3.5 %, 100 draws: 45.0 cycles for a true error of 3.1 %, in 3.9
-rounds; all that is lacking at once 55.6 cycles, a decision after each cycle 44.6 cycles in 21.6
-rounds; one replicate after another, each ending when it has done its part, 46.2 cycles for 3.4 %.
+cycles that the error of the maps says are lacking, because that number is itself an estimate: all
+of it would overshoot as often as undershoot (Hall, Annals of Statistics 9, 1229, 1981).
 """
 
 import logging
@@ -158,12 +153,6 @@ class Ensemble:
         return merged | ({"replicates": len(self.runs)} if len(self.runs) > 1 else {})
 
 
-def max_runs(scene: Scene) -> int:
-    """Return the largest number of runs of an ensemble of a scene."""
-    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.replicate_count > 1
-    return scene.replicate_count * (2 if is_twice else 1)
-
-
 @dataclass
 class Runner:
     """Runs the linkage of a scene from every replicate, and reports the progress.
@@ -177,11 +166,11 @@ class Runner:
     index: int = 0  # of the stage that runs
     done: float = 0.0  # cycles of the ensembles before this one
     later: float = 0.0  # cycles expected after it
-    _shown: float = 0.0  # part of the stage: progress never falls
+    shown: float = 0.0  # part of the stage that was reported: progress never falls
 
     def start_stage(self, index: int) -> None:
         """Start the progress of another stage."""
-        self.index, self.done, self.later, self._shown = index, 0.0, 0.0, 0.0
+        self.index, self.done, self.later, self.shown = index, 0.0, 0.0, 0.0
 
     def run(
         self,
@@ -191,36 +180,16 @@ class Runner:
         keep: Callable[[EnsembleState], None] = lambda state: None,
         step_check: Job | None = None,
     ) -> Ensemble:
-        """Run every replicate on its surfaces, in one set or two.
+        """Run every replicate on its surfaces, m, in one set or two, or resume from a state.
 
-        A run that fails ends the rounds of its set, and all runs after it in order.
-
-        Parameters
-        ----------
-        depth : ndarray, shape (runs, joints, 2, bins)
-            Depth of the surfaces of each run, m.
-        state : EnsembleState or None
-            State to resume from.
-        keep : callable
-            Called with the state whenever it has changed.
-        step_check : job or None
-            Runs beside the others, if these are long enough.
+        A run that fails ends the rounds of its set, and all runs after it in order. The step check
+        runs beside the others, if these are long enough. The state is kept whenever it changes.
         """
         rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
         self.workers.run(rounds.jobs(), rounds.on_end, rounds.on_report)
         ensemble = Ensemble.of(self.scene, spec, depth, rounds.state())
         self.done += ensemble.state.cycles / self.scene.replicate_count
         return ensemble
-
-    def report(
-        self, part: float, needed: float, word: str, linkage: Linkage, film: Film | None
-    ) -> None:
-        """Report cycles of each replicate in the present ensemble, so far and in all."""
-        share = (self.done + part) / (self.done + needed + self.later)
-        self._shown = max(self._shown, min(share, 1.0))
-        whole = (self.index + self._shown) / (self.scene.wear_updates + 1)
-        for observer in self.observers:
-            observer.on_progress(Progress(self.index, self._shown, whole, word, linkage, film))
 
 
 class _Rounds:
@@ -345,7 +314,7 @@ class _Rounds:
 
     def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
         """Report the progress of the runs."""
-        is_compiling, size = math.isnan(done), self._size
+        runner, is_compiling, size = self._runner, math.isnan(done), self._size
         if index != STEP_CHECK and not is_compiling:
             self._done[index] = done
         number = max(index, 0) // size
@@ -359,10 +328,16 @@ class _Rounds:
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(self._linkages[index].clearances))
-        self._runner.report(
-            float(np.minimum(self._done, needed).sum()) / size,
-            float(needed.sum()) / size,
+        part, whole = (float(sum(each)) / size for each in (np.minimum(self._done, needed), needed))
+        share = (runner.done + part) / (runner.done + whole + runner.later)
+        runner.shown = max(runner.shown, min(share, 1.0))
+        progress = Progress(
+            runner.index,
+            runner.shown,
+            (runner.index + runner.shown) / (runner.scene.wear_updates + 1),
             COMPILING if is_compiling else word,
             self._linkages[index],
             film,
         )
+        for observer in runner.observers:
+            observer.on_progress(progress)

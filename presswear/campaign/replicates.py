@@ -48,11 +48,6 @@ def start_of(scene: Scene, index: int = 0) -> Start:
 
     The first replicate of seed 0 has its pins centred in their bearings, with positions and
     velocities of the ideal mechanism. All others are moved along a free direction.
-
-    Parameters
-    ----------
-    index : int
-        Number of the replicate.
     """
     motion = scene.ideal.at(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
@@ -77,12 +72,8 @@ def start_of(scene: Scene, index: int = 0) -> Start:
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     """Return a start moved along the free direction that moves the output most.
 
-    None where the joints leave no direction free.
-
-    Parameters
-    ----------
-    distance : float
-        Change of the coordinate that changes most, m or rad.
+    The coordinate that changes most changes by the distance, m or rad. None where the joints leave
+    no direction free.
     """
     constraints = constraints_of(linkage)
     jacobian = constraints.evaluate(0.0, start.position, start.velocity)[3]
@@ -273,14 +264,10 @@ class StepCheck:
     replicate: int = -1  # those of stages are not negative
 
     def __call__(self, report: Report) -> dict[str, float]:
-        """Run a cycle, and pieces of it again with finer steps.
+        """Return the relative changes of load distance and of the peak forces of the pieces.
 
-        Returns
-        -------
-        dict of str to float
-            Relative changes of load distance and of the peak forces of the pieces, largest of all
-            joints, by the names of ``StageStatistics``. Empty where the engine has no tolerance
-            or a run failed.
+        They are the largest of all joints, by the names of ``StageStatistics``; empty where the
+        engine has no tolerance or a run failed.
         """
         scene, linkage = self.scene, linkage_on(self.scene, self.depth)
         cycle, joints = scene.mechanism.period, range(len(linkage.clearances))

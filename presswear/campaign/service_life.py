@@ -20,7 +20,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import combinations, groupby, pairwise
+from itertools import combinations, groupby, pairwise, takewhile
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -294,19 +295,9 @@ def run_refinements(
     refinements: Sequence[Refinement] = (),
     keep: Callable[[tuple[Refinement, ...]], None] = lambda refinements: None,
 ) -> tuple[Refinement, ...]:
-    """Run refinements until the life is known.
+    """Run refinements until the life is known, after those that have run; keep them each block.
 
-    Parameters
-    ----------
-    refinements : sequence of Refinement
-        Those that have run; the last one may be unfinished.
-    keep : callable
-        Called with them after each block.
-
-    Raises
-    ------
-    InputError
-        If a limit is exceeded when new.
+    InputError if a limit is exceeded when new.
     """
     done = list(refinements) or [Refinement()]
     while True:
@@ -428,14 +419,9 @@ def estimate_life(refinements: Sequence[Refinement], limits: Sequence[Limit]) ->
 
 
 def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
-    """Return the quantities of the surfaces by key, each of shape (histories,).
+    """Return the quantities of surfaces of shape (histories, joints, 2, bins), m, by key.
 
-    Parameters
-    ----------
-    depth : ndarray, shape (histories, joints, 2, bins)
-        Depth of the surfaces, m.
-    limited : sequence of str
-        Names that limits are on; the total clearance takes long and is computed only for these.
+    The total clearance takes long and is computed only if a limit is on it.
     """
     levels = {}
     for k, joint in enumerate(scene.linkage().clearances):
@@ -449,13 +435,7 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
 
 
 def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
-    """Return the quantities of strokes by key, each of shape (histories,).
-
-    Parameters
-    ----------
-    rows : ndarray, shape (histories, cycles, columns)
-        Columns CYCLE_FIXED and CYCLE_JOINT.
-    """
+    """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
     samples = {}
     for k, joint in enumerate(scene.linkage().clearances):
         column = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k + CYCLE_JOINT.index("force_max")
@@ -478,9 +458,9 @@ class WearHistories:
     state: LifeState = field(default_factory=LifeState)
     keep: Callable[[LifeState], None] = lambda state: None  # called whenever it has changed
 
-    def keep_refinements(self, refinements: tuple[Refinement, ...]) -> None:
-        """Store refinements that have advanced."""
-        self.state = replace(self.state, refinements=refinements)
+    def store(self, **changes: Any) -> None:
+        """Change the state and keep it."""
+        self.state = replace(self.state, **changes)
         self.keep(self.state)
 
     def advance(self, number: int, before: Blocks, plan: BlockPlan | Service) -> LoadBlock:
@@ -505,14 +485,10 @@ class WearHistories:
         runner.later = left + (2 * MIN_CYCLES if number == 1 else 0)
         runner.later += scene.wear_updates * FIRST_PASS
 
-        def keep(running: EnsembleState) -> None:
-            self.state = replace(self.state, running=running)
-            self.keep(self.state)
-
-        wear, number = wear_per_cycle(plan.share, 1, plan.extra), number + _MAX_INTERVALS * interval
+        wear, number = wear_per_cycle(plan.share, plan.extra), number + _MAX_INTERVALS * interval
         label = f"life, pass {self.state.place[0]}, {strokes:.3g} strokes"
         spec = RunSpec(_MAX_CYCLES, wear=wear, number=number, label=label)
-        ensemble = runner.run(first, spec, running, keep)
+        ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
         if ensemble.failure:
             if not before:
                 raise RunFailed(ensemble.failure, ensemble.finding)
@@ -556,27 +532,18 @@ def run_life(
 ) -> tuple[tuple[Refinement, ...], LifeResult]:
     """Run the service life of a scene, or resume it; return its refinements as well.
 
-    Parameters
-    ----------
-    initial : ndarray, shape (replicates, joints, 2, bins)
-        Depth of the surfaces at the start, m.
-    keep : callable
-        Called with the state whenever it has changed.
-
-    Raises
-    ------
-    InputError
-        If a limit is exceeded when new.
-    RunFailed
-        If a run fails before anything is known.
+    InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
     problem = LifeProblem.of(runner.scene)
     limited = tuple(limit.name for limit in problem.limits)
     histories = WearHistories(runner, initial, limited, state, keep)
-    refinements = run_refinements(
-        problem, histories.advance, state.refinements, histories.keep_refinements
+    done = run_refinements(
+        problem,
+        histories.advance,
+        state.refinements,
+        lambda refinements: histories.store(refinements=refinements),
     )
-    return refinements, life_result(runner.scene, problem, refinements)
+    return done, life_result(runner.scene, problem, done)
 
 
 def _finite(value: float) -> float | None:
@@ -724,18 +691,16 @@ def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
             break
         del edges[alike[0]]
     values = [float(mean.mean()) for mean in means]
+    # Falling rates at first are running-in, rising last ones accelerated.
+    rises = np.sign(np.diff(values)).tolist()
+    falling = len(list(takewhile(lambda rise: rise < 0, rises)))
+    rising = len(list(takewhile(lambda rise: rise > 0, reversed(rises))))
+    names = [RUNNING_IN] * falling + [STEADY] * (len(values) - falling - rising)
+    names += [ACCELERATED] * rising
+    since, until = strokes[finished], strokes[finished + 1]
     return tuple(
-        Phase(
-            joint,
-            name,
-            float(strokes[finished[a]]),
-            float(strokes[finished[b - 1] + 1]),
-            value,
-            half_width(mean) or 0.0,
-        )
-        for name, value, mean, (a, b) in zip(
-            _phase_names(values), values, means, pairwise(edges), strict=True
-        )
+        Phase(joint, name, float(since[a]), float(until[b - 1]), value, half_width(mean) or 0.0)
+        for name, value, mean, (a, b) in zip(names, values, means, pairwise(edges), strict=True)
     )
 
 
@@ -756,17 +721,3 @@ def _phase_edges(rates: Array, weights: Array) -> tuple[int, ...]:
             penalty = (3 * parts - 2) * math.log(count)
             chosen.append((count * math.log(max(rest, least)) + penalty, edges))
     return min(chosen, key=lambda item: item[0])[1]
-
-
-def _phase_names(rates: Sequence[float]) -> list[str]:
-    """Return names: falling rates at first are running-in, rising last ones accelerated."""
-    names = [STEADY] * len(rates)
-    for k in range(len(rates) - 1):
-        if rates[k] <= rates[k + 1]:
-            break
-        names[k] = RUNNING_IN
-    for k in reversed(range(1, len(rates))):
-        if rates[k] <= rates[k - 1] or names[k] != STEADY:
-            break
-        names[k] = ACCELERATED
-    return names

@@ -76,13 +76,9 @@ def stage_result(
     update: WearUpdate | None = None,
     finding: Finding | None = None,
 ) -> StageResult:
-    """Return a stage with its statistics and arrays.
+    """Return a stage with its statistics and arrays, and the wear update after it, if known.
 
-    Parameters
-    ----------
-    update : WearUpdate or None
-        Wear update after the stage, as far as it is known; None: the statistics are of what one
-        jump would add.
+    Without one, the statistics are of what one jump would add.
     """
     together, joints = ensemble.together, ensemble.linkage.clearances
     wear, diagnostics = _stage_wear(scene, index, ensemble, update), ensemble.diagnostics()
@@ -371,12 +367,7 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
 
     It covers as many cycles as are recorded of a scene without work. The delay is the one by which
     the ideal motion fits best, up to a constant offset: by least squares, of first order in the
-    delay.
-
-    Returns
-    -------
-    ndarray, shape (cycles, 4 + joints)
-        COLUMNS, and of each clearance joint the fraction of the time out of contact.
+    delay. Columns are COLUMNS, and of each clearance joint the fraction of the time out of contact.
     """
     last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
     recorded = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))

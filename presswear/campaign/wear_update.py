@@ -2,18 +2,14 @@
 
 Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h, of which one
 cycle of a chaotic motion is a sample.  A wear update cycle by cycle applies after each cycle what
-this cycle stands for, and no map is multiplied before the surfaces respond: a bump carries more
-pressure and wears faster, so that noise is worn away again.  That holds as long as a cycle's share
-is less than the elastic overlap of the surfaces, twice of which a bump would overshoot.  The error
-of the step goes as one over the number of cycles; a pass with twice as many shows it.
+this cycle stands for.  A bump carries more pressure and wears faster, so that noise is worn away
+again, as long as a cycle's share is less than the elastic overlap of the surfaces.  The error of
+the step goes as one over the number of cycles; a pass with twice as many shows it.
 
-In one jump, as in the paper, a map is multiplied as it is, with its noise: the next stage runs on
-a surface that is the rougher, the fewer cycles its map is of, and its numbers depend on them about
-as their root (mean peak forces at A of the paper's scene after two jumps from 50, 200 and 2000
-cycles were 298, 256 and 226 N).  The paper's are of 200 cycles.  The replicates then run twice:
-together, on the mean of all their maps, and each alone on its own map.  Those alone are independent
-and give the scatter; their distance from those together, which is counted as an error, shows the
-influence of the number of cycles.
+In one jump, as in the paper, a map is multiplied as it is, with its noise: the surface is the
+rougher, the fewer cycles the map is of.  The replicates then run twice: together, on the mean of
+all their maps, and each alone on its own map.  Those alone are independent and give the scatter;
+their distance from those together is counted as an error.
 """
 
 import math
@@ -57,22 +53,14 @@ def initial_depth(scene: Scene) -> Array:
     return np.repeat(depth[np.newaxis], scene.replicate_count, axis=0)
 
 
-def wear_per_cycle(
-    cycles_per_update: float, cycles: int, extra: Array | float = 0.0
-) -> Callable[[int, Array], Array]:
-    """Return the ``wear`` of a plan in which each cycle stands for its share of a wear update.
+def wear_per_cycle(share: float, extra: Array | float = 0.0) -> Callable[[int, Array], Array]:
+    """Return the ``wear`` of a plan in which each cycle after the start-up stands for a share.
 
-    Parameters
-    ----------
-    cycles_per_update : float
-        Real cycles that the wear update stands for.
-    cycles : int
-        Cycles in which it is applied, after the start-up.
-    extra : ndarray, shape (joints, 2, bins), or 0
-        Depth that each of them adds besides, m. Where this would give more material back than a
-        cycle takes, nothing is taken, and elsewhere so much less that the volume stays.
+    Each adds an extra depth as well, m, shape (joints, 2, bins). Where this would give more
+    material back than a cycle takes, nothing is taken, and elsewhere so much less that the volume
+    stays.
     """
-    return partial(_lost, cycles_per_update / cycles, extra)
+    return partial(_lost, share, extra)
 
 
 def _lost(share: float, extra: Array | float, cycle: int, added: Array) -> Array:
@@ -120,13 +108,7 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
 def cycle_by_cycle(
     ensemble: Ensemble, cycles_per_update: float, coarser: WearUpdate | None
 ) -> WearUpdate:
-    """Return the wear update that a pass cycle by cycle has applied.
-
-    Parameters
-    ----------
-    coarser : WearUpdate or None
-        Pass in half as many cycles.
-    """
+    """Return the wear update of a pass cycle by cycle, after one in half as many cycles, if any."""
     joints, recorders = ensemble.linkage.clearances, ensemble.recorders
     depth = np.array([recorder.surface_depth for recorder in recorders])
     growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]

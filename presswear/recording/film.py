@@ -32,22 +32,12 @@ FRAME_SAMPLER = np.dtype(
 """State of the frame sampler."""
 
 
-def empty_film(bodies: int, joints: int) -> Array:
-    """Return rows for all frames, and one more, the frame being sampled."""
+def empty_film(bodies: int, joints: int, cycle: float) -> tuple[Array, Records]:
+    """Return rows for all frames and the one being sampled, and the sampler for a cycle, s."""
     frames = FILM_CYCLES * FRAMES_PER_CYCLE + 1
-    return np.zeros((frames, columns_of(bodies, joints)))
-
-
-def columns_of(bodies: int, joints: int) -> int:
-    """Return the number of columns of a frame."""
-    return 1 + 3 * bodies + FILM_JOINT_COUNT * joints
-
-
-def frame_sampler(cycle: float) -> Records:
-    """Return a sampler of ``FRAMES_PER_CYCLE`` frames in a cycle of a duration in s."""
     sampler = np.zeros(1, FRAME_SAMPLER)
     sampler["interval"] = cycle / FRAMES_PER_CYCLE
-    return sampler
+    return np.zeros((frames, 1 + 3 * bodies + FILM_JOINT_COUNT * joints)), sampler
 
 
 @compiled
@@ -85,21 +75,11 @@ def take_frame(
 
 @dataclass(frozen=True)
 class Film:
-    """Frames of a run.
+    """Frames of a run."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        s.
-    position : ndarray, shape (n, 3 bodies)
-        Mass centre, m, and angle, rad, of each body in the order of the linkage.
-    joints : ndarray, shape (n, joints, 6)
-        Columns FILM_JOINT.
-    """
-
-    time: Array
-    position: Array
-    joints: Array
+    time: Array  # (n,), s
+    position: Array  # (n, 3 bodies): mass centre, m, and angle, rad, in the order of the linkage
+    joints: Array  # (n, joints, 6), columns FILM_JOINT
 
     @staticmethod
     def of(rows: Array, joints: int) -> "Film":

@@ -20,7 +20,7 @@ from presswear.physics.touchdown import (
     STORED_CONTACT,
 )
 from presswear.physics.wear import map_shape
-from presswear.recording.film import Film, empty_film, frame_sampler
+from presswear.recording.film import Film, empty_film
 from presswear.recording.observe import (
     CONTACTS_AT_MOST,
     CYCLE_FIXED,
@@ -134,6 +134,7 @@ class Recorder:
         rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = map_shape(linkage.clearances)
+        film, sampler = empty_film(len(linkage.bodies), count, cycle)
         records = RecorderState(
             packed=pack(linkage, wearing),
             motions=motions_of(linkage),
@@ -144,8 +145,8 @@ class Recorder:
             output=output,
             series=np.zeros((rows, columns)),
             stored_contacts=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT),
-            film=empty_film(len(linkage.bodies), count),
-            sampler=frame_sampler(cycle),
+            film=film,
+            sampler=sampler,
             cycle=np.zeros(cycle_columns(count, len(linkage.drives))),
             depth=np.zeros(shape),
             wear_integrals=np.zeros(count, WEAR_INTEGRALS),

@@ -68,27 +68,14 @@ class Finding:
 
 @dataclass(frozen=True)
 class Condition:
-    """Condition of a run after a cycle.
+    """Condition of a run after a cycle."""
 
-    Attributes
-    ----------
-    time : float
-        s.
-    ledger : Ledger
-        Energies since the start of the run.
-    position, velocity : ndarray, shape (3 bodies,)
-    remedy : str
-        Setting that makes the steps of the engine finer.
-    constraints : Constraints or None
-        Constraints that may drift; None if the coordinates cannot violate them.
-    """
-
-    time: float
-    ledger: Ledger
-    position: Array
+    time: float  # s
+    ledger: Ledger  # energies since the start of the run
+    position: Array  # (3 bodies,)
     velocity: Array
-    remedy: str
-    constraints: Constraints | None = None
+    remedy: str  # setting that makes the steps of the engine finer
+    constraints: Constraints | None = None  # that may drift
 
 
 def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:

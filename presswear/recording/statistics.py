@@ -1,14 +1,11 @@
 """Statistics of cycles, which are samples of a chaotic motion: means, wear maps, intervals.
 
-Beyond some twenty contacts the motion is chaotic and one run is one sample.  Cycles after the
-start-up are the samples: in the first cycle the pins fall on their bearings all at once, and the
-second knocks less than any later one (mean peak forces at A of a hundred replicates of the paper's
-scene are 271, 82, 120, 131, 118 N).  Many cycles are averaged in batches of neighbours, so that
-what one cycle passes on to the next is counted once: the method of batch means (Law and Kelton,
-Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are of 95 %.
-
-In this module ``runs`` are arrays of one number per cycle, start-up included, one for each run;
-``count`` is the number of maps that bootstrap samples are from.
+Cycles after the start-up are the samples: in the first cycle the pins fall on their bearings all at
+once, and the second knocks less than any later one.  Many cycles are averaged in batches of
+neighbours, so that what one cycle passes on to the next is counted once: the method of batch means
+(Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are of
+95 %.  In this module ``runs`` are arrays of one number per cycle, start-up included, one for each
+run; ``count`` is the number of maps that bootstrap samples are from.
 """
 
 import math
@@ -99,13 +96,6 @@ def quantile(freedom: float) -> float:
     from scipy.special import stdtrit  # slow to import, and scipy.stats three times as slow
 
     return float(stdtrit(freedom, 0.5 + 0.5 * LEVEL))
-
-
-def estimate(rows: Array) -> Estimate:
-    """Return mean and interval of one number per cycle, shape (cycles,), start-up included."""
-    samples = after_startup(rows)
-    mean = float(samples.mean()) if samples.size else math.nan
-    return Estimate.symmetric(mean, half_width(batched(samples)), samples.size)
 
 
 @dataclass

@@ -18,7 +18,7 @@ import numpy as np
 from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynTree, InHouse
-from presswear.recording.statistics import Estimate, estimate
+from presswear.recording.statistics import Estimate, pooled
 from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import MUTED, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
@@ -274,7 +274,8 @@ def _check_means(
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
         recorder = runner.run(f"{word}, {cycles} cycles", engine, plan).recorder
         means[word.lower()] = {
-            quantity: estimate(recorder.each_cycle(name, k)) for quantity, name, k, _ in quantities
+            quantity: pooled([recorder.each_cycle(name, k)])[0]
+            for quantity, name, k, _ in quantities
         }
     checks = []
     for quantity, *_, unit in quantities:

@@ -294,9 +294,9 @@ def test_no_cycle_gives_material_back(seed: int) -> None:
     added = draw.random((2, 2, 16)) * 1e-12
     extra = draw.normal(-1e-12, 6e-12, (2, 2, 16))
     extra[0, 0] = -1e-10
-    lost = wear_per_cycle(40.0, 4, extra)(STARTUP_CYCLES + 1, added)
+    lost = wear_per_cycle(10.0, extra)(STARTUP_CYCLES + 1, added)
     assert lost.min() >= 0.0
     volume = np.maximum((10.0 * added + extra).sum(axis=-1), 0.0)
     np.testing.assert_allclose(lost.sum(axis=-1), volume, rtol=1e-12, atol=1e-24)
-    plain = wear_per_cycle(40.0, 4)(STARTUP_CYCLES + 1, added)
+    plain = wear_per_cycle(10.0)(STARTUP_CYCLES + 1, added)
     np.testing.assert_array_equal(plain, 10.0 * added)

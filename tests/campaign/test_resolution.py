@@ -1,4 +1,4 @@
-"""Whether finer steps would change what a stage says."""
+"""Check of the time step within a stage."""
 
 from dataclasses import replace
 from statistics import median
@@ -20,15 +20,12 @@ def scene_of(engine: str, tolerance: float) -> Scene:
 
 
 def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
-    """Of the surfaces that it begins on."""
     return StepCheck(scene, initial_depth(scene)[0], start)(lambda *_: None)
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
-    monkeypatch: pytest.MonkeyPatch, engine: str
-) -> None:
-    """Bit for bit: each begins in the state of the run itself."""
+def test_pieces_with_equal_steps_are_equal(monkeypatch: pytest.MonkeyPatch, engine: str) -> None:
+    """Bit for bit, because each starts in a state of the run itself."""
     monkeypatch.setattr(replicates, "REFINEMENT", 1.0)
     scene = scene_of(engine, 1e-5)
     assert step_errors(scene) == {
@@ -37,7 +34,7 @@ def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
     }
 
 
-def test_the_error_falls_with_the_tolerance() -> None:
+def test_step_error_falls_with_the_tolerance() -> None:
     # The median, because chaos magnifies a small error in some pieces.
     coarse, fine = (
         median(step_errors(scene, start)["load_distance_step_error"] for start in (-1, -2, -3))
@@ -46,14 +43,14 @@ def test_the_error_falls_with_the_tolerance() -> None:
     assert coarse > 10.0 * fine > 0.0
 
 
-def test_equal_steps_and_closed_joints_have_none() -> None:
+def test_fixed_steps_and_closed_joints_have_no_step_error() -> None:
     scene = changed(wear_times(), {"engine": "dae", "integrator": "rk4"})
     assert step_errors(scene) == {}
     scene = replace(wear_times(), joints="none", wear_updates=0)
     assert step_errors(scene) == {}
 
 
-def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> None:
+def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
     many, few = (
         run(replace(scene_of("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
         for cycles in (replicates.STEP_CHECK_CYCLES, replicates.STEP_CHECK_CYCLES - 1)

@@ -19,14 +19,13 @@ from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import RunState, StepCheck, WorkUnit
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.folder import ResultFolder, read_document
+from presswear.results.folder import ResultFolder, read_stored
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import RunFailed
 from presswear.tools.processes import InProcess, Job, OnProgress, OnResult, Pool, Report
-from presswear.tools.serialize import write_json
 
 QUICK = {
     **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
@@ -184,8 +183,8 @@ class Stored(Observer):
         self.path, self.words = path, list[str]()
 
     def on_checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
-        stored = read_document(self.path)["checkpoint"]
-        self.words.append(stored["words"] if stored else "")
+        stored = read_stored(self.path).checkpoint
+        self.words.append(stored.words if stored else "")
 
 
 @pytest.mark.parametrize(("interval", "is_each_due"), [(0.0, True), (1e6, False)])
@@ -205,9 +204,9 @@ def test_resuming_on_another_machine_is_remarked(tmp_path: Path) -> None:
     path = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
         run(STEPS, path, jobs=1, observers=[At(interrupt, 0.2)])
-    document = read_document(path)
-    document["provenance"]["machine"] = "Plan 9, 1 core"
-    write_json(path / "result.json", document)
+    stored = read_stored(path)
+    stored.provenance["machine"] = "Plan 9, 1 core"
+    stored.write(path)
     with ResultFolder(path, STEPS, resume=True) as folder:
         (remark,) = (line for line in folder.remarks if "last digits may differ" in line)
     assert "Plan 9, 1 core" in remark

@@ -1,10 +1,5 @@
 """Several scenes in one folder: each result, resuming, and what is refused."""
 
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +7,9 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
+
+Ran = tuple[Path, list[tuple[str, float, str]]]
+"""Folder of the scenes, and what was reported."""
 
 
 def scenes(**settings: Any) -> dict[str, pw.Scene]:
@@ -25,14 +23,14 @@ def scenes(**settings: Any) -> dict[str, pw.Scene]:
 
 
 @pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[str, float, str]]]:
-    """Return the folder of two processes at a time, and what was reported."""
+def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    """Run two processes at a time."""
     folder, reported = tmp_path_factory.mktemp("scenes"), []
     pw.run_scenes(scenes(), folder, jobs=2, on_progress=lambda *report: reported.append(report))
     return folder, reported
 
 
-def test_every_scene_has_its_result(ran: tuple[Path, list[tuple[str, float, str]]]) -> None:
+def test_every_scene_has_its_result(ran: Ran) -> None:
     folder, reported = ran
     results = {name: pw.load(folder / name) for name in scenes()}
     assert [result.status for result in results.values()] == ["completed", "completed", "failed"]
@@ -43,9 +41,7 @@ def test_every_scene_has_its_result(ran: tuple[Path, list[tuple[str, float, str]
         assert last == [f"{result.status}: {result.message}".removesuffix(": ")]
 
 
-def test_finished_runs_are_read_and_others_run_again(
-    ran: tuple[Path, list[tuple[str, float, str]]], tmp_path: Path
-) -> None:
+def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path: Path) -> None:
     before = (ran[0] / "one" / "result.json").stat().st_mtime_ns
     results = pw.run_scenes(scenes(), ran[0], jobs=1)
     assert list(results) == list(scenes())
@@ -69,35 +65,8 @@ def test_scenes_that_cannot_run_are_refused(
     settings: dict[str, Any] | None,
     arguments: dict[str, Any],
     message: str,
-    ran: tuple[Path, list[tuple[str, float, str]]],
+    ran: Ran,
 ) -> None:
     named = {"../one": pw.scenes.wear_times()} if settings is None else scenes(**settings)
     with pytest.raises(pw.InputError, match=message):
         pw.run_scenes(named, ran[0], **arguments)
-
-
-def test_interrupted_scenes_keep_what_is_finished_and_resume(
-    ran: tuple[Path, list[tuple[str, float, str]]], tmp_path: Path
-) -> None:
-    """SIGINT while two runs are at work: the finished ones stay, and the rest resumes."""
-    code = (
-        "import presswear as pw; from campaign.test_scenes import scenes; import sys\n"
-        "more = {f'more-{k}': s for k in range(9) for s in [scenes(seed=k, cycles=9)['one']]}\n"
-        "pw.run_scenes(scenes() | more, sys.argv[1], jobs=2)"
-    )
-    command = [sys.executable, "-P", "-c", code, str(tmp_path)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path])}
-    pipe = subprocess.PIPE
-    process = subprocess.Popen(
-        command, stderr=pipe, text=True, env=environment, start_new_session=True
-    )
-    until = time.monotonic() + 120.0
-    while len(list(tmp_path.glob("*/result.json"))) < 4 and time.monotonic() < until:
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)
-    assert "KeyboardInterrupt" in process.communicate(timeout=60)[1]
-    statuses = [pw.load(path.parent).status for path in tmp_path.glob("*/result.json")]
-    assert 1 <= statuses.count("completed") < 11
-    pw.run_scenes(scenes(), tmp_path, jobs=1)
-    for name in scenes():
-        assert folder_differences(tmp_path / name, ran[0] / name) == []

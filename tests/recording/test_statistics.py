@@ -20,7 +20,6 @@ from presswear.recording.statistics import (
     basic_interval,
     batched,
     differ,
-    estimate,
     half_width,
     map_batches,
     map_errors,
@@ -37,12 +36,12 @@ from presswear.tools.arrays import Array
 
 def test_interval_of_a_mean_over_cycles() -> None:
     """Student's interval of 2, 4, 6 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
-    found = estimate(np.array([100.0, 50.0, 2.0, 4.0, 6.0]))
+    found = pooled([np.array([100.0, 50.0, 2.0, 4.0, 6.0])])[0]
     assert found.mean == 4.0
     assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
-    assert estimate(np.array([1.0])).half_width is None
+    assert pooled([np.array([1.0])])[0].half_width is None
     # Where no more ran, the last is the only sample.
-    assert estimate(np.array([1.0, 3.0])).mean == 3.0
+    assert pooled([np.array([1.0, 3.0])])[0].mean == 3.0
 
 
 def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:

@@ -1,4 +1,4 @@
-"""The lowest place inside a step, and one bottom a stroke, wherever cycles end."""
+"""Lowest place in a step, and one bottom of each stroke, wherever cycles end."""
 
 import math
 from itertools import pairwise
@@ -46,22 +46,18 @@ def test_lowest_place_in_a_step_is_that_of_the_motion(length: float, part: float
     assert abs(begin + since) <= 1e-8
 
 
-def test_its_error_falls_with_the_sixth_power_of_the_step() -> None:
+def test_error_of_the_lowest_place_is_of_sixth_order_and_bounded_after_a_jump() -> None:
     errors = []
     for length in (0.08, 0.04):
         place, _ = lowest_between(length, swing(-0.3 * length, 0.0), swing(0.7 * length, 0.0))
         errors.append(abs(place + 1.05))
     assert errors[0] > 1e-9
     assert 48.0 < errors[0] / errors[1] < 80.0
-
-
-def test_an_acceleration_that_jumps_costs_no_more_than_is_told() -> None:
-    """Up to the first end it was another: the polynomial does not know."""
+    # The acceleration was another up to the first end, which the polynomial does not know.
     length, jump = 1e-3, 50.0
     before, after = swing(-0.4 * length, 0.0), swing(0.6 * length, 0.0)
     place, _ = lowest_between(length, (before[0], before[1], before[2] + jump), after)
-    off = abs(place + 1.05)
-    assert 0.2 * 0.018 * jump * length**2 < off < 0.018 * jump * length**2
+    assert 0.2 * 0.018 * jump * length**2 < abs(place + 1.05) < 0.018 * jump * length**2
 
 
 def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int) -> np.ndarray:
@@ -95,7 +91,7 @@ def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> Non
 
 
 @pytest.mark.parametrize("off", [-1e-3, 0.0, 1e-3])
-def test_a_boundary_of_cycles_at_the_bottom_gives_neither_two_nor_none(off: float) -> None:
+def test_bottom_at_the_end_of_a_cycle_is_one(off: float) -> None:
     """By cycles alone the bottom beside a boundary would be found twice, or be the boundary."""
     rows = recorded(PERIOD * off, (-0.25 * PERIOD, 0.25 * PERIOD), 6, 1)
     assert rows[1:, 1] == pytest.approx(PERIOD * (off + np.arange(1, 6)), abs=1e-6)
@@ -105,7 +101,7 @@ def test_a_boundary_of_cycles_at_the_bottom_gives_neither_two_nor_none(off: floa
     assert wrong[0, 1] == pytest.approx(PERIOD * (1.0 - 1e-3), abs=1e-6)
 
 
-def test_a_run_that_goes_on_keeps_the_stroke_that_it_was_in() -> None:
+def test_resumed_run_keeps_its_stroke() -> None:
     scene = ideal()
     plan = RunSpec(4).plan(scene)
     assert plan.stroke is not None
