@@ -155,6 +155,8 @@ def test_sentences_follow_the_scene() -> None:
     assert "Contact on worn surfaces is radial" in both
     assert "Contact on worn surfaces is radial" not in once + page_of(made_up(made.BODY, 2)).text
     assert "presses on work (blanking" in page_of(made_up(press_blanking(), 1)).text
+    viscous = wear_times(normal_law="kelvin-voigt", viscous_damping="100 N s/m", restitution=1)
+    assert "has a viscous damping of 100 N s/m" in page_of(made_up(viscous, 1)).text
     four_bar = pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0)
     text = page_of(made_up(four_bar, 1)).text
     assert "The rocker moves between its lowest and highest position, 111 mm apart" in text
