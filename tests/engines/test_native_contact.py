@@ -13,6 +13,7 @@ from free_pair import free_pair
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start
+from presswear.engines.exudyn import add_marker, add_node, add_object, quiet
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
@@ -39,53 +40,37 @@ def native(linkage: Linkage, nominal: float, step: float) -> NDArray[np.float64]
     markers = {}
     for i, body in enumerate(linkage.bodies):
         place = slice(3 * i, 3 * i + 3)
-        node = system.AddNode(
-            {
-                "nodeType": "RigidBody2D",
-                "referenceCoordinates": [0.0, 0.0, 0.0],
-                "initialCoordinates": list(START.position[place]),
-                "initialVelocities": list(START.velocity[place]),
-            }
+        node = add_node(
+            system,
+            "RigidBody2D",
+            referenceCoordinates=[0.0, 0.0, 0.0],
+            initialCoordinates=list(START.position[place]),
+            initialVelocities=list(START.velocity[place]),
         )
-        rigid = system.AddObject(
-            {
-                "objectType": "RigidBody2D",
-                "mass": body.mass,
-                "inertia": body.inertia,
-                "nodeNumber": node,
-            }
+        rigid = add_object(
+            system, "RigidBody2D", mass=body.mass, inertia=body.inertia, nodeNumber=node
         )
         point = joint.bearing if joint.bearing.body == body.name else joint.pin
-        markers[body.name] = system.AddMarker(
-            {
-                "markerType": "BodyRigid",
-                "bodyNumber": rigid,
-                "localPosition": [point.x, point.y, 0.0],
-            }
-        )
-    state = system.AddNode(
-        {
-            "nodeType": "GenericData",
-            "numberOfDataCoordinates": 4,
-            "initialCoordinates": [joint.clearance, 0.0, 0.0, 0.0],
-        }
-    )
-    system.AddObject(
-        {
-            "objectType": "ContactSphereSphere",
-            "markerNumbers": [markers[joint.pin.body], markers[joint.bearing.body]],
-            "nodeNumber": state,
-            "spheresRadii": [joint.pin_radius, joint.bearing_radius],
-            "isHollowSphere1": True,
-            "contactStiffness": joint.normal.stiffness,
-            "contactStiffnessExponent": joint.normal.exponent,
-            "contactDamping": 0.0,
-            "impactModel": 1,
-            "restitutionCoefficient": 1.0 - 0.5 * (1.0 - nominal**2),
-            "minimumImpactVelocity": 0.0,
-            "dynamicFriction": joint.friction.coefficient,
-            "frictionProportionalZone": joint.friction.upper,
-        }
+        local = [point.x, point.y, 0.0]
+        markers[body.name] = add_marker(system, "BodyRigid", bodyNumber=rigid, localPosition=local)
+    initial = [joint.clearance, 0.0, 0.0, 0.0]
+    add_object(
+        system,
+        "ContactSphereSphere",
+        markerNumbers=[markers[joint.pin.body], markers[joint.bearing.body]],
+        nodeNumber=add_node(
+            system, "GenericData", numberOfDataCoordinates=4, initialCoordinates=initial
+        ),
+        spheresRadii=[joint.pin_radius, joint.bearing_radius],
+        isHollowSphere1=True,
+        contactStiffness=joint.normal.stiffness,
+        contactStiffnessExponent=joint.normal.exponent,
+        contactDamping=0.0,
+        impactModel=1,
+        restitutionCoefficient=1.0 - 0.5 * (1.0 - nominal**2),
+        minimumImpactVelocity=0.0,
+        dynamicFriction=joint.friction.coefficient,
+        frictionProportionalZone=joint.friction.upper,
     )
     system.Assemble()
     settings = exu.SimulationSettings()
@@ -98,12 +83,8 @@ def native(linkage: Linkage, nominal: float, step: float) -> NDArray[np.float64]
     integration.minimumStepSize = 1e-14
     integration.newton.relativeTolerance = integration.newton.absoluteTolerance = 1e-12
     integration.newton.useModifiedNewton = True
-    console = exu.config.printToConsole
-    exu.config.printToConsole = False
-    try:
+    with quiet():
         system.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
-    finally:
-        exu.config.printToConsole = console
     end = np.array(system.systemData.GetODE2Coordinates_t())
     container.Reset()
     return end

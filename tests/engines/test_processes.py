@@ -1,17 +1,21 @@
 """Process forces in runs: motion, torque, work and moments against closed forms, and balances."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from closed_form import needed_by_virtual_work, press_motion
+from closed_form import Turning, needed_by_virtual_work, press_motion, servo_turning
+from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
+from presswear.linkage.drives import Servo
 from presswear.linkage.loads import Process
+from presswear.physics.statics import needed_torques
 from presswear.results.press_analysis import Strokes, strokes_of
 from presswear.tools.arrays import Array
 
@@ -42,36 +46,29 @@ LOWEST = turning(0.04, 0.08)
 BOTTOM = float(slider(np.array(LOWEST))[0, 0])
 
 
-def force_on(process: Process, time: Array) -> Array:
-    """Upwards force of the work, N: of a table, on the way in alone where it breaks or flows."""
-    place, velocity, _ = slider(time).T
-    depth = process.height - (place - BOTTOM)
+def force_on(process: Process, slider: Array, bottom: float) -> Array:
+    """Upwards force of the work, N: of a sheet on the way in alone."""
+    depth = process.height - (slider[:, 0] - bottom)
     if isinstance(process, pw.Coining):
         return process.stiffness * np.maximum(depth, 0.0)
     places, forces = np.array(process.curve).T
     held = process.cushion * np.clip(depth / places[1], 0.0, 1.0)
-    return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
+    return np.interp(depth, places, forces, 0.0, 0.0) * (slider[:, 1] < 0.0) + held
 
 
-def ran(process: Process, engine: str) -> tuple[pw.StageResult, Strokes]:
-    """Two cycles of the ideal press on its work."""
-    scene = replace(pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2)
-    result = pw.run(scene)
-    strokes = result.strokes(0)
-    assert strokes is not None
-    return result.stages[0], strokes
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
-def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str) -> None:
-    stage, strokes = ran(process, engine)
-    time = stage.time
-    exact = slider(time)[:, 0] - slider(np.zeros(1))[0, 0]
-    assert np.abs(stage.displacement - exact).max() < LARGE
-    torque = needed_by_virtual_work(PRESS, time, force_on(process, time))
-    depth = process.height - (slider(time)[:, 0] - BOTTOM)
+def check_work(
+    stage: pw.StageResult,
+    process: Process,
+    exact: Array,
+    bottom: float,
+    turning: Turning | None = None,
+    strokes: int = 1,
+) -> tuple[Array, Array]:
+    """Check torque, work and energy; returns the torque and the rows away from events."""
+    force = force_on(process, exact, bottom)
+    torque = needed_by_virtual_work(PRESS, stage.time, force, turning)
     nodes = [place for place, _ in process.curve]
+    depth = process.height - (exact[:, 0] - bottom)
     # A step ends a little behind the node of a table, under the piece before it.
     smooth = np.abs(np.subtract.outer(depth, nodes)).min(axis=1) > LARGE
     assert np.count_nonzero(~smooth) <= 4 * len(nodes)
@@ -79,8 +76,22 @@ def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str
     assert off.max() < 1e-6 * np.abs(torque).max()
     exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
     work = -float(stage.diagnostics["load_work_J"] or 0.0)
-    assert work == pytest.approx(2.0 * process.work, abs=1e-6 * exchange)
+    assert work == pytest.approx(strokes * process.work, abs=1e-6 * exchange)
     assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange
+    return torque, smooth
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
+def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str) -> None:
+    scene = replace(pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2)
+    result = pw.run(scene)
+    stage, strokes = result.stages[0], result.strokes(0)
+    assert strokes is not None
+    exact = slider(stage.time)
+    start = slider(np.zeros(1))[0, 0]
+    assert np.abs(stage.displacement - (exact[:, 0] - start)).max() < LARGE
+    check_work(stage, process, exact, BOTTOM, strokes=2)
     check_moments(process, stage, strokes)
 
 
@@ -209,3 +220,84 @@ def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:
     scene = replace(pw.scenes.clearance_a(), engine="exudyn-joints")
     plan = Plan(1e-4, 3, wear=lambda cycles, added: np.zeros_like(added))
     assert scene.solver.simulate(scene.linkage(), start_of(scene), plan).status == "completed"
+
+
+W = PRESS.speed
+TURN = 2.0 * math.pi
+SERVOS: list[Servo] = [pw.Dwell(law="cycloidal"), pw.Forming(), pw.Pendulum()]
+
+
+def dwelling(servo: pw.Dwell, phase: Array) -> Array:
+    """Slider over bottom dead centre, which is at phase 0; shape (n, 3)."""
+    half = math.pi * servo.part
+    length = math.pi - half
+    # Upwards and downwards are mirrored.
+    away = np.abs((phase + math.pi) % TURN - math.pi)
+    sign = np.where(phase % TURN < math.pi, 1.0, -1.0)
+    x = np.clip((away - half) / length, 0.0, 1.0)
+    rate = W / length
+    return servo.stroke * np.column_stack(
+        [
+            x - np.sin(TURN * x) / TURN,
+            sign * rate * (1.0 - np.cos(TURN * x)),
+            rate**2 * TURN * np.sin(TURN * x),
+        ]
+    )
+
+
+def forming(servo: pw.Forming, phase: Array) -> Array:
+    """The same of a constant speed, and of the polynomials through what is prescribed."""
+    stopping = 2.0 * servo.end / servo.speed
+    slow = stopping + (servo.height - servo.end) / servo.speed
+    top = [servo.stroke, 0.0, 0.0]
+    curve = BPoly.from_derivatives(
+        [-math.pi / W, -slow, -stopping, 0.0, math.pi / W],
+        [top, [servo.height, -servo.speed, 0.0], [servo.end, -servo.speed, 0.0], [0.0] * 3, top],
+    )
+    time = ((phase + math.pi) % TURN - math.pi) / W
+    return np.column_stack([curve(time), curve.derivative(1)(time), curve.derivative(2)(time)])
+
+
+def moved(servo: Servo, time: Array) -> tuple[Array, Turning]:
+    """Slider, shape (n, 3), and turning of crank 7 in closed form."""
+    press = pw.Press()
+    if isinstance(servo, pw.Pendulum):
+        phase = W * time - servo.phase
+        swing = servo.amplitude * np.array(
+            [np.sin(phase), W * np.cos(phase), -W * W * np.sin(phase)]
+        )
+        turning = servo.middle + swing[0], swing[1], swing[2]
+        return press_motion(press, time, None, turning).output(press.linkage()), turning
+    phase = W * np.append(0.0, time) - servo.bottom
+    slider = dwelling(servo, phase) if isinstance(servo, pw.Dwell) else forming(servo, phase)
+    still = np.zeros(1)
+    initial = press_motion(press, still, None, (still + servo.angle, still, still))
+    slider[:, 0] += initial.output(press.linkage())[0, 0] - slider[0, 0]
+    return slider[1:], servo_turning(press, time, slider[1:], servo.angle)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("process", [PROCESSES[0], PROCESSES[2]], ids=lambda own: own.kind)
+@pytest.mark.parametrize("servo", SERVOS, ids=lambda own: own.kind)
+def test_the_ideal_press_with_a_servo_works_as_closed_forms_say(
+    servo: Servo, process: Process, engine: str
+) -> None:
+    scene = pw.Scene(
+        pw.Press(servo=servo),
+        joints="none",
+        wear_updates=0,
+        cycles=1,
+        engine=engine,
+        drive_torque="on",
+        process=process,
+    )
+    stage = pw.run(scene).stages[0]
+    exact, turning = moved(servo, stage.time)
+    start = moved(servo, np.zeros(1))[0][0, 0]
+    assert np.abs(stage.displacement - (exact[:, 0] - start)).max() < LARGE
+    fine, _ = moved(servo, np.linspace(0.0, TURN / W, 20001))
+    bottom = float(fine[:, 0].min())
+    assert scene.bottom == pytest.approx(bottom, abs=LARGE)
+    torque, smooth = check_work(stage, process, exact, scene.bottom, turning)
+    needed = needed_torques(scene.linkage(), scene.ideal, stage.time)
+    assert np.abs(needed - torque)[smooth].max() < 1e-6 * np.abs(torque).max()

@@ -103,7 +103,7 @@ class _Line:
         self.steps = np.zeros(1, STEPS)
         self.steps["free"], self.steps["per_contact"] = FREE, PARTS
         self.steps["sustained"], self.steps["least"] = 10.0, LEAST
-        self.past = np.zeros((1, 20), STORED_CONTACT)
+        self.stored = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
         self.settle()
 
@@ -115,7 +115,7 @@ class _Line:
 
     def settle(self) -> None:
         note_contacts(self.packed, self.contacts, self.q, self.v)
-        states = self.memory, self.counters, self.past, self.contacts
+        states = self.memory, self.counters, self.stored, self.contacts
         settle(self.packed.joints, self.onset, *states, self.time)
 
     def acceleration(self, x: float, speed: float) -> float:
@@ -264,7 +264,7 @@ def test_a_pin_that_bounces_is_counted_timed_and_loses_what_the_law_says(speed: 
         h = line.wanted()
         assert h > 0.0
         assert line.time < 10.0 * LINE.clearance / speed * 3.0
-    rows = line.past[0, :3]
+    rows = line.stored[0, :3]
     delivered = delivered_restitution(LINE.normal.damping)
     closing = speed * delivered ** np.arange(3)
     # RK4 with some 60 steps an impact; the landing is followed without force for 1/2500 of it.
