@@ -7,7 +7,6 @@ need no derivatives.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,12 +15,10 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.dae.dynamics import bristle_place
 from presswear.engines.dae.engine import prepare
-from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.prescribed import Tree, tree_of
-from presswear.recording.observe import RecorderState
 from presswear.recording.statistics import Estimate, batched, half_width
 from presswear.tools.errors import InputError, RunFailed
 
@@ -115,39 +112,36 @@ def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1)
     return Estimate.symmetric(float(rates.mean()), half, rates.size)
 
 
-@dataclass(frozen=True)
 class Flow:
-    """Motion of a linkage as a map of its state over an interval.
+    """Motion of a linkage as a map of its state over an interval, ``period / per_cycle``.
 
     The components of a state are coordinates, rates, bristle deflections, and the closing speed at
     touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
     is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``.
+
+    Attributes
+    ----------
+    distance : ndarray, shape (n,)
+        Initial distance of a pair in each component.
+    interval : float
+        s.
+
+    Raises
+    ------
+    InputError
+        If the linkage has closed loops, whose coordinates cannot be perturbed one by one.
     """
 
-    simulation: Simulation  # integrator of the in-house engine
-    records: RecorderState  # of its recorder
-    indices: NDArray[np.int64]  # of coordinates, rates and bristles in the integrated vector
-    keeps_onset: NDArray[np.bool_]  # joints whose force depends on the closing speed at touchdown
-    distance: Array  # initial distance of a pair in each component
-    interval: float  # s
-
-    @staticmethod
-    def of(linkage: Linkage, start: Start, period: float, per_cycle: int) -> "Flow":
-        """Return the flow of a linkage over ``period / per_cycle``.
-
-        Raises
-        ------
-        InputError
-            If the linkage has closed loops, whose coordinates cannot be perturbed one by one.
-        """
+    def __init__(self, linkage: Linkage, start: Start, period: float, per_cycle: int) -> None:
         tree = tree_of(linkage)
         if not isinstance(tree, Tree):
             raise InputError(f"an exponent needs a linkage without free loops, but {tree}")
         plan = Plan(period, 1, 1, torques=False)
         recorder = recorder_of(linkage, start, plan)
         recorder.stop_recording()
-        simulation = prepare(linkage, start, ENGINE, plan, recorder)
-        joints = recorder.records.packed.joints
+        self.records = recorder.records
+        self.simulation = prepare(linkage, start, ENGINE, plan, recorder)
+        joints = self.records.packed.joints
         friction = joints["friction"]
         bristles = np.flatnonzero(friction["bristle_stiffness"] > 0.0)
         deflections = [bristle_place(2 * tree.size, int(k)) for k in bristles]
@@ -155,14 +149,11 @@ class Flow:
         length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
         speed = length * SPEED_RATIO * 2.0 * math.pi / period
         coordinates, onsets = np.repeat([length, speed], tree.size), np.full(len(joints), speed)
-        return Flow(
-            simulation,
-            recorder.records,
-            np.array([*range(2 * tree.size), *deflections]),
-            np.array([_depends_on_onset(joint["normal"]) for joint in joints]),
-            np.concatenate([coordinates, DISTANCE * slip, onsets]),
-            period / per_cycle,
-        )
+        # Coordinates, rates and bristles in the integrated vector.
+        self.indices = np.array([*range(2 * tree.size), *deflections])
+        self.keeps_onset = np.array([_depends_on_onset(joint["normal"]) for joint in joints])
+        self.distance = np.concatenate([coordinates, DISTANCE * slip, onsets])
+        self.interval = period / per_cycle
 
     @property
     def _arrays(self) -> Arrays:
@@ -224,6 +215,6 @@ def largest_exponent(
     """
     if not linkage.clearances:
         raise InputError("an exponent needs a joint with clearance: no motion is free")
-    flow = Flow.of(linkage, start, period, per_cycle)
+    flow = Flow(linkage, start, period, per_cycle)
     logarithms = growth_logarithms(flow.step, *flow.state(), cycles * per_cycle, flow.distance)
     return exponent_from_growth(logarithms, flow.interval, per_cycle)

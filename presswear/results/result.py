@@ -238,7 +238,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
     for stage in stored.stages:
         name, film = files_of(stage.index)
         arrays = read_numbers(path / name, stored.files[name])
-        check_arrays(arrays, bins, len(linkage.drives), path / name)
+        check_arrays(arrays, bins, path / name)
         read_checked(path / film, stored.files[film])
         read = partial(_film, path / film, stored.files[film], len(linkage.bodies), tuple(bins))
         stages.append(replace(stage, arrays=arrays, joint_names=tuple(bins), read_film=read))

@@ -19,7 +19,6 @@ from presswear.recording.observe import (
     CYCLE_JOINT,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
-    cycle_columns,
 )
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
@@ -385,71 +384,41 @@ class StageResult:
         return {name: plain(getattr(self, name)) for name in names}
 
 
-# Equal words are equal lengths throughout a stage.
-_SHAPES = {
-    "time": "rows",
-    "slider": "rows 3",
-    "drive_torque": "rows drives",
-    "sections": "first_cycles sections section_columns",
-    "cycles": "cycles cycle_columns",
-    "cycle_start": "cycles",
-    "wear_batch_cycles": "batches",
-    "deviation": "recorded 4",
-    "deviation_start": "recorded",
-}
-_JOINT_SHAPES = {
-    "eccentricity": "rows 2",
-    "penetration": "rows",
-    "force": "rows 2",
-    "sliding": "rows",
-    "flight": "recorded",
-    "depth_bearing": "bins_{k}",
-    "depth_pin": "bins_{k}",
-    "wear_bearing": "bins_{k}",
-    "wear_pin": "bins_{k}",
-    "wear_batches": "batches 2 bins_{k}",
-    "contacts": f"contacts_{{k}} {len(CONTACT_COLUMNS)}",
-}
-_OPTIONAL = ("drive_torque", "sections", *JOINT_SERIES)
+_ARRAYS = [
+    "time",
+    "slider",
+    "cycles",
+    "cycle_start",
+    "wear_batch_cycles",
+    "deviation",
+    "deviation_start",
+]
+_JOINT_ARRAYS = [
+    "flight",
+    "contacts",
+    "wear_batches",
+    "depth_bearing",
+    "depth_pin",
+    "wear_bearing",
+    "wear_pin",
+]
 
 
-def check_arrays(
-    arrays: Mapping[str, Array], joints: Mapping[str, int], drives: int, file: Path
-) -> None:
-    """Raise InputError naming the first array of a stage that is missing, misshapen or not finite.
+def check_arrays(arrays: Mapping[str, Array], joints: Mapping[str, int], file: Path) -> None:
+    """Raise InputError naming the first array of a stage that is missing or not finite.
 
-    Parameters
-    ----------
-    joints : mapping of str to int
-        Bins of the wear maps of the joints with clearance.
-    drives : int
-        Number of drives.
+    ``joints`` are the joints with clearance, with the bins of their wear maps.
     """
+    names = [*_ARRAYS, *angle_names(joints).values()]
+    names += (f"{joint}_{name}" for joint in joints for name in _JOINT_ARRAYS)
+    for name in names:
+        if name not in arrays:
+            raise InputError(f"{file}: the array {name} is missing")
     for name, values in arrays.items():
         if not np.all(np.abs(values) <= MAX_ENTRY):
             raise InputError(
                 f"{file}: {name} holds a value that is not finite, or beyond {MAX_ENTRY:g}"
             )
-    lengths = {
-        "drives": drives,
-        "cycle_columns": cycle_columns(len(joints), drives),
-        "section_columns": len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints),
-    }
-    shapes, optional = dict(_SHAPES), set(_OPTIONAL)
-    for k, (joint, angle) in enumerate(angle_names(joints).items()):
-        lengths[f"bins_{k}"] = joints[joint]
-        shapes[angle] = f"bins_{k}"
-        shapes |= {f"{joint}_{name}": shape.format(k=k) for name, shape in _JOINT_SHAPES.items()}
-        optional |= {f"{joint}_{name}" for name in JOINT_SERIES}
-    for name, shape in shapes.items():
-        if name not in arrays:
-            if name in optional:
-                continue
-            raise InputError(f"{file}: the array {name} is missing")
-        values, words = arrays[name], shape.split()
-        if values.ndim == len(words):
-            for length, word in zip(values.shape, words, strict=True):
-                lengths.setdefault(word, int(word) if word.isdigit() else length)
-        expected = tuple(lengths.get(word, word) for word in words)
-        if values.shape != expected:
-            raise InputError(f"{file}: {name} has the shape {values.shape}; {expected} is expected")
+    for joint, bins in joints.items():
+        if arrays[f"{joint}_depth_pin"].shape != (bins,):
+            raise InputError(f"{file}: the wear maps of {joint} do not have {bins} bins")

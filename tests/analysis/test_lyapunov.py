@@ -9,7 +9,6 @@ import numba
 import numpy as np
 import pytest
 from bouncing_table import FREQUENCY, PERIOD, BouncingTable
-from impact_oscillator import ImpactOscillator
 from numpy.typing import NDArray
 
 import presswear as pw
@@ -112,54 +111,6 @@ def test_periodic_ball_on_a_table(part: float) -> None:
     assert not is_chaotic(exponent)
 
 
-@pytest.mark.parametrize(("damping", "frequency"), [(0.0, 2.6), (0.05, 2.4), (0.05, 2.0)])
-def test_periodic_oscillator_with_a_wall(damping: float, frequency: float) -> None:
-    """The larger multiplier of the orbit, of a complex pair or real, gives the exponent."""
-    oscillator = ImpactOscillator(0.8, frequency, damping)
-    period = oscillator.period
-    t, v, differences = oscillator.periodic()
-    multipliers = np.linalg.eigvals(differences)
-    determinant = 0.8**2 * math.exp(-2.0 * damping * period)
-    assert np.prod(multipliers).real == pytest.approx(determinant, rel=1e-9)
-    state, _ = oscillator.after(np.array([0.0, -0.8 * v]), t, 0.35 * period)
-    interval = 0.9 * period
-    growth = growth_logarithms(
-        lambda x, t: (oscillator.after(x, t, interval)[0], t + interval),
-        state,
-        t + 0.35 * period,
-        400,
-        np.full(2, 1e-7),
-    )
-    expected = math.log(np.abs(multipliers).max()) / period
-    assert_close(exponent_from_growth(growth, interval), expected)
-
-
-def test_pairs_grow_as_the_tangent_flow() -> None:
-    """Chaos with a wall: the closed-form tangent flow with saltation along the same motion."""
-    oscillator = ImpactOscillator(0.8, 2.8)
-    period, count = oscillator.period, 1500
-    t, v, _ = oscillator.periodic()
-    state = oscillator.after(np.array([0.0, -0.801 * v]), t, 0.35 * period)[0]
-    t += 0.35 * period
-    pairs = growth_logarithms(
-        lambda x, t: (oscillator.after(x, t, period)[0], t + period),
-        state,
-        t,
-        count,
-        np.full(2, 1e-8),
-    )
-    direction, tangent = np.full(2, math.sqrt(0.5)), np.zeros(count)
-    for k in range(count):
-        state, differences = oscillator.after(state, t, period)
-        t += period
-        direction = differences @ direction
-        size = float(np.linalg.norm(direction))
-        tangent[k], direction = math.log(size), direction / size
-    exponent, expected = (exponent_from_growth(each, period) for each in (pairs, tangent))
-    assert is_chaotic(exponent)
-    assert exponent.mean == pytest.approx(expected.mean, rel=3e-3)
-
-
 def test_bad_input_is_refused() -> None:
     for intervals, distance, message in ((5, 0.0, "distance"), (0, 1e-9, "intervals = 0")):
         with pytest.raises(pw.InputError, match=message):
@@ -188,7 +139,7 @@ def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
     table = [(end - 0.02, 400.0), (end - 0.001, 400.0), (end, 0.0)]
     law = OverPosition(table, "against", release=True)
     for linkage in (LINKAGE, LINKAGE.changed(loads=[Force("slider", 0.0, law)])):
-        flow = Flow.of(linkage, START, CYCLE, 20)
+        flow = Flow(linkage, START, CYCLE, 20)
         state, context = flow.step(*flow.state())
         first = further = flow.step(state, context)
         for _ in range(9):
@@ -217,7 +168,7 @@ def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
 
 def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
     scene = changed(SUSTAINED, {"friction": "0.1", "friction_law": "lugre"})
-    flow = Flow.of(scene.linkage(), start_of(scene), CYCLE, 20)
+    flow = Flow(scene.linkage(), start_of(scene), CYCLE, 20)
     state, context = flow.state()
     for _ in range(40):
         state, context = flow.step(state, context)
@@ -230,7 +181,7 @@ def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
         moved, _ = flow.step(neighbour, context)
         assert np.linalg.norm(((moved - reference) / flow.distance)[:4]) > 1e-3
     elastic = changed(SUSTAINED, {"restitution": "1"})
-    flow = Flow.of(elastic.linkage(), start_of(elastic), CYCLE, 20)
+    flow = Flow(elastic.linkage(), start_of(elastic), CYCLE, 20)
     state, _ = flow.step(*flow.state())
     assert flow.records.onset[0] > 0.0
     assert np.isnan(state[-1])
@@ -253,7 +204,7 @@ def test_exponent_does_not_depend_on_distance_and_interval(
 def test_free_pairs_separate_at_the_same_rate() -> None:
     """Without rescaling, distances grow from 2 nm to 2 um at the rate of the exponent."""
     small, large, pairs = 0.4, 400.0, 60  # multiples of the initial distance
-    flow = Flow.of(LINKAGE, START, CYCLE, 200)
+    flow = Flow(LINKAGE, START, CYCLE, 200)
     state, context = flow.state()
     for _ in range(400):
         state, context = flow.step(state, context)
