@@ -100,17 +100,12 @@ def test_a_table_over_time_is_that_of_numpy(
         assert size(packed, t, 0.0, 0.0) == pytest.approx(expected, abs=1e-9)
 
 
-def test_without_a_period_a_table_over_time_repeats_with_the_cycle() -> None:
+def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series() -> None:
     packed = packed_of(OverTime([(0.5, 1.0), (1.0, 3.0)]))
     assert packed.records["period"].tolist() == [2.0]
     # From 3 N at 1 s to 1 N at 2.5 s.
-    assert packed.nodes.tolist() == [
-        *([0.0, pytest.approx(5.0 / 3.0)], [0.5, 1.0], [1.0, 3.0]),
-        [2.0, pytest.approx(5.0 / 3.0)],
-    ]
-
-
-def test_harmonics_are_a_fourier_series() -> None:
+    border = pytest.approx(5.0 / 3.0)
+    assert packed.nodes.tolist() == [[0.0, border], [0.5, 1.0], [1.0, 3.0], [2.0, border]]
     packed = packed_of(Harmonics(0.5, 3.0, [(1.0, 2.0), (0.0, -0.5)]))
     for t in (0.0, 0.3, 7.0):
         expected = 0.5 + math.cos(3 * t) + 2.0 * math.sin(3 * t) - 0.5 * math.sin(6 * t)

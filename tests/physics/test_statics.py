@@ -170,14 +170,9 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
     assert pull_of(heavy) == pytest.approx(1e4 * 9.81 * sum(item.mass for item in linkage.bodies))
 
 
-def test_what_has_no_play_has_none() -> None:
-    linkage = pw.Press().linkage()
-    assert pw.total_clearance(linkage) == 0.0
-    assert pw.deflection(linkage, 500.0) == 0.0
-
-
-def test_what_is_refused() -> None:
-    linkage = LIGHT.linkage()
+def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
+    ideal, linkage = pw.Press().linkage(), LIGHT.linkage()
+    assert pw.total_clearance(ideal) == pw.deflection(ideal, 500.0) == 0.0
     for force in (0.0, -1.0, 1e12):
         with pytest.raises(pw.InputError, match=r"force = .* allowed is above 0 up to 1e\+09 N"):
             pw.total_clearance(linkage, force)

@@ -1,16 +1,17 @@
-"""The recording plan of a scene: what is asked for is kept, and nothing else changes."""
+"""The recording plan of a scene: requested series are stored, and nothing else changes."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from listeners import Keeps
 
 import presswear as pw
 from presswear.analysis.periods import section
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.recording.observer import Observer
-from presswear.recording.recorder import Recorder
 from presswear.results.export import table_of
 from presswear.scene.settings import changed
 from presswear.show.report import write_report
@@ -49,27 +50,13 @@ def test_sections_end_no_cycle_elsewhere() -> None:
     assert seen.statistics.cycles == bare.statistics.cycles
 
 
-class _Half(Observer):
-    """Keeps the state behind the second cycle."""
-
-    state: State | None = None
-
-    def on_cycle(self, recorder: Recorder, state: object) -> bool:
-        if len(recorder.cycles) == 2:
-            assert callable(state)
-            self.state = {name: np.array(item) for name, item in state().items()}
-        return False
-
-
 def test_a_run_goes_on_with_its_sections() -> None:
-    from presswear.campaign.replicates import start_of
-
-    half, linkage, start = _Half(), SCENE.linkage(), start_of(SCENE)
-    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), observers=(half,))
+    linkage, start, kept = SCENE.linkage(), start_of(SCENE), list[State]()
+    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), observers=(Keeps(kept.append),))
     engine = pw.InHouse("dopri5", 1e-7)
     whole = engine.simulate(linkage, start, plan).recorder.sections
-    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), resume=half.state)
-    again = engine.simulate(linkage, start, plan).recorder.sections
+    resumed = replace(plan, observers=(), resume=kept[1])
+    again = engine.simulate(linkage, start, resumed).recorder.sections
     assert whole.shape == (4, 2, 7)
     np.testing.assert_array_equal(again, whole)
 
