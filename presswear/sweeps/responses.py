@@ -105,18 +105,16 @@ def _life(result: Result, stage: None, joint: None) -> Response | None:
     return Response(result.life.strokes, half, result.life.first is None)
 
 
-def _of_joint(name: str) -> Callable[..., Response | None]:
-    return lambda _, stage, joint: _response(joint.stored and getattr(joint.stored, name))
+def _at(path: str) -> Callable[..., Response | None]:
+    """Return the function that reads an estimate at a path of attributes of a joint or a stage."""
 
+    def read(result: Result, stage: StageResult, joint: JointResult | None) -> Response | None:
+        value: Any = stage if joint is None else joint
+        for name in path.split("."):
+            value = None if value is None else getattr(value, name)
+        return _response(value)
 
-def _of_bottom(name: str) -> Callable[..., Response | None]:
-    return lambda _, stage, joint: _response(
-        stage.statistics.bdc and getattr(stage.statistics.bdc, name)
-    )
-
-
-def _work(result: Result, stage: StageResult, joint: None) -> Response | None:
-    return _response(stage.statistics.drive_work_per_cycle)
+    return read
 
 
 _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
@@ -126,16 +124,16 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     "life": ("", "strokes until the first limit is passed"),
 }
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
-    "force_max": ("joint", _of_joint("peak_force_per_cycle")),
+    "force_max": ("joint", _at("stored.peak_force_per_cycle")),
     "depth": ("joint", _depth),
     "wear_volume": ("joint", _volume),
     "wear_rate": ("joint", _rate),
-    "contacts": ("joint", _of_joint("contacts_per_cycle")),
-    "bdc_error": ("stage", _of_bottom("error")),
+    "contacts": ("joint", _at("stored.contacts_per_cycle")),
+    "bdc_error": ("stage", _at("statistics.bdc.error")),
     "bdc_drift": ("stage", _drift),
-    "repeatability": ("stage", _of_bottom("standard_deviation")),
+    "repeatability": ("stage", _at("statistics.bdc.standard_deviation")),
     "total_clearance": ("stage", _clearance, True),
-    "drive_work": ("stage", _work),
+    "drive_work": ("stage", _at("statistics.drive_work_per_cycle")),
     "life": ("result", _life),
 }
 RESPONSES = {name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()}

@@ -62,19 +62,22 @@ PARTS = 10  # parts of a run with clearance; its recorded series is so much fine
 class Extent:
     """Settings at which the methods run, from coarse to fine, and repeats."""
 
-    repeats: int
-    longest: float  # s, time up to which trajectories with clearance are compared
-    joints_steps: tuple[int, ...]  # in a run of smooth motion, trapezoidal rule
-    rk4_steps: tuple[int, ...]  # in a run of smooth motion
-    impact_steps: tuple[int, ...]  # in an impact, trapezoidal rule
-    equal_steps: tuple[float, ...]  # s, with contacts, trapezoidal rule
-    rk4_impact_steps: tuple[float, ...]  # s, with contacts
-    tolerances: tuple[float, ...]  # of DOP853 and DOPRI5 in dae
-    tree_tolerances: tuple[float, ...]  # of exudyn-tree
+    repeats: int = 5
+    longest: float = 1.0  # s, time up to which trajectories with clearance are compared
+    # In a run of smooth motion: trapezoidal rule, RK4.
+    joints_steps: tuple[int, ...] = (300, 1000, 3000, 10_000, 30_000, 100_000)
+    rk4_steps: tuple[int, ...] = (150, 300, 1000, 3000, 10_000, 30_000, 100_000)
+    # With contacts: steps in an impact and equal steps, s, of the trapezoidal rule, and RK4, s.
+    impact_steps: tuple[int, ...] = (20, 35, 50, 100, 200, 400, 800)
+    equal_steps: tuple[float, ...] = (1e-5, 5e-6, 2e-6, 1e-6, 5e-7)
+    rk4_impact_steps: tuple[float, ...] = (5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
+    # Of DOP853 and DOPRI5 in dae, and of exudyn-tree.
+    tolerances: tuple[float, ...] = tuple(float(f"1e-{n}") for n in range(3, 13))
+    tree_tolerances: tuple[float, ...] = tuple(float(f"1e-{n}") for n in range(4, 12))
 
 
+FULL = Extent()
 QUICK = Extent(
-    repeats=5,
     longest=0.05,
     joints_steps=(300, 1000, 3000),
     rk4_steps=(300, 1000, 3000, 10_000),
@@ -83,17 +86,6 @@ QUICK = Extent(
     rk4_impact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6),
     tolerances=(1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12),
     tree_tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-)
-FULL = Extent(
-    repeats=5,
-    longest=1.0,
-    joints_steps=(300, 1000, 3000, 10_000, 30_000, 100_000),
-    rk4_steps=(150, 300, 1000, 3000, 10_000, 30_000, 100_000),
-    impact_steps=(20, 35, 50, 100, 200, 400, 800),
-    equal_steps=(1e-5, 5e-6, 2e-6, 1e-6, 5e-7),
-    rk4_impact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7),
-    tolerances=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-    tree_tolerances=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
 )
 
 

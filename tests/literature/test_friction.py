@@ -1,27 +1,29 @@
-"""SDND100, a block that slides on a floor and sticks, beside what ``presswear verify`` compares.
+"""A block on a floor: SDND100 beside what ``presswear verify`` compares, and LuGre friction.
 
-The floor is a bearing so large that it is flat; the force law is that of any joint.
+The floor is a bearing so large that it is flat. LuGre: Canudas de Wit, Olsson, Astrom and
+Lischinsky, 1995.
 """
 
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from presswear.engines.base import Plan, Run
-from presswear.engines.settings import InHouse
+from presswear.engines.settings import Engine, ExudynJoints, InHouse
+from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.loads import Force, OverTime
+from presswear.physics.friction_and_normal import bristle_in_contact, friction_record
 from presswear.validation import reference_problems as references
-
-INTERVAL = references.SDND100_INTERVAL
-EXTREMA = references.SDND100_EXTREMA
-
 
 UPPER = 1e-6  # Speed above which friction is full, m/s
 
 
 def released(intervals: float = 4.5) -> Run:
     linkage, start = references.sdnd100(UPPER)
-    plan = Plan(intervals * INTERVAL, 1, recorded_cycles=1)
+    plan = Plan(intervals * references.SDND100_INTERVAL, 1, recorded_cycles=1)
     return InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)
 
 
@@ -30,17 +32,17 @@ def test_what_sticks_creeps_back() -> None:
     decay = UPPER * references.SDND100_STIFFNESS / (0.1 * references.SDND100_GRAVITY)
     before, after = released(4.5), released(5.5)
     ratio = after.end.position[0] / before.end.position[0]
-    assert ratio == pytest.approx(math.exp(-decay * INTERVAL), rel=1e-7)
+    assert ratio == pytest.approx(math.exp(-decay * references.SDND100_INTERVAL), rel=1e-7)
     # The block still bobs on the elastic floor, and friction with it.
     assert after.end.velocity[0] == pytest.approx(-decay * after.end.position[0], rel=1e-4)
-    assert before.end.position[0] == pytest.approx(EXTREMA[-1], abs=1e-7)
+    assert before.end.position[0] == pytest.approx(references.SDND100_EXTREMA[-1], abs=1e-7)
 
 
 def test_friction_takes_the_energy_that_is_missing() -> None:
     """From 0.85 to 0.05 mm: mu m g over the path of 3.6 mm, less what the ramp spares."""
     run = released()
     lost = run.diagnostics["friction_loss_J"]
-    path = sum(abs(b - a) for a, b in pairwise(EXTREMA))
+    path = sum(abs(b - a) for a, b in pairwise(references.SDND100_EXTREMA))
     assert isinstance(lost, float)
     assert lost == pytest.approx(0.1 * references.SDND100_GRAVITY * path, rel=1e-5)
     residual = run.diagnostics["energy_residual_J"]
@@ -48,3 +50,96 @@ def test_friction_takes_the_energy_that_is_missing() -> None:
     # At every tolerance: the weight times the last digit of the way to the middle of the floor.
     weight = lost / (0.1 * path)
     assert abs(residual) < weight * math.ulp(references.sdnd100(UPPER)[0].clearances[0].clearance)
+
+
+PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
+LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", None, STATIC, STRIBECK, STIFF, 30.0)
+RAMP = FrictionLaw(DYNAMIC, 0.0, 1e-3)
+FINE = InHouse(integration_tolerance=1e-10)
+
+
+def pulled(
+    pull: float, time: float, law: FrictionLaw = LUGRE, speed: float = 0.0, engine: Engine = FINE
+) -> Run:
+    """A block of 1 kg pressed on by 10 N, after a while, s, under a pull, N, slowly put on."""
+    linkage, start = references.block(0.0, PRESS, law, speed)
+    slowly = OverTime([(0.0, 0.0), (1.0, pull)], period=0.0)
+    own = pull if speed > 0.0 else slowly
+    linkage = linkage.changed(loads=[*linkage.loads, Force("block.centre", 0.0, own)])
+    run = engine.simulate(linkage, start, Plan(time, 1, recorded_cycles=1))
+    assert run.status == "completed", run.message
+    return run
+
+
+@pytest.mark.parametrize("engine", [FINE, ExudynJoints(free_step=1e-4)])
+def test_what_is_pulled_too_weakly_stays(engine: Engine) -> None:
+    """Bristles bend until sigma_0 z bears the pull: then nothing moves, where a ramp creeps."""
+    run = pulled(0.8, 1.1, engine=engine)
+    bent = 0.8 / PRESS / STIFF
+    contact = run.recorder.records.contacts[0]
+    assert contact["bristle"] == pytest.approx(bent, rel=1e-3)
+    assert abs(run.end.velocity[0]) < 1e-7
+    # Slipping on the way there adds to it: z' = x' (1 - sigma_0 z / g).
+    moved = -STATIC / STIFF * math.log(1.0 - 0.8 / PRESS / STATIC)
+    assert run.end.position[0] == pytest.approx(moved, rel=1e-2)
+    assert pulled(0.8, 1.1, RAMP).end.velocity[0] == pytest.approx(0.8e-3, rel=1e-4)
+
+
+def test_it_breaks_away_at_the_static_coefficient_and_slides_at_the_other() -> None:
+    """Between c_f and c_s it depends on the start: from rest it holds, sliding it goes on."""
+    pull = 0.5 * (DYNAMIC + STATIC) * PRESS
+    assert abs(pulled(pull, 1.1).end.velocity[0]) < 1e-6
+    sliding = pulled(pull, 0.3, speed=0.1)
+    # Full of c_f: v = v_0 + (pull - c_f N) t.
+    assert sliding.end.velocity[0] == pytest.approx(0.1 + (pull - DYNAMIC * PRESS) * 0.3, rel=1e-3)
+    assert pulled(1.2 * STATIC * PRESS, 1.2).end.velocity[0] > 0.1
+
+
+@pytest.mark.parametrize("speed", [2e-4, 1e-3, 3e-3])
+def test_steady_sliding_follows_the_stribeck_curve(speed: float) -> None:
+    """A pull of g(v) N holds a speed: it changes by second order only, in the beginning."""
+    held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((speed / STRIBECK) ** 2))
+    run = pulled(held * PRESS, 2e-2, speed=speed)
+    bristle = run.recorder.records.contacts[0]["bristle"]
+    ratio = run.end.velocity[0] / STRIBECK
+    now = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-ratio * ratio)
+    assert now / STIFF == pytest.approx(bristle, rel=0.2)
+
+
+def test_engines_agree_and_nothing_is_lost_but_by_friction() -> None:
+    runs = [pulled(1.3, 1.1, engine=own) for own in (FINE, ExudynJoints(free_step=2e-5))]
+    one, other = (own.end.position[0] for own in runs)
+    assert one == pytest.approx(other, abs=1e-8)
+    for run in runs:
+        work = 1.3 * run.end.position[0]
+        assert float(run.diagnostics["friction_loss_J"]) <= work + 1e-12
+    assert np.isfinite(one)
+
+
+def bristle_after(time: float, steps: int, speed: float) -> float:
+    law, h = friction_record(LUGRE), time / steps
+    bristle = 0.0
+    for i in range(steps):
+        before, after = (speed * math.cos(k * h / time) for k in (i, i + 1))
+        bristle = bristle_in_contact(bristle, before, after, h, law)
+    return bristle
+
+
+def test_bristles_follow_a_changing_speed_at_second_order() -> None:
+    time, speed = 1e-2, 2e-3
+
+    def rate(t: float, z: np.ndarray) -> np.ndarray:
+        v = speed * math.cos(t / time)
+        held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((v / STRIBECK) ** 2))
+        return v - STIFF * abs(v) * z / held
+
+    exact = solve_ivp(rate, (0.0, time), [0.0], "DOP853", rtol=1e-12, atol=1e-20).y[0, -1]
+    coarse, fine = (abs(bristle_after(time, steps, speed) - exact) for steps in (50, 200))
+    assert fine < 1e-5 * exact
+    assert coarse / fine == pytest.approx(16.0, rel=0.1)
+
+
+def test_bristles_do_not_oscillate_where_steps_are_long() -> None:
+    """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
+    law = friction_record(LUGRE)
+    assert bristle_in_contact(0.0, 10.0, 10.0, 1e-3, law) == pytest.approx(DYNAMIC / STIFF)
