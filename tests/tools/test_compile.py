@@ -110,7 +110,7 @@ print(Count.compiled, sum(len(kernel.from_python.overloads) for kernel in lazy))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("engine", "most"), [("exudyn-tree", 106), ("dae", 126)])
+@pytest.mark.parametrize(("engine", "most"), [("exudyn-tree", 106), ("dae", 122)])
 def test_first_start_compiles_few_kernels_and_second_none(
     tmp_path: Path, engine: str, most: int
 ) -> None:
