@@ -9,6 +9,7 @@ import numba
 import numpy as np
 import pytest
 from bouncing_table import FREQUENCY, PERIOD, BouncingTable
+from impact_oscillator import ImpactOscillator
 from numpy.typing import NDArray
 
 import presswear as pw
@@ -126,6 +127,67 @@ def test_bad_input_is_refused() -> None:
 SCENE = pw.scenes.slider_crank()
 LINKAGE, START, CYCLE = SCENE.linkage(), start_of(SCENE), SCENE.mechanism.period
 SUSTAINED = changed(SCENE, {"clearance": "20 um"})
+
+
+@pytest.mark.parametrize(("damping", "frequency"), [(0.0, 2.6), (0.05, 2.4), (0.05, 2.0)])
+def test_periodic_oscillator_with_a_wall(damping: float, frequency: float) -> None:
+    """The larger multiplier of the orbit, of a complex pair or real, gives the exponent."""
+    oscillator = ImpactOscillator(0.8, frequency, damping)
+    period = oscillator.period
+    t, v, differences = oscillator.periodic()
+    multipliers = np.linalg.eigvals(differences)
+    determinant = 0.8**2 * math.exp(-2.0 * damping * period)
+    assert np.prod(multipliers).real == pytest.approx(determinant, rel=1e-9)
+    state, _ = oscillator.after(np.array([0.0, -0.8 * v]), t, 0.35 * period)
+    interval = 0.9 * period
+    growth = growth_logarithms(
+        lambda x, t: (oscillator.after(x, t, interval)[0], t + interval),
+        state,
+        t + 0.35 * period,
+        400,
+        np.full(2, 1e-7),
+    )
+    expected = math.log(np.abs(multipliers).max()) / period
+    assert_close(exponent_from_growth(growth, interval), expected)
+
+
+def test_pairs_grow_as_the_tangent_flow() -> None:
+    """Chaos with a wall: the closed-form tangent flow with saltation along the same motion."""
+    oscillator = ImpactOscillator(0.8, 2.8)
+    period, count = oscillator.period, 1500
+    t, v, _ = oscillator.periodic()
+    state = oscillator.after(np.array([0.0, -0.801 * v]), t, 0.35 * period)[0]
+    t += 0.35 * period
+    pairs = growth_logarithms(
+        lambda x, t: (oscillator.after(x, t, period)[0], t + period),
+        state,
+        t,
+        count,
+        np.full(2, 1e-8),
+    )
+    direction, tangent = np.full(2, math.sqrt(0.5)), np.zeros(count)
+    for k in range(count):
+        state, differences = oscillator.after(state, t, period)
+        t += period
+        direction = differences @ direction
+        size = float(np.linalg.norm(direction))
+        tangent[k], direction = math.log(size), direction / size
+    exponent, expected = (exponent_from_growth(each, period) for each in (pairs, tangent))
+    assert is_chaotic(exponent)
+    assert exponent.mean == pytest.approx(expected.mean, rel=3e-3)
+
+
+def test_exponent_of_a_linear_map_does_not_depend_on_scales() -> None:
+    matrix = np.array([[2.0, 1.0], [1.0, 1.0]])
+    growth = growth_logarithms(
+        lambda x, _: (np.mod(matrix @ x, 1e6), None),
+        np.array([0.1, 0.2]),
+        None,
+        25,
+        np.array([1e-3, 1e-2]),
+    )
+    golden = 0.5 * (3.0 + math.sqrt(5.0))
+    assert exponent_from_growth(growth[-10:], 1.0).mean == pytest.approx(math.log(golden), rel=1e-6)
 
 
 def scene_exponent(scene: Scene, cycles: int, per_cycle: int = lyapunov.INTERVALS) -> Estimate:
