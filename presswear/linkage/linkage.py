@@ -338,8 +338,8 @@ def assemble(
         check_body(drive.body, "drives")
         if drive.follow is None:
             return drive
-        where, asked = f"follow of {drive.body}", drive.follow.direction
-        at = output_point(drive.follow.point, where, asked)
+        where, direction = f"follow of {drive.body}", drive.follow.direction
+        at = output_point(drive.follow.point, where, direction)
         return replace(drive, follow=replace(drive.follow, point=at, direction=at.direction))
 
     def applied(load: AnyLoad) -> AnyLoad:

@@ -102,8 +102,8 @@ class Rows:
         self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.size)
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
-            begin = self.errors(np.zeros(1), start[np.newaxis])[0][0]
-            self._held[self.following] = begin[self.following]
+            initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
+            self._held[self.following] = initial[self.following]
 
     def _arms(self, q: Array) -> list[Array]:
         """Return the vectors from the mass centres to both points, each (n, rows, 2), m."""

@@ -394,8 +394,8 @@ def followed(linkage: Linkage) -> Linkage:
             continue
         nodes = np.concatenate(
             [
-                np.linspace(begin, end, count, endpoint=False)
-                for begin, end, count in zip(breaks[:-1], breaks[1:], counts, strict=True)
+                np.linspace(start, end, count, endpoint=False)
+                for start, end, count in zip(breaks[:-1], breaks[1:], counts, strict=True)
             ]
         )
         result = _through(linkage, inverse, nodes)

@@ -259,11 +259,11 @@ def set_limits(load: Records, nodes: Array, mode: Records) -> None:
     low = mode.turn * load.period + nodes[first + piece - 1, 0] if piece > 0 else -math.inf
     high = mode.turn * load.period + nodes[first + piece, 0] if piece < load.count else math.inf
     inwards, outwards = math.inf * load.sense, -math.inf * load.sense
-    begin = nodes[first if load.sense > 0.0 else first + load.count - 1, 0]
+    edge = nodes[first if load.sense > 0.0 else first + load.count - 1, 0]
     if mode.released:
-        outwards = begin
+        outwards = edge
     elif unloads and branch == OFF:
-        inwards, outwards = mode.deepest + mode.borne / load.unloading, begin
+        inwards, outwards = mode.deepest + mode.borne / load.unloading, edge
     elif unloads and branch == ELASTIC:
         inwards, outwards = mode.deepest, mode.deepest + mode.borne / load.unloading
     elif unloads:
