@@ -63,18 +63,26 @@ def lens(bearing: float, pin: float, eccentricity: float) -> float:
     return math.pi * r * r - (r * r * from_pin + s * s * from_bearing - kite)
 
 
+def lens_errors(
+    worn_depth: Array, area: float, radius: float, clearance: float
+) -> tuple[float, float]:
+    """Return errors of largest depth and of profile (rms) relative to the lens of equal volume."""
+    angles = (np.arange(worn_depth.size) + 0.5) * 2.0 * math.pi / worn_depth.size
+    direction = float(np.angle(worn_depth @ np.exp(1j * angles)))
+    reached = depth(radius, float(worn_depth.sum()) * area, clearance)
+    exact = profile(worn_depth.size, direction, clearance + reached, clearance)
+    error = np.sqrt(np.mean((worn_depth - exact) ** 2)) / np.sqrt(np.mean(exact**2))
+    return float(worn_depth.max() / exact.max() - 1.0), float(error)
+
+
 def check_lens(
-    found: Array, area: float, radius: float, clearance: float, deepest: float, whole: float
+    worn_depth: Array, area: float, radius: float, clearance: float, deepest: float, whole: float
 ) -> float:
-    """Hold a profile against the lens of equal volume; return the error of its depth."""
-    angles = (np.arange(found.size) + 0.5) * 2.0 * math.pi / found.size
-    direction = float(np.angle(found @ np.exp(1j * angles)))
-    reached = depth(radius, float(found.sum()) * area, clearance)
-    wanted = profile(found.size, direction, clearance + reached, clearance)
-    error = np.sqrt(np.mean((found - wanted) ** 2)) / np.sqrt(np.mean(wanted**2))
-    assert error < whole
-    assert found.max() / wanted.max() == pytest.approx(1.0, abs=deepest)
-    return float(found.max() / wanted.max() - 1.0)
+    """Compare a profile with the lens of equal volume; return the error of its depth."""
+    depth_error, profile_error = lens_errors(worn_depth, area, radius, clearance)
+    assert profile_error < whole
+    assert abs(depth_error) < deepest
+    return depth_error
 
 
 def worn_to(part: float, radius: float, cycles: int, **settings: Any) -> Worn:
