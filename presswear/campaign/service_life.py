@@ -562,10 +562,10 @@ def life_result(
         if end.ended_by:
             ended, message = "worn", end.ended_by
         elif end.strokes >= problem.at_most:
-            ended, message = "at_most", f"no limit is passed within {problem.at_most:.4g} strokes"
+            ended, message = "at_most", f"no limit is exceeded within {problem.at_most:.4g} strokes"
         else:
             ended = "cycles"
-            message = f"no limit is passed within {last.cycles} cycles of all starts"
+            message = f"no limit is exceeded within {last.cycles} cycles of all replicates"
     limits, passes = [], []
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])

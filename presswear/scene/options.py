@@ -66,13 +66,13 @@ class Recording(Checked):
         None, 1, 1000, "chosen", "first cycles that are stored; default: 5, or as the process needs"
     )
     rows_per_cycle: int = count(
-        2000, 100, 20_000, "chosen", "rows of a series in a cycle, at least; contacts add rows"
+        2000, 100, 20_000, "chosen", "smallest number of rows in a cycle; contacts add rows"
     )
     series: str = choice(
         "all", ("all", "output"), "series that are stored: all, or only those of the output point"
     )
     digits: str = choice(
-        "double", ("double", "single"), "of the series of joints: 16 digits, or 7 in less room"
+        "double", ("double", "single"), "digits of the series of joints: 16, or 7 for smaller files"
     )
     sections: int = count(
         0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"
@@ -100,12 +100,16 @@ class Followed:
 
 
 FOLLOWED: dict[str, Followed] = {
-    "depth": Followed("m", True, "greatest wear depth of bearing or pin"),
+    "depth": Followed("m", True, "largest wear depth of bearing or pin"),
     "wear_volume": Followed("m^3", True, "worn volume of bearing and pin"),
-    "force_max": Followed("N", True, "peak normal force of a stroke, mean of strokes"),
-    "total_clearance": Followed("m", False, "way of the slider between a pull up and a pull down"),
-    "bdc_error": Followed("m", False, "bottom dead centre from its ideal height, mean of strokes"),
-    "bdc_drift": Followed("m", False, "bottom dead centre from its mean height when new"),
+    "force_max": Followed("N", True, "peak normal force of a stroke, mean over strokes"),
+    "total_clearance": Followed(
+        "m", False, "travel of the output point between an upward and a downward pull"
+    ),
+    "bdc_error": Followed(
+        "m", False, "height of bottom dead centre above its ideal height, mean over strokes"
+    ),
+    "bdc_drift": Followed("m", False, "change of the mean height of bottom dead centre since new"),
     "repeatability": Followed("m", False, "standard deviation of bottom dead centre"),
 }
 """Numbers that a limit may be put on, by name."""
@@ -152,23 +156,23 @@ _STROKES = Quantity("", 1.0, 1e15)
 
 @dataclass(frozen=True)
 class Life(Checked):
-    """Service life: the joints are worn until the first of some limits is passed."""
+    """Service life: the joints are worn until the first of some limits is exceeded."""
 
     kind: ClassVar[str] = "limits"
 
     until: str = free_text(
         "depth > 0.05 mm",
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
-        "limits, of which the first counts: of every joint, or JOINT.NAME; names are "
+        "limits, the first to be exceeded ends the life: of every joint, or JOINT.NAME; names are "
         + ", ".join(FOLLOWED),
     )
     at_most: float = quantity(
-        5e7, "", 1.0, 1e15, "chosen", "strokes after which the wear is followed no further"
+        5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
     )
     replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
     turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
     max_cycles: int = count(
-        10_000, 16, 10_000_000, "chosen", "cycles of all replicates in a pass over the life"
+        10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
     )
 
     def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:

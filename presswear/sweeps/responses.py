@@ -1,7 +1,7 @@
 """Responses: numbers of a result that a sweep stores, by name.
 
 ``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the unworn stage. To
-add a response, write a function of a result and a stage and add it to `RESPONSES`.
+add a response, add its unit and text to `_TEXTS` and its function to `_FUNCTIONS`.
 """
 
 import inspect
@@ -121,7 +121,7 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
     "contacts": ("", "contacts in a cycle"),
     "drive_work": ("J", "work of all drives in a cycle"),
-    "life": ("", "strokes until the first limit is passed"),
+    "life": ("", "strokes until the first limit is exceeded"),
 }
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "force_max": ("joint", _at("stored.peak_force_per_cycle")),

@@ -122,7 +122,7 @@ def test_the_largest_recorded_force_and_its_moment(part: float) -> None:
         pytest.approx(angle, abs=0.06)
     )
     speed = made.ONE.ideal_slider(stage.time[row : row + 1])[0, 1]
-    assert page.numbers("direction of motion then", 1) == ["up" if speed > 0.0 else "down"]
+    assert page.numbers("direction of motion at this force", 1) == ["up" if speed > 0.0 else "down"]
 
 
 def test_moments_of_the_strokes() -> None:
