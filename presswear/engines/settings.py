@@ -145,7 +145,7 @@ class ExudynJoints(_Engine):
         5,
         10_000,
         "chosen",
-        "of exudyn-joints: least steps in half a period of a pin at rest on its bearing",
+        "of exudyn-joints: fewest steps in half a period of a pin at rest on its bearing",
         whole=True,
     )
     free_steps: int = quantity(
@@ -154,7 +154,7 @@ class ExudynJoints(_Engine):
         1000,
         10_000_000,
         "chosen",
-        "of exudyn-joints: least steps in a cycle",
+        "of exudyn-joints: fewest steps in a cycle",
         whole=True,
     )
     free_step: float | None = None
@@ -178,8 +178,8 @@ class InHouse(_Engine):
     integrator: Integrator = choice(
         "auto",
         ("auto", "dop853", "dopri5", "rk4", "rk4-paper"),
-        "of dae: order 8 or 5 with located touches, 4 at equal steps, the paper's 1e-4 s; auto: "
-        "8 for a trajectory, else 5",
+        "of dae: order 8 or 5 with located touchdowns, 4 with equal steps, the paper's steps of "
+        "1e-4 s; auto: 8 for a trajectory, else 5",
     )
     integration_tolerance: float | None = quantity(
         None,
@@ -190,7 +190,7 @@ class InHouse(_Engine):
         "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; "
         "default: by the purpose",
     )
-    equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: its step")
+    equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: step")
     coordinates: str = choice(
         "auto",
         ("auto", "fewest", "all"),
@@ -198,7 +198,7 @@ class InHouse(_Engine):
         "multipliers; auto: all for rk4-paper and with projection, else fewest",
     )
     projection: str = choice(
-        "off", ("off", "on"), "of dae: whether each state is moved onto the constraints"
+        "off", ("off", "on"), "of dae: projection of each state onto the constraints"
     )
     alpha: float = 20.0
     beta: float = 20.0

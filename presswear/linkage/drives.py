@@ -329,7 +329,7 @@ class Follow(_Motion):
 
 def torque_limit() -> Any:
     """Return a data class field for the greatest torque of a drive, N m; None: any."""
-    text = "greatest torque of a drive, which the ideal motion must not need; default: any"
+    text = "torque limit of a drive, checked with the ideal motion; default: none"
     return quantity(None, "N m", 1e-6, 1e12, "chosen", text)
 
 
@@ -448,8 +448,8 @@ def _servo_angle(degrees: float, text: str, low: float = -_TURN) -> Any:
     return quantity(math.radians(degrees), "rad", low, _TURN, "chosen", text)
 
 
-_BOTTOM = "turn of crank 2 from its start to bottom dead centre"
-_START = "angle of crank 7 at the start, which sets the slider's height"
+_BOTTOM = "angle of crank 2 from the start to bottom dead centre"
+_START = "initial angle of crank 7, which determines the height of the slider"
 
 
 @dataclass(frozen=True)
@@ -459,7 +459,7 @@ class Dwell(Checked):
     kind: ClassVar[str] = "dwell"
 
     part: float = quantity(
-        1.0 / 9.0, "", 0.0, 0.5, "chosen", "part of the cycle of the dwell", open_low=True
+        1.0 / 9.0, "", 0.0, 0.5, "chosen", "fraction of the cycle in the dwell", open_low=True
     )
     stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     bottom: float = _servo_angle(120.0, _BOTTOM, 0.0)
@@ -492,7 +492,7 @@ class Forming:
     height: float = quantity(
         6e-3, "m", 1e-5, 10.0, "chosen", "height at which the constant speed begins"
     )
-    end: float = quantity(1e-3, "m", 1e-6, 10.0, "chosen", "height at which it ends")
+    end: float = quantity(1e-3, "m", 1e-6, 10.0, "chosen", "height at the end of forming")
     stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     bottom: float = _servo_angle(150.0, _BOTTOM, 0.0)
     angle: float = _servo_angle(0.0, _START)
@@ -540,9 +540,9 @@ class Pendulum(Checked):
 
     kind: ClassVar[str] = "pendulum"
 
-    amplitude: float = _servo_angle(10.0, "amplitude of crank 7, which sets the stroke", 0.0)
+    amplitude: float = _servo_angle(10.0, "amplitude of crank 7, which determines the stroke", 0.0)
     middle: float = _servo_angle(-20.0, "angle of crank 7 in the middle of its swing")
-    phase: float = _servo_angle(180.0, "turn of crank 2 at which crank 7 rises through its middle")
+    phase: float = _servo_angle(180.0, "angle of crank 2 at which crank 7 rises through its middle")
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that swings; frequency in rad/s, slider not used."""

@@ -267,10 +267,10 @@ class Materials(Checked):
         1.2e-15, "1/Pa", 0.0, 1e-9, "assumed", "K_d of pin and bearing together"
     )
     bearing_share: float = quantity(
-        0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
+        0.5, "", 0.0, 1.0, "paper", "fraction of the wear depth at the bearing"
     )
     wear_scatter: float = quantity(
-        0.5, "", 0.0, 2.0, "literature", "standard deviation of K_d over its mean (Podra 1999)"
+        0.5, "", 0.0, 2.0, "literature", "coefficient of variation of K_d (Podra 1999)"
     )
 
     @property

@@ -318,8 +318,8 @@ def _depth(default: float, text: str) -> Any:
     return quantity(default, "m", MIN_DEPTH, MAX_DEPTH, "chosen", text)
 
 
-_HEIGHT = "height over bottom dead centre, of the ideal motion, at which the work is touched"
-_CUSHION = "constant force beside it, which pushes on the way back as well"
+_HEIGHT = "height above the ideal bottom dead centre at which the work is touched"
+_CUSHION = "additional constant force, in both directions of motion"
 _BOTTOM = "extreme of the output coordinate that is bottom dead centre"
 
 
@@ -345,9 +345,9 @@ class Blanking:
     )
     rise: float = _depth(1e-4, "depth of the elastic rise without a stiffness")
     plateau: float = quantity(
-        0.4, "", 0.0, 1.0, "chosen", "part of the thickness after which it breaks", open_low=True
+        0.4, "", 0.0, 1.0, "chosen", "fraction of the thickness at fracture", open_low=True
     )
-    snap: float = _depth(5e-5, "depth over which the force falls to zero when it has broken")
+    snap: float = _depth(5e-5, "depth over which the force falls to zero after the fracture")
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
@@ -390,10 +390,10 @@ class Drawing(Checked):
 
     kind: ClassVar[str] = "drawing"
 
-    force: float = _force("greatest force", 300.0)
+    force: float = _force("largest force", 300.0)
     height: float = _depth(10e-3, _HEIGHT)
     depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
-    peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "part of the depth at its greatest")
+    peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "fraction of the depth at the peak")
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 

@@ -182,7 +182,7 @@ class Press(Mechanism):
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
     servo: Servo | None = one_of(
-        SERVOS, "motion of crank 7 while crank 2 turns evenly; none: it turns evenly as well"
+        SERVOS, "servo motion of crank 7; none: it turns at constant speed, as crank 2"
     )
 
     @property

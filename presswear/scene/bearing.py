@@ -36,7 +36,9 @@ class Conventions(Checked):
         "bin", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
     )
     contact: elements.SurfaceContact = choice(
-        "radial", elements.SurfaceContact, "worn surfaces meet along e, or over an elastic arc"
+        "radial",
+        elements.SurfaceContact,
+        "worn surfaces touch at a point, or over an elastic arc",
     )
 
     @property
@@ -61,9 +63,9 @@ class Bearing:
     """
 
     clearance: float = quantity(
-        0.8e-3, "m", 1e-9, 1.0, "paper, per study", "radius of hole less that of pin, R_i - R_j"
+        0.8e-3, "m", 1e-9, 1.0, "paper, per study", "radius of bearing minus pin, R_i - R_j"
     )
-    bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
+    bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i")
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
     )
@@ -71,21 +73,21 @@ class Bearing:
         "paper", laws.MATERIALS, "materials of the pair, pin first"
     )
     contact_stiffness: float | None = quantity(
-        None, "N/m^n", 1e3, 1e15, "chosen", "K; default: Hertz's, from E, nu and the radii"
+        None, "N/m^n", 1e3, 1e15, "chosen", "stiffness K; default: Hertz, from E, nu and radii"
     )
-    exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
+    exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "exponent n of the normal force")
     elasticity: laws.Elasticity = choice(
-        "power", laws.Elasticity, "force while round: K delta^n, Liu's, or a foundation's"
+        "power", laws.Elasticity, "elastic force of round surfaces: K delta^n, Liu's, or foundation"
     )
     normal_law: Law = choice(
-        "lankarani-nikravesh", tuple(laws.DAMPINGS), "normal force", laws.NORMAL_PARAMETERS
+        "lankarani-nikravesh", tuple(laws.DAMPINGS), "normal force law", laws.NORMAL_PARAMETERS
     )
     restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution ce")
     viscous_damping: float = quantity(
         0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
     )
     friction_law: Law = choice(
-        "ramp", tuple(laws.FRICTIONS), "friction force", laws.FRICTION_PARAMETERS
+        "ramp", tuple(laws.FRICTIONS), "friction law", laws.FRICTION_PARAMETERS
     )
     friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
     lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")

@@ -68,44 +68,44 @@ class Scene:
     bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
-        "paper", CONVENTIONS, "readings of the wear model: as the paper prints it, or refined"
+        "paper", CONVENTIONS, "model choices as printed in the paper, or as recommended"
     )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(
         None, _joints, "joints with clearance; default: those of the mechanism", several=True
     )
     engine: str = choice(
-        "exudyn", ENGINES, "solver; exudyn: of the open tree where there is one, else of the joints"
+        "exudyn", ENGINES, "solver; exudyn: exudyn-tree if possible, else exudyn-joints"
     )
     purpose: str = choice(
-        "auto", PURPOSES, "purpose of the numbers, for the tolerances; auto: wear, or a trajectory"
+        "auto", PURPOSES, "purpose, sets the tolerances; auto: wear if joints wear, else trajectory"
     )
     drive_torque: str = choice(
-        "auto", ("auto", "off", "on"), "storage of drive torques; auto: where there is a process"
+        "auto", ("auto", "off", "on"), "storage of drive torques; auto: if there is a process"
     )
     wear_updates: int = count(2, 0, 20, "paper, per study", "number of wear updates")
     cycles: int | None = count(
         None, 1, 100_000, "chosen", "cycles of a stage; default: until the wear maps have converged"
     )
     tolerance: float = quantity(
-        0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps, part of their rms"
+        0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps over their rms"
     )
-    max_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
+    max_cycles: int = count(200, 1, 100_000, "paper", "most cycles of a stage without --cycles")
     cycles_per_update: float = quantity(
-        4e6, "", 1.0, 1e12, "paper", "cycles that one wear update stands for, 200 x 20,000"
+        4e6, "", 1.0, 1e12, "paper", "cycles that one wear update represents, 200 x 20,000"
     )
     extrapolation: str = choice(
-        "conventions", EXTRAPOLATIONS, "wear update in one jump, or in steps of a cycle each"
+        "conventions", EXTRAPOLATIONS, "wear update in one jump, or in steps of one cycle"
     )
     replicates: int | None = count(
-        None, 1, 100, "chosen", "independent runs; default: 4 where something wears, else 1"
+        None, 1, 100, "chosen", "independent runs; default: 8 with a life, 4 with wear, else 1"
     )
     seed: int = count(0, 0, 100_000, "chosen", "seed of the initial conditions")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
     recording: Recording = field(default_factory=Recording)
-    process: loads.Process | None = one_of(loads.PROCESSES, "work that the output point presses on")
+    process: loads.Process | None = one_of(loads.PROCESSES, "force of the work on the output point")
     life: Life | None = one_of(
-        LIVES, "limits until which the joints are worn, in as many stages as wear_updates says"
+        LIVES, "service life: limits up to which the joints wear, in wear_updates stages"
     )
     origins: Mapping[str, str] = field(default_factory=dict, hash=False)
 
