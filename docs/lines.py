@@ -162,4 +162,5 @@ def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str
 
 if __name__ == "__main__":
     wanted = sys.argv[1:] or all_lines()
-    sys.exit("\n".join(failures({place: all_lines()[place] for place in wanted})))
+    messages = failures({place: all_lines()[place] for place in wanted})
+    sys.exit("\n".join(messages) or None)

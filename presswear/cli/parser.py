@@ -86,7 +86,7 @@ def parser_with(names: Collection[str]) -> tuple[Parser, dict[str, Parser]]:
             name,
             help=content["help"],
             description=content["description"].format(**texts) if name in names else "",
-            epilog=f"example: {' '.join(content['example'].split())}",
+            epilog=f"example: {content['example']}",
         )
         if name in names:
             _add_arguments(parsers[name], content, texts)
