@@ -1,4 +1,4 @@
-"""Do the 95 % intervals hold the truth? Independent campaigns beside the mean of long ones.
+"""Count how many 95 % intervals of independent campaigns contain the mean of long campaigns.
 
 The truth is the mean of long campaigns of one replicate each, 200 cycles a stage as in the paper.
 
@@ -45,7 +45,7 @@ class Coverage(NamedTuple):
     def __str__(self) -> str:
         truth = "{:.3g} ({:.3g} to {:.3g})".format(*self.truth)
         numbers = f"{self.means.mean():.3g} | {self.half_widths.mean():.3g} | {self.bias:+.2f}"
-        verdict = "holds" if self.passes else "does not hold"
+        verdict = "passed" if self.passes else "failed"
         count = f"{self.held.sum()} of {self.held.size}"
         return f"{self.stage} | {self.quantity} | {truth} | {numbers} | {count} | {verdict}"
 
@@ -111,7 +111,7 @@ def main(folder: str = "results/coverage", jobs: int | None = None, **settings: 
         truths = [one for name, one in stages.items() if name.startswith("truth")]
         campaigns = [one for name, one in stages.items() if name.startswith("campaign")]
         print(f"{conventions}: stage | quantity | truth | mean estimate | mean half width | "
-              "beside the truth (half widths) | intervals that hold it | verdict")  # fmt: skip
+              "mean minus truth (half widths) | intervals that contain it | verdict")  # fmt: skip
         for coverage in coverages(truths, campaigns):
             print(coverage)
 

@@ -36,9 +36,7 @@ class Conventions(Checked):
         "bin", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
     )
     contact: elements.SurfaceContact = choice(
-        "radial",
-        elements.SurfaceContact,
-        "worn surfaces touch at a point, or over an elastic arc",
+        "radial", elements.SurfaceContact, "worn surfaces touch at a point, or over an elastic arc"
     )
 
     @property
