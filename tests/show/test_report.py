@@ -73,7 +73,7 @@ def test_key_numbers_and_means() -> None:
     page = page_of(made_up(made.BOTH, 3))
     assert page.row("highest displacement (mm)")[1:] == ["107.3"] * 3
     assert page.row("deepest wear at the start, bearing + pin (µm)")[1:] == ["0", "10.0", "20.0"]
-    assert page.row("its angle, bearing + pin (degrees)")[1:] == ["–", "92.50", "92.50"]
+    assert page.row("angle of deepest wear, bearing + pin (degrees)")[1:] == ["–", "92.50", "92.50"]
     assert page.row("next wear update: volume (mm³)")[1:] == ["3.00"] * 3
     assert page.row("time in contact (%)")[1:] == ["50.0"] * 3
     assert "80 ± 12" in page.text
@@ -135,9 +135,9 @@ def test_moments_of_the_strokes() -> None:
     table = stage_tables(result)["moments"]
     assert table is not None
     cells = {heading: {row[0]: row[1] for row in rows} for heading, rows in table.groups}
-    assert list(cells) == ["Touches the work", "Breaks it", "Leaves it"]
-    assert cells["Breaks it"]["height over bottom dead centre (mm)"] == "4.500"
-    touched = float(cells["Touches the work"]["crank angle (degrees)"].split()[0])
+    assert list(cells) == ["Contact with the work", "Fracture", "Separation from the work"]
+    assert cells["Fracture"]["height above bottom dead centre (mm)"] == "4.500"
+    touched = float(cells["Contact with the work"]["crank angle (degrees)"].split()[0])
     time = np.radians([touched]) / (2.0 * np.pi) * scene.mechanism.period
     place = scene.ideal.at(time).output(scene.mechanism.linkage())[0]
     assert place[0] - scene.bottom == pytest.approx(5e-3, abs=2e-5)
