@@ -37,7 +37,6 @@ SETTINGS = {
     FAST: Setting("8π rad/s, 0.8 mm, c_f 0.03", "8π", pw.scenes.speed_high),
 }
 JOINTS = ("A", "C")
-SLIDER = ("",)  # stands for a joint where a quantity is the slider's
 STAGES = ("no wear", "first wear", "second wear", "third wear")
 
 BASE, REFINED, LONG, PAPER_STEP = "standard", "refined", "200-cycles", "paper-step"

@@ -359,14 +359,15 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     return Estimate(value, low, high, groups)
 
 
-def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Estimate | None, int]:
+def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:
     """Return the mean range over successive cycles of a run, and their number.
 
-    The range of a sample grows with its size: each run is cut into pieces of ``most`` cycles, or of
-    as many as the shortest run has.  Cycles that do not fill a piece are left out, at the start.
+    The range of a sample grows with its size.  Each run is therefore cut into pieces of
+    ``RANGE_STROKES`` cycles, or of as many as the shortest run has.  Cycles that do not fill a
+    piece are left out, at the start.
     """
     samples = [after_startup(rows) for rows in runs]
-    count = min([most, *(run.size for run in samples)])
+    count = min([RANGE_STROKES, *(run.size for run in samples)])
     if count < 2:
         return None, count
     ranges = [np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples]

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Status
-from presswear.linkage.surface import SIDES as SIDES
-from presswear.linkage.surface import Surface, bin_centres
+from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.film import Film
 from presswear.recording.observe import (

@@ -13,6 +13,7 @@ import numpy as np
 from presswear.analysis.contact_modes import MODES, Timeline, combine, resonance, timeline_of
 from presswear.analysis.periods import period_of
 from presswear.analysis.spectra import spectra_of
+from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
@@ -21,7 +22,7 @@ from presswear.results import press_analysis as press
 from presswear.results.folder import SCHEMA
 from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, StageResult, WearStep
+from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import changes_of
 from presswear.scene.scene import Scene

@@ -12,12 +12,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from presswear.linkage.surface import SIDES
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import Estimate
 from presswear.results.press_analysis import rise
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, JointResult, JointStatistics, StageResult
+from presswear.results.stage import JointResult, JointStatistics, StageResult
 from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.sweeps.parameters import Column

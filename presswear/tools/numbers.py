@@ -137,7 +137,7 @@ def unit_scale(unit: str, largest: float) -> tuple[float, str]:
     return 1.0, unit
 
 
-def quantity_text(value: float, unit: str, digits: int = 3) -> str:
+def quantity_text(value: float, unit: str) -> str:
     """Return a value of an SI unit with the display unit in which it reads well."""
     factor, display = unit_scale(unit, abs(value))
-    return f"{readable(factor * value, digits)} {display}".rstrip()
+    return f"{readable(factor * value)} {display}".rstrip()

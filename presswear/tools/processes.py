@@ -228,7 +228,7 @@ class Pool:
 Workers = InProcess | Pool
 
 
-def workers_for(count: int, imports: Sequence[str] = (), lasts: float = math.inf) -> Workers:
+def workers_for(count: int, imports: Sequence[str], lasts: float = math.inf) -> Workers:
     """Return what runs ``count`` jobs at a time; see ``Pool``."""
     # A process that ends with its parent may have no children.
     is_alone = count <= 1 or multiprocessing.current_process().daemon

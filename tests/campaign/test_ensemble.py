@@ -10,9 +10,10 @@ from presswear.campaign.campaign import run_stage
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, start_of
 from presswear.campaign.stage_statistics import COLUMNS, deviation
+from presswear.linkage.surface import SIDES
 from presswear.physics.constraints import constraints_of
 from presswear.recording.statistics import STARTUP_CYCLES, map_batches
-from presswear.results.stage import SIDES, StageResult
+from presswear.results.stage import StageResult
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

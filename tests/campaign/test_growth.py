@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 import presswear as pw
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_PASS, WearUpdate, wear_error, wear_per_cycle
-from presswear.linkage.surface import bin_centres
+from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, MapBatches, half_width, mean_map
-from presswear.results.stage import SIDES, JointResult
+from presswear.results.stage import JointResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene

@@ -16,11 +16,10 @@ from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
 from presswear.campaign.campaign import Checkpoint, run_into
-from presswear.linkage.surface import bin_centres
+from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.observer import Observer
 from presswear.results.folder import FILE, ResultFolder
 from presswear.results.result import load, unfinished
-from presswear.results.stage import SIDES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed

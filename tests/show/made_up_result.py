@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from presswear.linkage.surface import bin_centres
+from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.observe import CYCLE_FIXED, cycle_columns
 from presswear.recording.statistics import Estimate
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult, Phase
 from presswear.results.result import Result
 from presswear.results.stage import (
-    SIDES,
     BottomStatistics,
     JointStatistics,
     OutputStatistics,

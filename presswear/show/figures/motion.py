@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from presswear.linkage.loads import Coining
+from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, StageResult
+from presswear.results.stage import StageResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, ShownStage, Stages
 from presswear.tools.numbers import quantity_text, readable, unit_scale

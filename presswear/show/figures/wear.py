@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from presswear.linkage.surface import Surface
+from presswear.linkage.surface import SIDES, Surface
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, JointResult, StageResult
+from presswear.results.stage import JointResult, StageResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Array, Axes, Drawing, Pen, Place, Sheet, ShownStage, Stages
 from presswear.tools.numbers import readable, unit_factor
