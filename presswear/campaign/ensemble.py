@@ -119,7 +119,7 @@ class Ensemble:
         last = self.runs[-1]
         if last.status != "failed":
             return ""
-        return last.message if len(self.runs) == 1 else f"start {len(self.runs)}: {last.message}"
+        return last.message if len(self.runs) == 1 else f"run {len(self.runs)}: {last.message}"
 
     @property
     def finding(self) -> Finding | None:
@@ -322,7 +322,7 @@ class _Rounds:
         low, high = int(min(cycles)), int(max(cycles))
         where = f"cycle {low}" if low == high else f"cycles {low} to {high}"
         if size > 1:
-            where += f" of {size} starts" + (" alone" if number else "")
+            where += f" of {size} replicates" + (" alone" if number else "")
         word = ", ".join(filter(None, (self._spec.label, where + self._reached[number])))
         film = None
         # A window shows one of the runs.

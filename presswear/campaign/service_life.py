@@ -101,7 +101,7 @@ class LoadBlock:
     """Some cycles of every wear history, or the maintenance of a bushing."""
 
     strokes: float  # since new, at its end
-    cycles: int  # of each history; 0: maintenance
+    cycles: int  # of each history; 0: maintenance or a failed run
     interval: int  # number of the service interval
     levels: Mapping[str, Array]  # quantities of the surfaces at its end, by key, (histories,)
     samples: Mapping[str, Array]  # means over its cycles, by key, (histories,)

@@ -1,1 +1,1 @@
-"""A result: written whole, gone on with, read back and exported."""
+"""Results of a run: writing, resuming, reading and export."""

@@ -204,7 +204,7 @@ class ResultFolder(Observer):
             if free:
                 self._stored = StoredResult(plain(scene.as_dict()), provenance())
                 if resume:
-                    self.remarks.append(f"nothing to go on with in {path}: the run begins")
+                    self.remarks.append(f"no run to resume in {path}: the run starts")
             else:
                 self._stored = read_stored(path)
                 self._resume()
@@ -348,7 +348,7 @@ class ResultFolder(Observer):
             return
         self._save()
         self._stored.status = "interrupted"
-        self._stored.message = "stopped by the user; it can be gone on with"
+        self._stored.message = "stopped by the user; the run can be resumed"
         self._write()
         self._lock.release()
         words = self._latest and f"kept up to {self._latest.words}"

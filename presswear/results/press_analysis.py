@@ -416,12 +416,12 @@ class DriveResult:
 
 @dataclass(frozen=True)
 class Energy:
-    """Energy of a part, that is of one stroke or cycle, J."""
+    """Energy for one manufactured part, which takes one stroke or cycle, J."""
 
-    process_work: Estimate | None  # that the process takes, over the recorded settled strokes
+    process_work: Estimate | None  # that the process absorbs in the recorded settled strokes
     ideal_process_work: float | None  # without clearance, and without a cushion
     drive_work: Estimate  # net work of all drives over the settled cycles of all replicates
-    ideal_drive_work: float
+    ideal_drive_work: float  # without clearance
     residual_fraction: float  # energy that does not add up over energy that the drives exchanged
 
 
@@ -431,7 +431,7 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     Raises
     ------
     UntrustedLaw
-        If the ideal torques need source code stored in a result; so for all below.
+        If the ideal torques need source code that is stored in a result.
     """
     if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}
