@@ -1,1 +1,1 @@
-"""The outer loop: starts, statistics, wear applied, checkpoints."""
+"""Campaign of a scene: replicates, statistics, wear updates and checkpoints."""

@@ -1,4 +1,4 @@
-"""Study of the paper: its settings, printed numbers, claims and figures beside ours."""
+"""Study of the paper: settings, printed numbers, claims and figures, compared with this program."""
 
 import time
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""Everything that a person chooses, and the named scenes."""
+"""Scenes: mechanism, bearings, loads and options of a simulation, and the named scenes."""

@@ -1,1 +1,1 @@
-"""Trials that hold the program against the truth."""
+"""Validation of the program against closed forms, references and other engines, and benchmarks."""
