@@ -159,6 +159,7 @@ def main() -> int:
     if arguments.write:
         stored["machine"] = machine()
         FILE.write_text(json.dumps(stored, indent=1) + "\n")
+        return 0
     return wrong
 
 
