@@ -247,7 +247,7 @@ class Checkpoint:
         if self.life is not None and self.life.running.runs:
             blocks = self.life.refinements[-1].blocks if self.life.refinements else ()
             strokes = blocks[-1].strokes if blocks else 0.0
-            return f"pass {self.life.place[0]} over the life, {strokes:.3g} strokes"
+            return f"refinement {self.life.place[0]} of the life, {strokes:.3g} strokes"
         wear = "" if self.stage is None else ", the wear after it"
         return f"stage {self.index}{wear}, cycle {self.running.cycles}"
 

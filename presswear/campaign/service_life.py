@@ -4,7 +4,7 @@ A *wear history* is a replicate whose surfaces wear from cycle to cycle, each cy
 many strokes.  All histories advance together in *load blocks* of a few cycles.  In a block, a cycle
 stands for as many strokes as take a specified part of the clearance off, by the mean rate of the
 cycles before it: by its own rate, cycles that wear little would get too much weight.  A
-*refinement* is one pass over the whole life.  Refinements with ever finer steps and new replicates
+*refinement* computes the whole life once.  Refinements with ever finer steps and new replicates
 follow each other until the life is known: the half width over the histories and the error of the
 step, added as the root of the sum of squares.  A *service interval* ends where a bushing is
 replaced or turned.
@@ -41,7 +41,7 @@ from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
-from presswear.results.life import Ended, LifeResult, LimitResult, PassResult, Phase
+from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.results.stage import WearStep
 from presswear.scene.options import Limit, Service
 from presswear.scene.scene import Scene
@@ -131,7 +131,7 @@ Advance = Callable[[int, Blocks, BlockPlan | Service], LoadBlock]
 
 @dataclass(frozen=True)
 class Refinement:
-    """One pass over a life; its first block, in steps of one stroke, observes the new state."""
+    """One computation of a life; its first block has steps of one stroke, on new surfaces."""
 
     change: float = FIRST_CHANGE  # part of the clearance that a cycle takes off
     block: int = MIN_BLOCK  # cycles in a block
@@ -486,7 +486,7 @@ class WearHistories:
         runner.later += scene.wear_updates * FIRST_PASS
 
         wear, number = wear_per_cycle(plan.share, plan.extra), number + _MAX_INTERVALS * interval
-        label = f"life, pass {self.state.place[0]}, {strokes:.3g} strokes"
+        label = f"life, refinement {self.state.place[0]}, {strokes:.3g} strokes"
         spec = RunSpec(_MAX_CYCLES, wear=wear, number=number, label=label)
         ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
         if ensemble.failure:
@@ -566,17 +566,17 @@ def life_result(
         else:
             ended = "cycles"
             message = f"no limit is exceeded within {last.cycles} cycles of all replicates"
-    limits, passes = [], []
+    limits, stored = [], []
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])
         if item.strokes == life.strokes:
-            item = life  # of the first limit a coarser pass that another limit ended counts too
+            item = life  # here coarser refinements that another limit ended count too
         reached = [float(values[-1]) for values in last.band(limit.key)]
         errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
         limits.append(LimitResult(limit.key, limit.unit, limit.value, *errors, *reached))
     for each in refinements:
         strokes, error = each.crossing(problem.limits), each.sampling_error(problem.limits)
-        passes.append(PassResult(each.change, each.cycles, _finite(strokes), _finite(error)))
+        stored.append(RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error)))
     curves = {"strokes": last.strokes}
     for key in (*last.blocks[0].levels, *last.blocks[0].samples):
         value, half = last.band(key)
@@ -592,7 +592,7 @@ def life_result(
         _finite(life.step),
         quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
         tuple(limits),
-        tuple(passes),
+        tuple(stored),
         tuple(phase for name in scene.clearance_joints for phase in wear_phases(last, name)),
         tuple(f"{service.words} after {service.strokes:.4g} strokes" for service in services),
         curves,

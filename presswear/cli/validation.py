@@ -184,7 +184,6 @@ def _work_precision(
         extent = replace(extent, repeats=repeats)
     with terminal.named_progress(console, "benchmark") as report:
         points = module.work_precision(scene, extent, report)
-    folder.mkdir(parents=True, exist_ok=True)
     write_csv(module.table(points), folder / "benchmark.csv")
     save(module.draw_work_precision(points), folder)
     for problem in {id(point.problem): point.problem for point in points}.values():
@@ -215,7 +214,6 @@ def _features(
         extent = replace(extent, repeats=repeats)
     with terminal.named_progress(console, "benchmark") as report:
         costs = module.feature_costs(scene, extent, report)
-    folder.mkdir(parents=True, exist_ok=True)
     write_csv(module.table(costs), folder / "features.csv")
     rows = [
         [

@@ -8,6 +8,7 @@ clearance (Flores), from memory and not checked against a page.
 
 import cmath
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -41,7 +42,7 @@ def _inertia(origin: str, default: float, text: str) -> Any:
     return quantity(default, "kg m^2", 1e-9, 1e4, origin, text)
 
 
-class Mechanism(Checked):
+class Mechanism(Checked, ABC):
     """Driven mechanism, a data class of its quantities: everything but its clearance joints.
 
     Attributes
@@ -62,9 +63,9 @@ class Mechanism(Checked):
     speed: float
 
     @property
+    @abstractmethod
     def origin(self) -> str:
         """Origin of its values, in a sentence."""
-        raise NotImplementedError
 
     @property
     def period(self) -> float:
@@ -75,8 +76,8 @@ class Mechanism(Checked):
         """Return the ideal linkage, every joint closed."""
         return _assembled(self)
 
-    def _assemble(self) -> Linkage:
-        raise NotImplementedError
+    @abstractmethod
+    def _assemble(self) -> Linkage: ...
 
 
 @lru_cache(maxsize=64)

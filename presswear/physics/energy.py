@@ -72,7 +72,7 @@ def has_worn_radial_contact(packed: Packed) -> bool:
 
 
 def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
-    """Return what is wrong where contacts gave back more than they took; else nothing.
+    """Return a message if contacts created more energy than they dissipated, else nothing.
 
     A radial force over a steep worn profile is not the gradient of an energy: pin and wall can
     drive each other, ever faster. Losses and exchange are those so far, J; see ``Ledger``.
@@ -84,13 +84,13 @@ def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
     if has_worn_radial_contact(packed):
         cause = f"the worn surfaces are too steep for contact = radial, or {cause}"
     return (
-        f"the contacts made {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
+        f"the contacts created {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
         f"{cause}"
     )
 
 
 def made_remedy(packed: Packed, finer: str) -> str:
-    """Return advice where contacts made energy; ``finer`` says how the engine takes finer steps."""
+    """Return advice where contacts created energy; ``finer`` is that for the steps."""
     if has_worn_radial_contact(packed):
         return f"contact = foundation can follow steep surfaces; else finer steps: {finer}"
     return finer
@@ -103,10 +103,10 @@ class Ledger:
     drive_work: float
     drive_exchange: float  # integral of the absolute power of the drives
     stored: float  # change of kinetic, potential and elastic energy
-    contact_loss: float  # what contacts took, net of what they made
+    contact_loss: float  # dissipated by contacts, less what they created
     friction_loss: float
     made: float = 0.0  # by the normal law, positive or negative
-    load_work: float = 0.0  # of loads with a law, less what dampers of springs took
+    load_work: float = 0.0  # of loads with a law, less the loss in the dampers of springs
 
     @staticmethod
     def of(sums: Records, stored: float) -> "Ledger":
@@ -121,7 +121,7 @@ class Ledger:
 
     @property
     def residual(self) -> float:
-        """Energy that does not add up, J: the integration's error."""
+        """Residual of the balance, J: the error of the integration."""
         supplied = self.drive_work + self.load_work
         return supplied - self.stored - self.contact_loss - self.friction_loss
 

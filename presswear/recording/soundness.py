@@ -20,12 +20,12 @@ Array = NDArray[np.float64]
 
 Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 
-RESIDUAL = 3e-3  # energy that does not add up, of what the drives exchanged
+RESIDUAL = 3e-3  # residual of the energy balance over the energy that the drives exchanged
 # Of the heat of damping and friction: wear is no more accurate than that.
 RESIDUAL_DISSIPATED = 1e-2
 MIN_RESIDUAL = 1e-4  # of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
 MIN_EXCHANGED = 1e-3  # of the kinetic energy: at an instant hardly any energy is exchanged
-MADE = 1.0  # energy made by the normal law, of the heat: beyond it the contacts drive the linkage
+MADE = 1.0  # created over dissipated energy: beyond it the contacts drive the linkage
 MIN_MADE = 1e-3  # of the energy exchanged
 # Contacts of fewer than LEAST_STEPS steps; grazing contacts are a few in a hundred.
 UNRESOLVED = 0.5
@@ -101,8 +101,7 @@ def _check_contacts(linkage: Linkage, recorder: Recorder, now: Condition) -> Fin
         deepest, limit = float(counters["deepest"]), joint.pin_radius
         if deepest > limit:
             what = (
-                f"the pin sank {deepest:.3g} m into its bearing, more than its own radius of "
-                f"{limit:.3g} m"
+                f"the penetration of {deepest:.3g} m exceeds the radius of the pin, {limit:.3g} m"
             )
             remedy = f"a stiffer joint, a lower speed, or {now.remedy}"
             return Finding("penetration", what, now.time, joint.name, remedy)
@@ -128,15 +127,15 @@ def _check_energy(linkage: Linkage, recorder: Recorder, now: Condition) -> Findi
     limit = min(RESIDUAL * exchange, max(RESIDUAL_DISSIPATED * heat, MIN_RESIDUAL * exchange))
     if abs(ledger.residual) > limit:
         what = (
-            f"{ledger.residual:.3g} J do not add up, limit {limit:.3g} J: the drives exchanged "
-            f"{exchange:.3g} J, damping and friction took {heat:.3g} J"
+            f"the energy balance has a residual of {ledger.residual:.3g} J, limit {limit:.3g} J: "
+            f"the drives exchanged {exchange:.3g} J, damping and friction dissipated {heat:.3g} J"
         )
         return Finding("energy", what, now.time, "", now.remedy)
     limit = max(MADE * heat, MIN_MADE * exchange)
     if ledger.made > limit:
         what = (
-            f"the contacts made {ledger.made:.3g} J, limit {limit:.3g} J: damping and friction "
-            f"took {heat:.3g} J"
+            f"the contacts created {ledger.made:.3g} J, limit {limit:.3g} J: damping and friction "
+            f"dissipated {heat:.3g} J"
         )
         remedy = made_remedy(recorder.records.packed, now.remedy)
         return Finding("energy", what, now.time, "", remedy)

@@ -7,6 +7,7 @@ names, values separated by commas, lines that begin with ``#`` are comments. NPZ
 dimension per column, under its name.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -199,7 +200,10 @@ def _from_csv(path: Path) -> dict[str, Array]:
     except ValueError as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{path}: {error}") from None
+        text = f"{error}"
+        if place := re.search(r"at row (\d+), column", text):  # numpy counts such rows from 0
+            text = text.replace(place[0], f"in row {int(place[1]) + 1}, column")
+        raise InputError(f"{path}: {text}") from None
     if rows.shape[1] != len(names):
         raise InputError(f"{path}: {rows.shape[1]} values in a row for {len(names)} columns")
     return dict(zip(names, rows.T, strict=True))

@@ -48,7 +48,7 @@ class LimitResult:
 
 
 @dataclass(frozen=True)
-class PassResult:
+class RefinementResult:
     """Refinement of a life, in finer steps than the one before."""
 
     change: float  # fraction of the clearance that a cycle takes off
@@ -87,7 +87,7 @@ class LifeResult:
     scatter : float
         Half width of its logarithm by the scatter of the wear coefficients.
     limits : tuple of LimitResult
-    passes : tuple of PassResult
+    refinements : tuple of RefinementResult
     phases : tuple of Phase
     services : tuple of str
         Maintenance of bushings, with strokes.
@@ -102,7 +102,7 @@ class LifeResult:
     step: float | None
     scatter: float
     limits: tuple[LimitResult, ...]
-    passes: tuple[PassResult, ...]
+    refinements: tuple[RefinementResult, ...]
     phases: tuple[Phase, ...]
     services: tuple[str, ...] = ()
     curves: Mapping[str, Array] = field(default_factory=dict)

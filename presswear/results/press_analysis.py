@@ -422,7 +422,7 @@ class Energy:
     ideal_process_work: float | None  # without clearance, and without a cushion
     drive_work: Estimate  # net work of all drives over the settled cycles of all replicates
     ideal_drive_work: float  # without clearance
-    residual_fraction: float  # energy that does not add up over energy that the drives exchanged
+    residual_fraction: float  # residual of the energy balance over energy that the drives exchanged
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
@@ -624,7 +624,7 @@ def deepest_penetrations(stage: StageResult) -> dict[str, float]:
 
 
 def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
-    """Return sentences on joints whose pins sink in too deep for a law of a small contact.
+    """Return sentences on joints whose penetration is too large for a law of a small contact.
 
     Each is on the stage in which the pin is deepest. The surfaces overlap by e cos(x) - c at an
     angle x from the line of centres: over an arc of which c / (c + penetration) is the cosine of
@@ -640,22 +640,22 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
             continue
         arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
         text = (
-            f"joint {name}: the pin sank {readable(1e6 * depth)} µm into its bearing, "
-            f"{readable(ratio)} of the clearance, so that the surfaces overlap over {arc:.0f} "
-            "degrees: no small contact"
+            f"joint {name}: the penetration of {readable(1e6 * depth)} µm is {readable(ratio)} of "
+            f"the clearance, and the contact extends over {arc:.0f} degrees, too wide for a law of "
+            "a small contact"
         )
         if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
             law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
             whole = foundation_force(ratio, *law)
             power, liu = elastic_force(ratio, 1.0, 1.5) / whole, liu_force(ratio, *law) / whole
             text += (
-                f"; there K delta^1.5 pushes with {power:.2f} and Liu's law with {liu:.2f} of the "
-                "foundation's force"
+                f"; K delta^1.5 then has {power:.2f} and Liu's law {liu:.2f} of the force of an "
+                "elastic foundation"
             )
             is_worn = stages[depths.index(depth)].is_worn
             on_foundation = scene.conventions.contact == "foundation" and is_worn
             if bearing.elasticity == "power" and not on_foundation:
-                text += "; elasticity = liu or foundation are made for it"
+                text += "; use elasticity = liu or foundation"
         sentences.append(text)
     return sentences
 

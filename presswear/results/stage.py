@@ -120,7 +120,7 @@ class StageStatistics:
     wear_error: float | None = None  # relative
     load_distance_step_error: float | None = None  # fraction by which finer time steps change it
     peak_force_step_error: float | None = None
-    energy_residual: float = 0.0  # energy that does not add up, J
+    energy_residual: float = 0.0  # residual of the energy balance, J
     energy_exchanged: float = 0.0  # by the drives, J
     energy_made_fraction: float = 0.0  # made by contacts over dissipated by contacts and friction
 

@@ -494,10 +494,10 @@ def provenance_table(result: Result) -> Table:
 
 
 def life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
-    """Return the tables of a service life: limits, causes of its error, phases and passes."""
+    """Return the tables of a service life: limits, causes of its error, phases and refinements."""
     causes = {
         f"sampling: {scene.replicate_count} replicates of a chaotic motion": life.sampling,
-        "step of the wear update, from passes with coarser steps": life.step,
+        "step of the wear update, from refinements with coarser steps": life.step,
         "scatter of the wear coefficients": life.scatter,
         "all together": life.total_error,
     }
@@ -515,7 +515,7 @@ def life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
             )
             for phase in life.phases
         ],
-        "passes": [
+        "refinements": [
             (
                 str(number),
                 readable(100.0 * each.change),
@@ -523,7 +523,7 @@ def life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
                 NOTHING if each.strokes is None else large(each.strokes),
                 _percent(each.sampling),
             )
-            for number, each in enumerate(life.passes, start=1)
+            for number, each in enumerate(life.refinements, start=1)
         ],
     }
     end = large(float(life.curves["strokes"][-1]))

@@ -239,7 +239,7 @@ def test_life_ends_with_the_cycle_that_wears_through_the_clearance(depth: float)
     assert rates[1:] == pytest.approx(rates[1], rel=1e-3, abs=0.0)
     assert life.strokes == strokes[-1]
     # Both replicates end within a block of two cycles.
-    assert life.passes[-1].cycles % 4 != 0
+    assert life.refinements[-1].cycles % 4 != 0
 
 
 def fails_at(depth: float) -> Callable[..., Finding | None]:

@@ -79,7 +79,7 @@ def test_steps_are_described() -> None:
     update = f"first wear in 12 steps, {words}"
     assert step_text(SCENE, 0, update) == f"applying the {update}"
     assert step_text(SCENE, 1, words) == f"after the first wear: {words}"
-    assert step_text(SCENE, 0, f"life, pass 1, {words}") == f"life, pass 1, {words}"
+    assert step_text(SCENE, 0, f"life, refinement 1, {words}") == f"life, refinement 1, {words}"
 
 
 def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:

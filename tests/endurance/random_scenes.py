@@ -197,7 +197,7 @@ class Ended:
     residual: float = math.nan  # energy that is missing, part of what the drives exchanged
     bound: float = 0.0
     failure: str = ""
-    is_outside: bool = False  # a pin sank in deeper than it is thick: no law of contact covers it
+    is_outside: bool = False  # the penetration exceeds the pin radius: no contact law covers it
 
     @property
     def passed(self) -> bool:
@@ -206,7 +206,7 @@ class Ended:
 
 
 class OutsideError(RunFailed):
-    """A pin sank in deeper than it is thick."""
+    """Raised if the penetration exceeds the radius of the pin."""
 
 
 class TooLongError(RunFailed):

@@ -39,7 +39,7 @@ def run_scenes(trial: Trial, count: int, seed: int) -> None:
     trial.note = (
         f"{stopped} ended with a message; largest residual {worst:.1e} of the energy exchanged; "
         f"{parts} in part, at {STEPS} steps; {refused} more did not assemble, in "
-        f"{outside} pins sank in deeper than they are thick"
+        f"{outside} with a penetration beyond the pin radius"
     )
     if trial.first_miss:
         trial.first_miss = f"{trial.note}; first {trial.first_miss}"

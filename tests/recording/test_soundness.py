@@ -79,7 +79,7 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
         *(
             (
                 energies(contact_loss=taken - made, made=made, friction_loss=0.0, drive_work=work),
-                *("energy", "", f"the contacts made {made:g} J, limit {limit:g} J: damping and"),
+                *("energy", "", f"the contacts created {made:g} J, limit {limit:g} J: damping and"),
             )
             for taken, made, limit, work in ((0.2, 0.21, 0.2, 0.29), (0.0, 0.006, 0.005, 0.294))
         ),
@@ -133,7 +133,7 @@ def test_missing_energy_of_a_vibrating_pin() -> None:
     finding = found[coarse]
     assert finding is not None
     assert finding.kind == "energy"
-    assert "damping and friction took" in finding.what
+    assert "damping and friction dissipated" in finding.what
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,12 @@ SCENE = pw.scenes.press_blanking(
     wear_updates=0, replicates=1, cycles=1, engine="dae", clearance="0.5 mm"
 )
 EQUAL = (
-    "joint C: the pin sank 500 µm into its bearing, 1.00 of the clearance, so that the surfaces "
-    "overlap over 120 degrees: no small contact"
+    "joint C: the penetration of 500 µm is 1.00 of the clearance, and the contact extends over 120 "
+    "degrees, too wide for a law of a small contact"
 )
 FORCES = (
-    "; there K delta^1.5 pushes with 1.54 and Liu's law with 1.09 of the foundation's force",
-    "; elasticity = liu or foundation are made for it",
+    "; K delta^1.5 then has 1.54 and Liu's law 1.09 of the force of an elastic foundation",
+    "; use elasticity = liu or foundation",
 )
 
 

@@ -81,7 +81,7 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
         ("time,velocity\n", ("no rows",)),
         ("time,velocity\n0,1\n1\n", ("columns changed from 2 to 1 at row 2",)),
         ("time,velocity\n0\n1\n", ("1 values in a row for 2 columns",)),
-        ("time,velocity\n0,1\n# note\n1,fast\n", ("'fast'", "row 1, column 2")),
+        ("time,velocity\n0,1\n# note\n1,fast\n", ("'fast'", "row 2, column 2")),
         ("time,velocity\n0,1\n1,nan\n", ("velocity", "nan", "row 2")),
         ("time,velocity\n0,1\n1,inf\n", ("velocity", "inf")),
         ("time,velocity\n0,1\n2,1\n2,1\n", ("time does not increase from row 2 to 3",)),

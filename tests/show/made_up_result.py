@@ -8,7 +8,7 @@ import numpy as np
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.observe import CYCLE_FIXED, cycle_columns
 from presswear.recording.statistics import Estimate
-from presswear.results.life import Ended, LifeResult, LimitResult, PassResult, Phase
+from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.results.result import Result
 from presswear.results.stage import (
     BottomStatistics,
@@ -174,7 +174,10 @@ def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> Li
         step=step,
         scatter=0.5,
         limits=(LimitResult("A.depth", "m", 5e-5, None, None, None, 2e-5, 1e-6), depth, drift),
-        passes=(PassResult(5e-3, 64, 5.2e6, 0.08), PassResult(1e-3, 320, LIFE, sampling)),
+        refinements=(
+            RefinementResult(5e-3, 64, 5.2e6, 0.08),
+            RefinementResult(1e-3, 320, LIFE, sampling),
+        ),
         phases=(
             Phase("A", "running-in", 4.0, 2e6, 3e-15, 2e-16),
             Phase("A", "steady", 2e6, 6e6, 1e-15, 1e-16),

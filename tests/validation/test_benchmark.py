@@ -144,7 +144,7 @@ def test_the_paper_fails_with_clearance_and_others_converge(points: list[Point])
     press = family(points, 3)
     failed = {point.method.label for point in press if point.failure}
     assert failed == {"dae, RK4, step 0.0001", "dae, RK4, step 2e-05"}
-    assert all("do not add up" in point.failure for point in press if point.failure)
+    assert all("energy balance" in point.failure for point in press if point.failure)
     for name in {point.method.family for point in press}:
         sound = [point for point in family(points, 3, name) if not point.failure]
         if len(sound) > 1:
