@@ -50,7 +50,8 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     from presswear.show.figures.dynamics import draw_diagram, draw_orders
 
     parameter = Parameter.parse(arguments.over, scene)
-    cycles = Cycles(arguments.cycles, arguments.stored, arguments.exponent, arguments.orders)
+    stored = arguments.stored or max(2 * arguments.cycles // 5, 2)
+    cycles = Cycles(arguments.cycles, stored, arguments.exponent, arguments.orders)
     folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
     command = f"the same command with --resume --out {folder} continues"
     with (

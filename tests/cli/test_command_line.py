@@ -328,7 +328,7 @@ def test_dynamics_of_a_result_and_of_a_scene(
         assert word in output
     assert main(["dynamics", "slider-crank", "--exponent", "3"]) == 0
     assert "largest Lyapunov exponent" in capsys.readouterr().out
-    options = ["--cycles", "12", "--stored", "4", "--exponent", "0", "--orders", "2", "--jobs", "1"]
+    options = ["--cycles", "12", "--exponent", "0", "--orders", "2", "--jobs", "1"]
     line = ["dynamics", "slider-crank", "--over", "clearance=0.01:0.02:2 mm", *options]
     assert main([*line, "--out", str(tmp_path / "d")]) == 0
     assert "periodic at 2 of 2 values" in capsys.readouterr().out
