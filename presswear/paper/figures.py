@@ -206,6 +206,7 @@ def peaks(
         axes.set_xlabel(f"{row.label}{where} ({row.unit})")
         axes.set_yticks(range(len(lines)), [line.pen.label for line in lines])
         axes.set_ylim(len(lines) - 0.5, -0.5)
+        axes.locator_params(axis="x", nbins=4)
         axes.use_sticky_edges = False
         axes.margins(x=0.05)
     caption = (
