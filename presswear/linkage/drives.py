@@ -393,7 +393,7 @@ class Drive(_Motion):
 
     @property
     def mean_speed(self) -> float:
-        """Mean speed with the net way of the pieces, rad/s."""
+        """Mean speed, including the net angle of the pieces, rad/s."""
         return self.speed + self.base * (self.pieces.net / (2.0 * math.pi))
 
     @property

@@ -373,7 +373,7 @@ class Scene:
 
     @property
     def run_up(self) -> float:
-        """Time in which the mechanism runs up from rest, s; cycles are counted behind it."""
+        """Time in which the mechanism runs up from rest, s; cycles are counted after it."""
         return self.mechanism.linkage().run_up_time
 
     @property
