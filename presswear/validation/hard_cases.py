@@ -451,7 +451,7 @@ def profile_cases() -> Iterator[Case]:
             if (name, law) == CHANCE:
                 continue
             scene = replace(BASE, conventions=CONVENTIONS[conventions])
-            refusal = "made .* too steep" if (name, law) == STEEP else ""
+            refusal = "created .* too steep" if (name, law) == STEEP else ""
             checks = partial(on_worn, worn=dict.fromkeys("AC", (bearing, pin)))
             yield from in_both(f"{name}, {law}", reason, scene, checks, refusal)
 

@@ -136,7 +136,7 @@ class Stops(pw.Observer):
     """Interrupts a refinement after a number of reports on it."""
 
     def __init__(self, number: int, reports: int) -> None:
-        self.word, self.left = f"pass {number}", reports
+        self.word, self.left = f"refinement {number}", reports
 
     def on_progress(self, progress: pw.Progress) -> None:
         if self.word in progress.word:
