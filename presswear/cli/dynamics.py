@@ -73,7 +73,7 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
 
 def _describe(folder: Path, console: Console) -> int:
     """Print the motion of a stored run."""
-    from presswear.show.report_tables import motion_table
+    from presswear.show.report import motion_table
 
     table = motion_table(terminal.load_result(folder, console))
     if table is None:

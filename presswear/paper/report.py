@@ -20,7 +20,7 @@ from presswear.paper.verdicts import Judged, Position, Verdict, compared
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES
 from presswear.show.page import NOTHING, Line, Row, Section, Table, row_table, text_of
-from presswear.show.report_tables import convention_table, parameter_table, provenance_table
+from presswear.show.report import provenance_table, setting_tables
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
 
@@ -66,10 +66,10 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
     }
     runs: list[tuple[str, Table]] = [("", run_table(evidence))]
     for first in list(evidence.results.values())[:1]:
-        runs.append(("Conventions", convention_table(first)))
-        runs.append(("Parameters of the first setting", parameter_table(first)))
-        if origin := provenance_table(first):
-            runs.append(("Provenance", origin))
+        settings = setting_tables(first)
+        runs.append(("Conventions", settings["conventions"]))
+        runs.append(("Parameters of the first setting", settings["parameters"]))
+        runs.append(("Provenance", provenance_table(first)))
     assumptions = [
         ("Geometries", geometry_table(evidence)),
         ("Wear coefficient", fit_table(evidence)),

@@ -11,21 +11,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, save
-from presswear.tools.numbers import (
-    large,
-    quantity_text,
-    readable,
-    short_number,
-    unit_factor,
-    whole,
-    with_interval,
-)
+from presswear.show.figures.style import TEMPLATES
+from presswear.tools.numbers import readable, short_number, unit_factor, whole, with_interval
 from presswear.tools.processes import Report, cores, outcomes, workers_for
 
 NOTHING = "–"
@@ -38,22 +31,12 @@ Drawer = Callable[[], list[Drawing]]
 
 @dataclass(frozen=True)
 class Row:
-    """Quantity in a table.
-
-    Attributes
-    ----------
-    path : str
-        Attributes and keys from the record to the value, joined by points: ``bdc.error``.
-    unit : str
-        Display unit, such as ``µm``, into which the SI value is converted; see ``DISPLAY_UNITS``.
-    meaning : str
-        Explanation below the label.
-    """
+    """Quantity in a table."""
 
     label: str
-    path: str
-    unit: str = ""
-    meaning: str = ""
+    path: str  # attributes, keys and indices from the record to the value: ``bdc.error``
+    unit: str = ""  # display unit into which the SI value is converted; see ``DISPLAY_UNITS``
+    meaning: str = ""  # explanation below the label
     digits: int = 3
 
     @property
@@ -96,37 +79,27 @@ def text_of(value: Any, unit: str = "", digits: int = 3) -> str:
             return value
         case Estimate():
             shown = value.scaled(factor)
-            if shown.low is None or shown.high is None or _is_symmetric(shown):
-                return with_interval(shown.mean, shown.half_width)
-            low, high = (readable(end, digits) for end in (shown.low, shown.high))
-            return f"{readable(shown.mean, digits)} ({low} to {high})"
+            mean, low, high, half = shown.mean, shown.low, shown.high, shown.half_width
+            if low is None or high is None or half is None:
+                return with_interval(mean, None)
+            if math.isclose(0.5 * (low + high), mean, rel_tol=1e-12, abs_tol=1e-6 * half):
+                return with_interval(mean, half)
+            mean_text, *ends = (readable(number, digits) for number in (mean, low, high))
+            return f"{mean_text} ({' to '.join(ends)})"
         case int() if factor == 1.0:
             return whole(value)
         case _:
             return readable(factor * float(value), digits)
 
 
-def _is_symmetric(value: Estimate) -> bool:
-    half, middle = value.half_width or 0.0, 0.5 * ((value.low or 0.0) + (value.high or 0.0))
-    return abs(middle - value.mean) <= 1e-6 * half + 1e-12 * abs(value.mean)
-
-
 @dataclass(frozen=True)
 class Table:
-    """Table of texts: column titles, and pairs of a heading and the rows below it.
+    """Table of texts."""
 
-    Attributes
-    ----------
-    numeric : bool
-        True if all columns but the first are numbers.
-    meanings : mapping
-        Explanations shown below row labels, by label.
-    """
-
-    head: Line
-    groups: tuple[tuple[str, tuple[Line, ...]], ...]
-    numeric: bool = True
-    meanings: Mapping[str, str] = field(default_factory=dict)
+    head: Line  # titles of the columns
+    groups: tuple[tuple[str, tuple[Line, ...]], ...]  # headings with the rows below them
+    numeric: bool = True  # all columns but the first are numbers
+    meanings: Mapping[str, str] = field(default_factory=dict)  # shown below labels, by label
 
 
 def column_table(
@@ -134,6 +107,7 @@ def column_table(
     names: Sequence[str],
     records: Sequence[Any],
     groups: Mapping[str, Sequence[Row]],
+    numeric: bool = True,
 ) -> Table | None:
     """Return a table with a column per record and a line per row; None if no line has a value.
 
@@ -146,7 +120,7 @@ def column_table(
         if lines := [line for line in lines if set(line[1:]) - {NOTHING}]:
             filled[heading] = tuple(lines)
     meanings = {row.head: row.meaning for rows in groups.values() for row in rows if row.meaning}
-    return Table((corner, *names), tuple(filled.items()), meanings=meanings) if filled else None
+    return Table((corner, *names), tuple(filled.items()), numeric, meanings) if filled else None
 
 
 def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = True) -> Table:
@@ -155,8 +129,7 @@ def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = Tr
     return Table(tuple(column.head for column in columns), (("", lines),), numeric)
 
 
-@dataclass(frozen=True)
-class Illustration:
+class Illustration(NamedTuple):
     """Figure in a page: file name, title, caption and the PNG in base 64."""
 
     file: str
@@ -209,7 +182,6 @@ def render_page(
     sections: Sequence[Section] = (),
     figures: Sequence[Illustration] = (),
     template: str = "page.html",
-    package: str = "presswear.show",
     **content: Any,
 ) -> str:
     """Return a page as HTML; everything in it is escaped.
@@ -219,27 +191,20 @@ def render_page(
     sections, figures
         Content of a page without a template of its own; otherwise the template places figures.
     template : str
-        File in the ``templates`` of ``package``; it extends ``page.html``.
+        File in ``templates``; it extends ``page.html``.
     content
         Values for the template; ``page.html`` shows ``status``, ``style`` and ``answer``.
     """
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader(package), PackageLoader("presswear.show")]),
+        loader=PackageLoader("presswear.show"),
         autoescape=True,
         finalize=_without_breaks,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {
-        "text": text_of,
-        "number": lambda value, digits=3: readable(value, digits),
-        "quantity": quantity_text,
-        "short": short_number,
-        "whole": whole,
-        "large": large,
-        "degrees": math.degrees,
-    }
+    filters: dict[str, Any] = {"text": text_of, "short": short_number, "whole": whole}
+    environment.filters |= TEMPLATES.filters | filters
     page = environment.get_template(template)
     return page.render(title=title, sections=sections, figures=figures, **content)
 

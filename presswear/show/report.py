@@ -1,35 +1,78 @@
 """Report of a result folder: one HTML file that can be opened anywhere.
 
-The sentences are in ``templates/report.html``, the tables in ``report_tables``.
+Its sentences are in ``templates/report.html``, the rows of its tables in ``templates/tables.toml``.
+A table has a column per stage, or a line per record; a record holds the values of one of them.
 """
 
 import math
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import partial
+from importlib.resources import files
+from itertools import groupby, permutations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from presswear.analysis.contact_modes import MODES, Timeline, combine, resonance, timeline_of
+from presswear.analysis.periods import period_of
+from presswear.analysis.spectra import spectra_of
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
-from presswear.results.folder import FINISHED
-from presswear.results.life import LifeResult, span_of, words_of
-from presswear.results.press_analysis import deep_contacts
+from presswear.physics.statics import heights_at_bottom, pull_of
+from presswear.recording.soundness import RESIDUAL
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.results import press_analysis as press
+from presswear.results.folder import FINISHED, SCHEMA
+from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
-from presswear.scene.bearing import Bearing
-from presswear.scene.catalog import named_scene, title_of
+from presswear.results.stage import StageResult, WearStep
+from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
+from presswear.scene.catalog import changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
-from presswear.show import report_tables as tables
 from presswear.show.figures import NAMES, drawn
 from presswear.show.figures.life import limit_text, services_done
-from presswear.show.figures.style import stage_names
-from presswear.show.page import Illustration, illustrated, render_page
-from presswear.tools.errors import InputError
+from presswear.show.figures.style import maps_turn, stage_names
+from presswear.show.page import (
+    NOTHING,
+    Illustration,
+    Line,
+    Row,
+    Table,
+    column_table,
+    illustrated,
+    render_page,
+    row_table,
+    text_of,
+)
+from presswear.tools import numbers
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.numbers import quantity_text
-from presswear.tools.quantities import Quantity
+from presswear.tools.quantities import Choice, Quantity
+
+Record = dict[str, Any]
+
+_TABLES = tomllib.loads(
+    files("presswear.show").joinpath("templates/tables.toml").read_text("utf-8")
+)
+_HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
+_MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
+_ENDINGS = {
+    "completed": "all cycles completed",
+    "enough": "stopped when the wear maps reached the tolerance",
+}
+_TEXTS = {  # names in braces that are the same for all results
+    "snap": f"{numbers.short_number(1e3 * press.SNAP_THROUGH_S)} ms",
+    "residual": numbers.short_number(press.ENERGY_BOUND),
+    "residual_of_wear": numbers.short_number(10.0 * press.ENERGY_BOUND),
+    "residual_of_failure": numbers.short_number(RESIDUAL),
+    "orders": ", ".join(map(str, _HARMONICS)),
+}
 
 
 def write_report(result: Result) -> Path:
@@ -53,9 +96,9 @@ def write_report(result: Result) -> Path:
 
 def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     """Return the report of a result as HTML, with some figures."""
-    scene = result.scene
+    scene, changes = result.scene, changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
-    content: dict[str, Any] = {
+    content: Record = {
         "result": result,
         "scene": scene,
         "style": result.status if result.status in FINISHED else "unfinished",
@@ -65,16 +108,15 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "wear_error": _largest(result, "wear_error"),
         "step_error": _largest(result, "peak_force_step_error"),
         "moves": bottom_of(scene.ideal) is not None,
-        "models": _models(stages),
         "chosen": [
             setting.key
             for setting in settings_of(scene)
             if isinstance(setting.meaning, Quantity)
             and setting.meaning.origin.startswith(("chosen", "assumed", SET))
         ],
-        "deep_contacts": deep_contacts(scene, result.stages),
+        "deep_contacts": press.deep_contacts(scene, result.stages),
         "worn_sides": [
-            f"{side} of {joint} {quantity_text(float(surface.depth.max()), 'm')}"
+            f"{side} of {joint} {numbers.quantity_text(float(surface.depth.max()), 'm')}"
             for joint, pair in scene.surfaces.items()
             for side, surface in zip(SIDES, pair, strict=True)
             if surface.is_worn
@@ -82,18 +124,20 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "laws": _normal_laws(scene),
         "created": [one.statistics.energy_made_fraction for _, one in stages if one.is_worn],
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
-        "convention_set": tables.convention_set(scene.conventions),
+        "presets": CONVENTIONS,
         "tables": {
-            **tables.stage_tables(result),
-            "changes": tables.change_table(result),
-            "drives": tables.drive_table(result),
-            "growth": tables.growth_table(result),
-            "motion": tables.motion_table(result),
-            "parameters": tables.parameter_table(result),
-            "conventions": tables.convention_table(result),
-            "provenance": tables.provenance_table(result),
+            **stage_tables(result),
+            **setting_tables(result),
+            "changes": _line_table("changes", changes) if changes else None,
+            "drives": drive_table(result),
+            "growth": growth_table(result),
+            "motion": motion_table(result),
+            "provenance": provenance_table(result),
         },
         "life": result.life and _life(result, result.life),
+        "words_of": words_of,
+        "limit_text": limit_text,
+        "span_of": span_of,
     }
     return render_page(title_of(scene), (), figures, "report.html", **content)
 
@@ -103,61 +147,468 @@ def _largest(result: Result, name: str) -> float | None:
     return max((value for value in values if value is not None), default=None)
 
 
-def _models(stages: Sequence[tuple[str, StageResult]]) -> list[str]:
-    """Return descriptions of the model, with the stages that share it if there are several."""
-    names: dict[str, list[str]] = {}
-    for name, stage in stages:
-        names.setdefault(str(stage.diagnostics.get("model", "not stated")), []).append(name)
-    several = len(names) > 1
-    return [f"{', '.join(of)}: {model}" if several else model for model, of in names.items()]
-
-
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
     """Return the joints that share a normal law, their bearing, its title and its restitution.
 
     The restitution is the one that the law delivers, not the one that it is set to; None for a
     law whose restitution is unknown.
     """
-    groups: dict[Any, list[str]] = {}
+    groups: dict[Any, tuple[list[str], Bearing, str, float | None]] = {}
     for joint in scene.clearance_joints:
         bearing = scene.bearing(joint)
-        key = (bearing.normal_law, bearing.restitution, bearing.viscous_damping)
-        groups.setdefault(key, []).append(joint)
-    laws: list[tuple[list[str], Bearing, str, float | None]] = []
-    for (law, restitution, _), joints in groups.items():
-        is_open = not isinstance(law, str) or law == KELVIN_VOIGT
-        damping = None if is_open else DAMPINGS[law]
-        delivered = delivered_restitution(damping.factor(restitution)) if damping else None
-        title = damping.title if damping else str(law)
-        laws.append((joints, scene.bearing(joints[0]), title, delivered))
-    return laws
+        law, restitution = bearing.normal_law, bearing.restitution
+        title, delivered = str(law), None
+        if isinstance(law, str) and law != KELVIN_VOIGT:
+            title = DAMPINGS[law].title
+            delivered = delivered_restitution(DAMPINGS[law].factor(restitution))
+        key = (law, restitution, bearing.viscous_damping)
+        groups.setdefault(key, ([], bearing, title, delivered))[0].append(joint)
+    return list(groups.values())
 
 
-def _life(result: Result, life: LifeResult) -> dict[str, Any]:
+def _result_table(
+    name: str, result: Result, records: Sequence[Record], **more: Sequence[str]
+) -> Table | None:
+    """Return a table of ``tables.toml`` with a column per record; ``more`` are repeated names."""
+    scene, joints = result.scene, result.scene.clearance_joints
+    linkage = scene.mechanism.linkage()
+    texts = {
+        **_TEXTS,
+        "phase": linkage.phase,
+        "pull": numbers.quantity_text(pull_of(scene.linkage()), "N"),
+        "output": scene.output,
+        "Output": scene.output.capitalize(),
+        "joints": " and ".join(joints),
+    }
+    repeated: dict[str, Sequence[str]] = {
+        "joint": joints,
+        "body": [drive.body for drive in linkage.drives],
+        "part_of_stroke": press.PHASES,
+        "mode": MODES,
+        "change": [f"{a} to {b}" for a, b in permutations(MODES, 2)],
+        **more,
+    }
+    names = {key: [{key: value} for value in values] for key, values in repeated.items()}
+    # Maps that are fixed in space have one angle for both surfaces.
+    sides = {side: side for side in SIDES} if maps_turn(result) else {"both": "bearing + pin"}
+    names["side"] = [{"side": side, "part": part} for side, part in sides.items()]
+    rows = {heading: [Row(*row) for row in lines] for heading, lines in _TABLES[name].items()}
+    columns = [record["name"] for record in records]
+    corner = _TABLES["corners"].get(name, "")
+    return column_table(corner, columns, records, _expanded(rows, texts, names))
+
+
+def _expanded(
+    groups: Mapping[str, Sequence[Row]],
+    texts: Mapping[str, str],
+    names: Mapping[str, Sequence[Mapping[str, str]]],
+) -> dict[str, list[Row]]:
+    """Return rows by heading with all names in braces replaced.
+
+    ``texts`` are names with one value. A heading or a sequence of adjacent rows is repeated for
+    the values of ``names``.
+    """
+
+    def name_in(text: str, used: Mapping[str, str]) -> str:
+        return next((key for key in names if key not in used and f"{{{key}}}" in text), "")
+
+    result = {}
+    for heading, rows in groups.items():
+        for outer in names.get(name_in(heading, {}), [{}]):
+            lines: list[Row] = []
+            for key, adjacent in groupby(rows, lambda row: name_in(row.label + row.path, outer)):  # noqa: B023
+                block = list(adjacent)
+                inner = names.get(key, [{}])
+                lines += [row.of(**texts, **outer, **each) for each in inner for row in block]
+            result[heading.format(**texts, **outer)] = lines
+    return result
+
+
+def _line_table(name: str, records: Iterable[Any], numeric: bool = False, **texts: str) -> Table:
+    """Return a table of ``tables.toml`` with a line per record."""
+    columns = [Row(*row).of(**texts) for row in _TABLES["columns"][name]]
+    return row_table(columns, list(records), numeric)
+
+
+def stage_tables(result: Result) -> dict[str, Table | None]:
+    """Return the tables with a column per stage, by name; None for a table without any value.
+
+    Stored laws of the result are not executed unless they are trusted.
+    """
+    records = _stage_records(result)
+    sound = [record for record in records if not record["stage"].failed]
+    tables = {
+        name: _result_table(name, result, sound if name in ("overview", "moments") else records)
+        for name in ("overview", "moments", "key", "means", "bottom", "tonnage")
+    }
+    diagnostics = [
+        Row(
+            key.removesuffix("_s").replace("_", " "),
+            f"stage.diagnostics.{key}",
+            "s" if key.endswith("_s") else "",
+        )
+        for key in dict.fromkeys(key for stage in result.stages for key in stage.diagnostics)
+        if key != "model"
+    ]
+    names = [record["name"] for record in records]
+    return {
+        **tables,
+        "endings": _line_table("endings", records),
+        "diagnostics": column_table("", names, records, {"": diagnostics}),
+    }
+
+
+def _stage_records(result: Result) -> list[Record]:
+    scene, represented = result.scene, 0.0
+    records: list[Record] = []
+    has_wear = any(stage.index > 0 for stage in result.stages)
+    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+        joints, steps = stage.statistics.joints, stage.wear_steps
+        bdc = stage.statistics.bdc if scene.clearance_joints else None
+        largest = max(joints, key=lambda joint: joints[joint].peak_force, default="")
+        multiplier = numbers.readable(stage.amplification)
+        if len(steps) > 1:
+            multiplier = f"{_factor_range(steps)}, in {len(steps)} steps"
+        ending = _ENDINGS.get(stage.status, stage.status)
+        records.append(
+            {
+                "name": name,
+                "stage": stage,
+                "bdc": bdc,
+                "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
+                "rise": press.rise(stage, result.stages[0]) if bdc and records else None,
+                "range_strokes": None if bdc is None or bdc.range is None else bdc.range_strokes,
+                "rest": _heights_at_rest(result, stage),
+                "wear": {joint: _wear_record(stage, joint) for joint in scene.clearance_joints},
+                "tonnage": press.tonnage_of(scene, stage),
+                "ideal_work": None if scene.process is None else scene.process.work,
+                "drives": None if scene.has_untrusted_loads else press.drives_of(scene, stage),
+                "largest_joint": largest or None,
+                "largest": joints.get(largest),
+                "peak": _recorded_peak(scene, stage),
+                "moments": _moments(scene, stage),
+                "represented": round(represented) if has_wear else None,
+                "ending": f"failed: {stage.message}" if stage.failed else ending,
+                "multiplier": multiplier if stage.joints else None,
+            }
+        )
+        represented += sum(step.cycles_per_update for step in steps)
+    return records
+
+
+def _factor_range(steps: Sequence[WearStep]) -> str:
+    ends = [numbers.readable(pick(step.factor for step in steps)) for pick in (min, max)]
+    return " to ".join(dict.fromkeys(ends))
+
+
+def _heights_at_rest(result: Result, stage: StageResult) -> Record | None:
+    """Return total clearance and rise under a static force at bottom dead centre, m."""
+    scene = result.scene
+    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
+    if stage.failed or not scene.clearance_joints or not is_trusted:
+        return None
+    linkage = scene.linkage(stage.surfaces)
+    pull = pull_of(linkage)
+    try:
+        up, down, rest = map(float, heights_at_bottom(linkage, (pull, -pull, 0.0)))
+    except RunFailed:
+        return None
+    return {"clearance": up - down, "rise": up - rest}
+
+
+def _wear_record(stage: StageResult, joint: str) -> Record:
+    """Return the deepest places of the wear maps at the start and of the next update."""
+    statistics, maps = stage.statistics.joints.get(joint), stage.joints[joint]
+    record: Record = {"depth": {}, "wear": {}}
+    for side, sides in {"bearing": SIDES[:1], "pin": SIDES[1:], "both": SIDES}.items():
+        for kind in record:
+            # The noise of few cycles may hide the deepest place of an update in steps.
+            if kind == "wear" and (statistics is None or side not in statistics.wear_peaks):
+                continue
+            depth = np.sum([maps.arrays[f"{kind}_{name}"] for name in sides], axis=0)
+            angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
+            record[kind][side] = {"depth": float(depth.max()), "angle": angle}
+    return record
+
+
+def _phase_degrees(scene: Scene, time: Array) -> Array:
+    """Return the phase of the cycle at some times, degrees from 0 to 360."""
+    return np.asarray(360.0 * ((time - 0.5 * scene.run_up) / scene.mechanism.period) % 360.0)
+
+
+def _recorded_peak(scene: Scene, stage: StageResult) -> Record | None:
+    """Return the largest recorded joint force, with joint, phase angle and position."""
+    time, period = stage.time, scene.mechanism.period
+    if time.size < 2 or not stage.has_joint_series:
+        return None
+    # The same cycles as in the statistics.
+    cycles = int((float(time[-1]) - scene.run_up) / period + 1e-3)
+    start = scene.run_up + period * max(min(STARTUP_CYCLES, cycles - 1), 0)
+    rows = np.flatnonzero(time >= start - 1e-9 * period)
+    forces = {name: joint.force[rows, 0] for name, joint in stage.joints.items()}
+    joint = max(forces, key=lambda name: float(forces[name].max(initial=0.0)))
+    if not np.any(forces[joint] > 0.0):
+        return None
+    row = int(rows[forces[joint].argmax()])
+    angle = math.radians(float(_phase_degrees(scene, time[row : row + 1])[0]))
+    record: Record = {"joint": joint, "force": float(forces[joint].max()), "angle": angle}
+    if bottom_of(scene.ideal) is not None:
+        height = press.height_of(scene, stage)
+        falls = height[min(row + 1, time.size - 1)] < height[max(row - 1, 0)]
+        record["height"], record["direction"] = float(height[row]), "down" if falls else "up"
+        record["phase"] = _work_phase(scene, stage, row)
+    return record
+
+
+def _work_phase(scene: Scene, stage: StageResult, row: int) -> str | None:
+    """Return the phase of the work at a row of the series; None outside of it."""
+    strokes, force = press.strokes_of(scene, stage), press.process_force(scene, stage)
+    if strokes is None or force is None:
+        return None
+    now = stage.time[row]
+    for contact, fracture in zip(strokes.contact[:, 0], strokes.fracture[:, 0], strict=True):
+        is_pressed = force[row] > 0.0 if np.isnan(fracture) else now < fracture
+        if contact <= now and is_pressed:
+            return press.PHASES[press.WORK]
+        if fracture <= now < fracture + press.SNAP_THROUGH_S:
+            return press.PHASES[press.SNAP_THROUGH]
+    return None
+
+
+def _moments(scene: Scene, stage: StageResult) -> dict[str, list[str]]:
+    """Return phase angles and heights at which strokes touch, break and leave the work."""
+    start = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
+    strokes, moments = press.strokes_of(scene, stage), {}
+    for name in ("contact", "fracture", "separation") if strokes else ():
+        rows = getattr(strokes, name)
+        rows = rows[~np.isnan(rows[:, 0])]
+        settled = rows[rows[:, 0] >= start]
+        rows = settled if len(settled) else rows
+        if len(rows):
+            angle = _phase_degrees(scene, rows[:, 0])
+            # Relative to the first, because 359 and 1 degrees are close.
+            angle = angle[0] + (angle - angle[0] + 180.0) % 360.0 - 180.0
+            moments[name] = [_range_text(angle, 2), _range_text(1e3 * rows[:, 1], 3)]
+    return moments
+
+
+def _range_text(values: Array, decimals: int) -> str:
+    ends = values.min(), values.mean(), values.max()
+    low, mean, high = (f"{value:.{decimals}f}".replace("-", "−") for value in ends)
+    return mean if low == high else f"{mean} ({low} to {high})"
+
+
+def drive_table(result: Result) -> Table | None:
+    """Return torque, power and energy of each drive beside ideal joints.
+
+    None if torques were not stored, or if ideal torques would execute untrusted stored laws.
+    """
+    scene = result.scene
+    records: list[Record] = []
+    if scene.has_untrusted_loads:
+        return None
+    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+        if drives := press.drives_of(scene, stage):
+            duty = {body: drive.duty for body, drive in drives.items()}
+            records.append({"name": name, "duty": duty, "energy": press.energy_of(scene, stage)})
+    if not records:
+        return None
+    ideal = press.ideal_drives(scene)
+    energy = {"drive_work": sum(drive.work for drive in ideal.values())}
+    records.append({"name": "ideal joints", "duty": ideal, "energy": energy})
+    return _result_table("drives", result, records)
+
+
+def growth_table(result: Result) -> Table | None:
+    """Return the steps in which each wear update was applied; None if all were single jumps."""
+    if not result.grew_in_steps:
+        return None
+    joints = result.scene.clearance_joints
+    records = [
+        {
+            "name": result.stage_name(stage.index + 1),
+            "steps": len(steps),
+            "represented": sum(step.cycles_per_update for step in steps),
+            "cycles": sum(step.cycles for step in steps),
+            "multiplier": _factor_range(steps),
+            "change": max(step.clearance_change for step in steps),
+            "wall": sum(step.wall_s for step in steps),
+            "last": steps[-1],
+            "force": {joint: max(step.peak_force[joint] for step in steps) for joint in joints},
+        }
+        for stage in result.stages
+        if (steps := stage.wear_steps)
+    ]
+    return _result_table("growth", result, records)
+
+
+def motion_table(result: Result) -> Table | None:
+    """Return contact modes, periodicity and spectra by stage; None if no cycle was recorded."""
+    names = stage_names(result, result.stages)
+    records = [
+        {"name": name, **_motion_record(result.scene, stage)}
+        for name, stage in zip(names, result.stages, strict=True)
+        if press.has_motion(result.scene, stage)
+    ]
+    if not records:
+        return None
+    several = dict.fromkeys(mode for record in records for mode in record["together"])
+    series = list(records[0]["harmonics"])
+    modes = list(several) if len(result.scene.clearance_joints) > 1 else []
+    return _result_table("motion", result, records, modes=modes, series=series, spectrum=series)
+
+
+def _motion_record(scene: Scene, stage: StageResult) -> Record:
+    joints = scene.clearance_joints
+    start, end = press.settled_span(scene, stage)
+    cycles = (end - start) / scene.mechanism.period
+    lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
+    together = combine(list(lines.values()))
+    labels = [f"acceleration of the {scene.output} (m/s²)"]
+    labels += [f"force at {joint} (N)" for joint in joints]
+    spectra = dict(zip(labels, spectra_of(scene, stage).values(), strict=True))
+
+    def visits(line: Timeline) -> dict[str, str]:
+        """Return the share of the time in a mode, its visits per cycle and their mean duration."""
+        texts = {mode: f"{100.0 * share:.2f} %" for mode, share in line.shares.items()}
+        for mode in texts:
+            if (times := line.visits(mode)).size:
+                length = 1e3 * float(times.mean())
+                texts[mode] += f", {times.size / cycles:.3g} of {length:.3g} ms"
+        return texts
+
+    def changes(line: Timeline) -> dict[str, float]:
+        counts = line.transitions
+        pairs = np.argwhere(counts)
+        return {f"{MODES[a]} to {MODES[b]}": float(counts[a, b]) / cycles for a, b in pairs}
+
+    return {
+        "cycles": cycles,
+        "modes": {joint: visits(line) for joint, line in lines.items()},
+        "together": {m: text for m, text in visits(together).items() if together.shares[m]},
+        "changes": {joint: changes(line) for joint, line in lines.items()},
+        "period": str(period_of(scene, stage)),
+        "harmonics": {
+            name: ", ".join(numbers.readable(spectrum.amplitude(order)) for order in _HARMONICS)
+            for name, spectrum in spectra.items()
+        },
+        "whole": {
+            name: spectrum.harmonic_share if spectrum.lines >= _MIN_LINES else None
+            for name, spectrum in spectra.items()
+        },
+        "resonance": {joint: resonance(stage, joint) for joint in joints},
+    }
+
+
+def setting_tables(result: Result) -> dict[str, Table]:
+    """Return the tables of all values that can be set: ``parameters`` and ``conventions``."""
+    names = {item.name for item in fields(Conventions)}
+    records: dict[str, list[Record]] = {"parameters": [], "conventions": []}
+    for setting in settings_of(result.scene):
+        meaning, value = setting.meaning, setting.value
+        record = {"setting": setting, "value": "none" if value is None else str(value), "unit": ""}
+        if isinstance(meaning, Choice):
+            one_of = "one of " if meaning.words else ""
+            record["origin"] = f"{one_of}{', '.join(meaning.allowed())}"
+            record["choices"] = " or ".join(meaning.words)
+        else:
+            record |= {"unit": meaning.unit.replace("^2", "²"), "origin": meaning.origin}
+            if isinstance(value, int | float):
+                record["value"] = numbers.short_number(value)
+        records["conventions" if setting.key in names else "parameters"].append(record)
+    return {name: _line_table(name, lines) for name, lines in records.items()}
+
+
+def provenance_table(result: Result) -> Table:
+    """Return versions, machine and time of a result."""
+    packages = result.provenance["packages"].items()
+    listed = ", ".join(f"{name} {version}" for name, version in packages)
+    record = {"result": result, "schema": SCHEMA, "packages": listed}
+    rows = [Row(*row) for row in _TABLES["provenance"]]
+    return Table(("", ""), (("", tuple((row.head, row.text(record)) for row in rows)),), False)
+
+
+def _life(result: Result, life: LifeResult) -> Record:
     """Return what the template reads on the service life of a result."""
     scene = result.scene
     first = life.first if life.ended == "limit" else None
-    high = life.interval.high if first else None
+    high = (life.interval.high if first else None) or 0.0
     rivals = [
         words_of(limit.key)
         for limit in life.limits
-        if high is not None
-        and limit is not first
+        if limit is not first
         and limit.strokes is not None
-        and limit.strokes / math.exp(tables.limit_error(limit) or 0.0) <= high
+        and limit.strokes / math.exp(_limit_error(limit) or 0.0) <= high
     ]
     return {
         "result": life,
-        "first": None if first is None else f"{words_of(first.key)} over {limit_text(first)}",
-        "reached": [
-            f"{words_of(one.key)} {quantity_text(one.last, one.unit)} of {limit_text(one)}"
-            for one in life.limits
-        ],
-        "rate": 60.0 / scene.mechanism.period,
-        "hours": life.hours(scene),
-        "total": span_of(life.strokes, life.total_error),
-        "scatter": max(scene.bearing(j).materials.wear_scatter for j in scene.clearance_joints),
+        "first": first,
         "rivals": rivals,
         "services": services_done(result),
-        **tables.life_tables(scene, life),
+        **_life_tables(scene, life),
     }
+
+
+def _life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
+    """Return the tables of a service life: limits, causes of its error, phases and refinements."""
+    causes = {
+        f"sampling: {scene.replicate_count} replicates of a chaotic motion": life.sampling,
+        "step of the wear update, from refinements with coarser steps": life.step,
+        "scatter of the wear coefficients": life.scatter,
+        "all together": life.total_error,
+    }
+    lines: dict[str, list[Line]] = {
+        "limits": [_limit_line(scene, limit) for limit in life.limits],
+        "causes": [
+            (name, _percent(error), span_of(life.strokes, error) or NOTHING)
+            for name, error in causes.items()
+        ],
+        "phases": [
+            (
+                f"{phase.joint}: {phase.name}",
+                numbers.large(phase.since, phase.until),
+                numbers.with_interval(1e15 * phase.rate, 1e15 * phase.half_width),
+            )
+            for phase in life.phases
+        ],
+        "refinements": [
+            (
+                str(number),
+                text_of(each.change, "%"),
+                text_of(each.cycles),
+                NOTHING if each.strokes is None else numbers.large(each.strokes),
+                _percent(each.sampling),
+            )
+            for number, each in enumerate(life.refinements, start=1)
+        ],
+    }
+    end = numbers.large(float(life.curves["strokes"][-1]))
+    return {name: _line_table(name, records, True, end=end) for name, records in lines.items()}
+
+
+def _percent(error: float | None) -> str:
+    """Return the half width of a logarithm as a percentage."""
+    return NOTHING if error is None else text_of(math.expm1(error), "%", 2)
+
+
+def _limit_error(limit: LimitResult) -> float | None:
+    """Return the half width of the logarithm of the strokes to a limit; None if unknown."""
+    if limit.sampling is None or limit.step is None:
+        return None
+    return math.hypot(limit.sampling, limit.step)
+
+
+def _limit_line(scene: Scene, limit: LimitResult) -> Line:
+    factor, unit = numbers.unit_scale(limit.unit, limit.value)
+    half = None if limit.last_half_width is None else factor * limit.last_half_width
+    # A level curve has no drift and no meaningful half width.
+    is_level = limit.last == 0.0 and not half
+    last = "no trend" if is_level else f"{numbers.with_interval(factor * limit.last, half)} {unit}"
+    name = f"{words_of(limit.key)} over {limit_text(limit)}"
+    if limit.strokes is None:
+        return name, "not exceeded", NOTHING, NOTHING, last
+    error = _limit_error(limit)
+    digits, hours = digits_of(error), limit.strokes * scene.mechanism.period / 3600.0
+    interval = span_of(limit.strokes, error) or "unknown"
+    strokes = numbers.large(limit.strokes, digits=digits)
+    return name, strokes, interval, numbers.readable(hours, digits), last

@@ -16,7 +16,7 @@ from presswear.results.export import table_of, unit_of
 from presswear.results.press_analysis import Share, drives_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.show.report_tables import drive_table
+from presswear.show.report import drive_table
 
 PENDULUM = assemble(
     bodies=[Bar("crank", length=0.4, mass=2.0)],

@@ -19,8 +19,7 @@ from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import render_report, write_report
-from presswear.show.report_tables import stage_tables
+from presswear.show.report import render_report, stage_tables, write_report
 
 
 def page_of(result: pw.Result) -> Page:
