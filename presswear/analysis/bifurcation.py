@@ -31,7 +31,7 @@ from presswear.scene.settings import changed, setting_of, values_of
 from presswear.tools.arrays import read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import FolderLock
-from presswear.tools.processes import Report, cores, workers_for
+from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
@@ -377,7 +377,7 @@ def compute(
             )
             for k, (direction, values) in enumerate(chains)
         }
-        with workers_for(min(jobs or cores(), len(work)), (__name__,)) as workers:
+        with Workers(min(jobs or cores(), len(work)), (__name__,)) as workers:
             workers.run(
                 work,
                 lambda key, outcome: {},

@@ -37,7 +37,7 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
-from presswear.tools.processes import InProcess, Report, Workers, cores, workers_for
+from presswear.tools.processes import Report, Workers, cores
 
 Array = NDArray[np.float64]
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
@@ -184,7 +184,7 @@ def run_scenes(
         key: partial(_run_one, with_engine(scenes[name], engine), paths[name])
         for key, name in enumerate(names)
     }
-    with workers_for(min(jobs or cores(), len(names)), (WORK_MODULE,)) as workers:
+    with Workers(min(jobs or cores(), len(names)), (WORK_MODULE,)) as workers:
         workers.run(tasks, on_end, on_report)
     return {name: load(path) for name, path in paths.items()}
 
@@ -227,7 +227,7 @@ def workers_of(
     duration = interval / _UNITS_PER_CHECKPOINT
     if count > 1:
         duration = min(duration, TURN)
-    return workers_for(count, (WORK_MODULE, scene.solver.module), duration)
+    return Workers(count, (WORK_MODULE, scene.solver.module), duration)
 
 
 @dataclass(frozen=True)
@@ -289,7 +289,7 @@ def run_into(
         if store.is_finished:
             return None
         checkpoint = None if store.resumed is None else Checkpoint.load(store.resumed)
-        workers = workers or InProcess(store.interval / _UNITS_PER_CHECKPOINT)
+        workers = workers or Workers(lasts=store.interval / _UNITS_PER_CHECKPOINT)
         outcome = run_campaign(scene, (store, *observers), checkpoint, workers)
         store.close(*outcome[:2])
     return outcome[2]
@@ -306,7 +306,7 @@ def run_campaign(
     Observers are notified of each stage once the wear update after it is applied, or has failed.
     """
     scene.check_own_laws()
-    runner = Runner(scene, workers or InProcess(), observers)
+    runner = Runner(scene, workers or Workers(), observers)
     return _Campaign(runner, checkpoint or Checkpoint(depth=initial_depth(scene))).run()
 
 
@@ -321,7 +321,7 @@ def run_stage(
 
     The wear update after it is not applied; the runs are returned as well.
     """
-    runner = Runner(scene, workers or InProcess(), observers)
+    runner = Runner(scene, workers or Workers(), observers)
     runner.start_stage(index)
     depth = initial_depth(scene) if depth is None else depth
     ensemble = runner.run(depth, stage_spec(scene, index), step_check=StepCheck(scene, depth[0]))

@@ -38,7 +38,7 @@ from presswear.recording.statistics import (
     mean_map,
 )
 from presswear.scene.scene import Scene
-from presswear.tools.processes import InProcess, Job, Workers
+from presswear.tools.processes import Job, Workers
 
 Array = NDArray[np.float64]
 
@@ -161,7 +161,7 @@ class Runner:
     """
 
     scene: Scene
-    workers: Workers = field(default_factory=InProcess)
+    workers: Workers = field(default_factory=Workers)
     observers: Sequence[Observer] = ()
     index: int = 0  # of the stage that runs
     done: float = 0.0  # cycles of the ensembles before this one

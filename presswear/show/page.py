@@ -19,7 +19,7 @@ from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, save
 from presswear.show.figures.style import TEMPLATES
 from presswear.tools.numbers import readable, short_number, unit_factor, whole, with_interval
-from presswear.tools.processes import Report, cores, outcomes, workers_for
+from presswear.tools.processes import Report, Workers, cores, outcomes
 
 NOTHING = "–"
 _SHARES = 3  # shares of the figures per process, so that all processes end at about the same time
@@ -162,7 +162,7 @@ def illustrated(
     count = min(processes or cores(), len(drawers))
     parts = min(_SHARES * count, len(drawers)) if count > 1 else 1
     jobs = [partial(_draw_share, drawers[k::parts], folder) for k in range(parts)]
-    with workers_for(count, (__name__,)) as workers:
+    with Workers(count, (__name__,)) as workers:
         shares = outcomes(workers, jobs)
     return [figure for k in range(len(drawers)) for figure in shares[k % parts][k // parts]]
 

@@ -27,12 +27,8 @@ from multiprocessing.connection import wait as wait_for
 from types import FrameType, ModuleType
 from typing import Any, Protocol, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
-
-Array = NDArray[np.float64]
 
 POLL = 0.1  # s between two looks at the progress of workers
 GRACE = 3.0  # s until a worker whose job does not stop is ended, for example while it compiles
@@ -69,65 +65,25 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-class InProcess:
-    """Run one job after another in this process.
-
-    Parameters
-    ----------
-    lasts : float
-        Wall time after which a job that can be resumed should return, s.
-    """
-
-    def __init__(self, lasts: float = math.inf) -> None:
-        self.lasts = lasts
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        """Do nothing."""
-
-    def run(self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
-        """Run jobs in order, and those that follow after them."""
-        waiting: dict[int, Job] = dict(jobs)
-        while waiting:
-            key = next(iter(waiting))
-
-            def report(
-                done: float, word: str = "", rows: Array | None = None, key: int = key
-            ) -> None:
-                on_progress(key, done, word, rows)
-
-            try:
-                outcome = waiting.pop(key)(report)
-            except Stopped as stopped:
-                on_result(key, stopped.outcome)
-                raise KeyboardInterrupt from None
-            _follow(waiting, on_result(key, outcome))
-
-
-def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> None:
-    for key, job in following.items():
-        waiting.pop(key, None)
-        if job is not None:
-            waiting[key] = job
-
-
-class Pool:
-    """Run jobs in worker processes, which end with this process, however it ends.
+class Workers:
+    """Run jobs one by one in this process, or in worker processes, which end with this process.
 
     Parameters
     ----------
     count : int
-        Number of workers; they start with the first job.
+        Number of worker processes, which start with the first job; 1: this process does the jobs.
     imports : sequence of str
         Modules that jobs need.
     lasts : float
-        As in ``InProcess``.
+        Wall time after which a job that can be resumed should return, s.
     """
 
-    def __init__(self, count: int, imports: Sequence[str] = (), lasts: float = math.inf) -> None:
-        self.lasts, self._count, self._imports = lasts, count, tuple(imports)
+    def __init__(
+        self, count: int = 1, imports: Sequence[str] = (), lasts: float = math.inf
+    ) -> None:
+        # A process that ends with its parent may have no children.
+        self._count = 1 if multiprocessing.current_process().daemon else count
+        self.lasts, self._imports = lasts, tuple(imports)
         self._executor: ProcessPoolExecutor | None = None
 
     def __enter__(self) -> Self:
@@ -135,37 +91,6 @@ class Pool:
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         self._end(wait=error is None)
-
-    def _started(self) -> ProcessPoolExecutor:
-        if self._executor is not None:
-            return self._executor
-        has_server = "forkserver" in multiprocessing.get_all_start_methods()
-        context: Any = multiprocessing.get_context("forkserver" if has_server else "spawn")
-        package = import_module("presswear").__path__[0]
-        # The server of forks would import another version from the working directory.
-        is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
-        if has_server and is_safe:
-            context.set_forkserver_preload(list(self._imports))
-        self._is_warm = False
-        self._folder = tempfile.mkdtemp(prefix="presswear-")
-        self._shared = context.RawArray("d", 2 * self._count)  # progress, then requests
-        arguments = self._shared, self._folder, self._imports
-        self._executor = ProcessPoolExecutor(self._count, context, _prepare, arguments)
-        with starting_processes():
-            for _ in range(self._count):  # start all workers now, so that they import together
-                self._executor.submit(os.getpid)
-        return self._executor
-
-    def _request(self, places: Iterable[int], request: float) -> None:
-        for place in places:
-            self._shared[self._count + place] = request
-
-    def _end(self, wait: bool) -> None:
-        if self._executor is not None:
-            self._request(range(self._count), HALT)
-            self._executor.shutdown(wait, cancel_futures=True)
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._executor = None
 
     def run(self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
         """Run jobs, at most one in each worker, and those that follow after them.
@@ -175,8 +100,29 @@ class Pool:
         RunFailed
             If a worker was killed.
         """
-        waiting: dict[int, Job] = dict(jobs)
-        running: dict[Future[Any], tuple[int, int]] = {}  # place and key
+        waiting = dict(jobs)
+        if self._count > 1:
+            self._run_in_workers(waiting, on_result, on_progress)
+        while waiting:
+            key = next(iter(waiting))
+            job = waiting.pop(key)
+
+            def report(
+                done: float, word: str = "", rows: Array | None = None, key: int = key
+            ) -> None:
+                on_progress(key, done, word, rows)
+
+            try:
+                outcome = job(report)
+            except Stopped as stopped:
+                on_result(key, stopped.outcome)
+                raise KeyboardInterrupt from None
+            _follow(waiting, on_result(key, outcome))
+
+    def _run_in_workers(
+        self, waiting: dict[int, Job], on_result: OnResult, on_progress: OnProgress
+    ) -> None:
+        running: dict[Future[str], tuple[int, int]] = {}  # place and key
         dropped: set[int] = set()
         try:
             while waiting or running:
@@ -211,10 +157,10 @@ class Pool:
             raise
 
     def _submit(
-        self, waiting: dict[int, Job], running: dict["Future[Any]", tuple[int, int]]
+        self, waiting: dict[int, Job], running: dict["Future[str]", tuple[int, int]]
     ) -> None:
         """Submit waiting jobs to free workers, the first one alone."""
-        executor = self._started()
+        executor = self._executor or self._start()
         busy = {place for place, _ in running.values()}
         free = [place for place in range(self._count) if place not in busy]
         if not self._is_warm:
@@ -224,15 +170,34 @@ class Pool:
             with starting_processes():
                 running[executor.submit(_run_job, place, waiting.pop(key))] = place, key
 
+    def _start(self) -> ProcessPoolExecutor:
+        has_server = "forkserver" in multiprocessing.get_all_start_methods()
+        context: Any = multiprocessing.get_context("forkserver" if has_server else "spawn")
+        package = import_module("presswear").__path__[0]
+        # The server of forks would import another version from the working directory.
+        is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
+        if has_server and is_safe:
+            context.set_forkserver_preload(list(self._imports))
+        self._is_warm = False
+        self._folder = tempfile.mkdtemp(prefix="presswear-")
+        self._shared = context.RawArray("d", 2 * self._count)  # progress, then requests
+        arguments = self._shared, self._folder, self._imports
+        self._executor = ProcessPoolExecutor(self._count, context, _prepare, arguments)
+        with starting_processes():
+            for _ in range(self._count):  # start all workers now, so that they import together
+                self._executor.submit(os.getpid)
+        return self._executor
 
-Workers = InProcess | Pool
+    def _request(self, places: Iterable[int], request: float) -> None:
+        for place in places:
+            self._shared[self._count + place] = request
 
-
-def workers_for(count: int, imports: Sequence[str], lasts: float = math.inf) -> Workers:
-    """Return what runs ``count`` jobs at a time; see ``Pool``."""
-    # A process that ends with its parent may have no children.
-    is_alone = count <= 1 or multiprocessing.current_process().daemon
-    return InProcess(lasts) if is_alone else Pool(count, imports, lasts)
+    def _end(self, wait: bool) -> None:
+        if self._executor is not None:
+            self._request(range(self._count), HALT)
+            self._executor.shutdown(wait, cancel_futures=True)
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._executor = None
 
 
 def outcomes(workers: Workers, jobs: Sequence[Job]) -> list[Any]:
@@ -247,42 +212,16 @@ def outcomes(workers: Workers, jobs: Sequence[Job]) -> list[Any]:
     return [results[key] for key in range(len(jobs))]
 
 
-def _result(future: "Future[Any]") -> Any:
+def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> None:
+    for key, job in following.items():
+        waiting.pop(key, None)
+        if job is not None:
+            waiting[key] = job
+
+
+def _result(future: "Future[str]") -> Any:
     with open(future.result(), "rb") as file:
         return pickle.load(file)
-
-
-@contextmanager
-def starting_processes(hides_main: bool = True) -> Iterator[None]:
-    """Start processes that do not import the main module and that Ctrl-C does not reach.
-
-    With the main module they would run a script a second time that lacks
-    ``if __name__ == "__main__":``. A signal is delivered at the end: an executor that is abandoned
-    while it starts a worker leaves one that fails with a traceback.
-    """
-    main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
-    blocked = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
-    late: list[int] = []
-    is_main_thread = threading.current_thread() is threading.main_thread()
-    numbers = [n for n in _signals() if is_main_thread and callable(signal.getsignal(n))]
-    handlers = {n: signal.signal(n, lambda number, _: late.append(number)) for n in numbers}
-    if hides_main:
-        sys.modules["__main__"] = ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = main
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-        if mask:
-            mask(signal.SIG_SETMASK, blocked)
-        if late:
-            signal.raise_signal(late[0])
-
-
-def _signals() -> list[signal.Signals]:
-    names = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
-    return [getattr(signal, name) for name in names if hasattr(signal, name)]
 
 
 _worker: dict[str, Any] = {}  # arguments of ``_prepare`` in a worker
@@ -295,6 +234,29 @@ def _prepare(shared: Any, folder: str, imports: Sequence[str]) -> None:
     end_with_parent(lambda: bool(shared[len(shared) - 1] == HALT and _worker["is_running"]), folder)
     for name in imports:
         import_module(name)
+
+
+def _run_job(place: int, job: Job) -> str:
+    """Run a job in a worker; return the path of the file with its result."""
+    shared = _worker["shared"]
+
+    def report(done: float, word: str = "", rows: Array | None = None) -> None:
+        shared[place] = done
+        if shared[len(shared) // 2 + place]:
+            _worker["is_running"] = False
+            raise KeyboardInterrupt
+
+    _worker["is_running"] = True
+    try:
+        outcome = job(report)
+    except Stopped as stopped:
+        outcome = stopped.outcome
+    finally:
+        _worker["is_running"] = False
+    handle, path = tempfile.mkstemp(dir=_worker["folder"])
+    with open(handle, "wb") as file:
+        pickle.dump(outcome, file)
+    return path
 
 
 def end_with_parent(is_stuck: Callable[[], bool] = lambda: False, folder: str = "") -> None:
@@ -318,31 +280,48 @@ def end_with_parent(is_stuck: Callable[[], bool] = lambda: False, folder: str = 
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _run_job(place: int, job: Job) -> str:
-    """Run a job in a worker; return the path of the file with its result."""
-    shared = _worker["shared"]
-    count = len(shared) // 2
-
-    def report(done: float, word: str = "", rows: Array | None = None) -> None:
-        shared[place] = done
-        if shared[count + place]:
-            _worker["is_running"] = False
-            raise KeyboardInterrupt
-
-    _worker["is_running"] = True
-    try:
-        outcome = job(report)
-    except Stopped as stopped:
-        outcome = stopped.outcome
-    finally:
-        _worker["is_running"] = False
-    handle, path = tempfile.mkstemp(dir=_worker["folder"])
-    with open(handle, "wb") as file:
-        pickle.dump(outcome, file)
-    return path
-
-
+# Windows has no SIGHUP.
+_SIGNALS = [getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n)]
 _received: list[int] = []  # signals
+
+
+@contextmanager
+def _handling(handler: Callable[[int, FrameType | None], object]) -> Iterator[None]:
+    """Handle the signals that are not ignored, in the main thread, which alone can."""
+    previous = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in _SIGNALS:
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                previous[number] = signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, before in previous.items():
+            signal.signal(number, before)
+
+
+@contextmanager
+def starting_processes(hides_main: bool = True) -> Iterator[None]:
+    """Start processes that do not import the main module and that Ctrl-C does not reach.
+
+    With the main module they would run a script a second time that lacks
+    ``if __name__ == "__main__":``. A signal is delivered at the end: an executor that is abandoned
+    while it starts a worker leaves one that fails with a traceback.
+    """
+    main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
+    blocked = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
+    late: list[int] = []
+    try:
+        with _handling(lambda number, _: late.append(number)):
+            if hides_main:
+                sys.modules["__main__"] = ModuleType("__main__")
+            yield
+    finally:
+        sys.modules["__main__"] = main
+        if mask:
+            mask(signal.SIG_SETMASK, blocked)
+        if late:
+            signal.raise_signal(late[0])
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -359,18 +338,13 @@ def stoppable() -> Iterator[None]:
     as an interrupt.
     """
     _received.clear()
-    before, hook = {}, sys.unraisablehook
+    hook = sys.unraisablehook
     # An object that a signal left incomplete fails when it is deleted, until the program ends.
     sys.unraisablehook = lambda problem: None if is_stopped() else hook(problem)
-    if threading.current_thread() is threading.main_thread():
-        for number in _signals():
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, _interrupt)
     try:
-        yield
+        with _handling(_interrupt):
+            yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
         if not is_stopped():
             sys.unraisablehook = hook
 

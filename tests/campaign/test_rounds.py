@@ -25,7 +25,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import RunFailed
-from presswear.tools.processes import InProcess, Job, OnProgress, OnResult, Pool, Report
+from presswear.tools.processes import Job, OnProgress, OnResult, Report, Workers
 
 QUICK = {
     **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
@@ -62,7 +62,7 @@ def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
         assert stages[0].status == "enough"
 
 
-class Reversed(InProcess):
+class Reversed(Workers):
     """Runs the last job first."""
 
     def run(self, jobs: Mapping[int, Job], ended: OnResult, progress: OnProgress) -> None:
@@ -89,8 +89,8 @@ def test_no_number_depends_on_the_order() -> None:
     assert saved(first) == saved(run_stage(UNTIL_KNOWN, 0, workers=Reversed(lasts=0.0))[1])
 
 
-@pytest.mark.parametrize("workers", [InProcess(), InProcess(lasts=0.0), Reversed()])
-def test_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("workers", [Workers(), Workers(lasts=0.0), Reversed()])
+def test_failed_run_is_the_last(workers: Workers, monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__
 
@@ -121,7 +121,7 @@ def interrupt() -> None:
     raise KeyboardInterrupt
 
 
-def kill_worker(pool: Pool) -> None:
+def kill_worker(pool: Workers) -> None:
     assert pool._executor is not None
     with suppress(ProcessLookupError):  # killed by the report before
         os.kill(next(iter(pool._executor._processes)), signal.SIGKILL)
@@ -131,7 +131,7 @@ def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
     scene = replace(UNTIL_KNOWN, cycles=8)
     whole, path = finished(scene, 1, tmp_path / "whole"), tmp_path / "killed"
     with workers_of(scene, 2, interval=0.0) as workers:
-        assert isinstance(workers, Pool)
+        assert isinstance(workers, Workers)
         observers = [At(partial(kill_worker, workers), 0.3)]
         with pytest.raises(RunFailed, match="memory ran out"):
             run_into(ResultFolder(path, scene, 0.0), scene, observers, workers)

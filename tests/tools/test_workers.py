@@ -16,14 +16,14 @@ import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.processes import InProcess, Job, Pool, Report, Stopped, outcomes
+from presswear.tools.processes import Job, Report, Stopped, Workers, outcomes
 
 PATIENCE = 60.0  # s, for a busy machine
 
 
 @pytest.fixture(scope="module")
-def pool() -> Iterator[Pool]:
-    with Pool(2) as shared:
+def pool() -> Iterator[Workers]:
+    with Workers(2) as shared:
         yield shared
 
 
@@ -58,9 +58,9 @@ class Collects:
         return {key: outcome} if isinstance(outcome, Adds) and outcome.done < outcome.until else {}
 
 
-def test_results_are_equal_in_workers_and_in_this_process(pool: Pool) -> None:
+def test_results_are_equal_in_workers_and_in_this_process(pool: Workers) -> None:
     reported: list[tuple[int, float]] = []
-    for workers in (InProcess(), pool):
+    for workers in (Workers(), pool):
         collects = Collects()
         jobs = {k: Adds(25 + k) for k in range(5)}
         workers.run(jobs, collects, lambda key, done, *_: reported.append((key, done)))
@@ -87,14 +87,14 @@ class Waits:
         return 0
 
 
-def test_a_dropped_job_is_stopped(pool: Pool) -> None:
+def test_a_dropped_job_is_stopped(pool: Workers) -> None:
     ended: list[int] = []
 
     def drop(key: int, outcome: object) -> Mapping[int, Job | None]:
         ended.append(key)
         return {1: None, 2: None}
 
-    for workers in (pool, InProcess()):
+    for workers in (pool, Workers()):
         workers.run({0: Waits(0.3), 1: Waits(), 2: Waits()}, drop, nothing)
     assert ended == [0, 0]
 
@@ -108,7 +108,7 @@ def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
         if not missing:
             raise KeyboardInterrupt
 
-    workers = InProcess() if count == 1 else Pool(count)
+    workers = Workers() if count == 1 else Workers(count)
     with workers, pytest.raises(KeyboardInterrupt):
         workers.run({k: Waits() for k in range(count)}, collects, interrupt)
     assert sorted(collects.results) == list(range(count))
@@ -140,7 +140,7 @@ def runs_out_of_memory(report: Report) -> None:
 def test_an_error_or_a_killed_worker_ends_the_run(
     job: Job, error: type[Exception], words: str
 ) -> None:
-    with Pool(2) as pool, pytest.raises(error, match=words):
+    with Workers(2) as pool, pytest.raises(error, match=words):
         pool.run({0: Waits(), 1: job}, nothing, nothing)
 
 
@@ -171,7 +171,7 @@ def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
     results: list[Any] = []
 
     def run() -> None:
-        with Pool(2) as pool:
+        with Workers(2) as pool:
             try:
                 results.extend(outcomes(pool, [ReturnsLarge(delay), Waits(1.0)]))
             except RunFailed as error:
@@ -196,7 +196,7 @@ def forever() -> None:
     def on_progress(key: int, done: float, word: str, rows: object) -> None:
         print(f"{done:.0f}", flush=True)
 
-    with Pool(2) as pool:
+    with Workers(2) as pool:
         pool.run({0: Waits(), 1: Waits()}, nothing, on_progress)
 
 
@@ -281,9 +281,9 @@ def test_a_run_works_where_processes_can_only_be_spawned(tmp_path: Path) -> None
 def test_a_signal_while_workers_start_leaves_no_traceback(tmp_path: Path) -> None:
     script = """
 import os, signal, threading
-from presswear.tools.processes import Pool, stoppable
+from presswear.tools.processes import Workers, stoppable
 try:
-    with stoppable(), Pool(2, ["presswear.campaign.campaign"]) as pool:
+    with stoppable(), Workers(2, ["presswear.campaign.campaign"]) as pool:
         threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGTERM)).start()
         pool.run({0: str, 1: str}, lambda key, outcome: {0: str, 1: str}, print)
 except KeyboardInterrupt:
