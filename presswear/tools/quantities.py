@@ -18,43 +18,32 @@ from presswear.tools.user_function import UserFunction
 
 NONE = "none"  # word for an optional part that is absent
 
+_DEGREE = math.pi / 180.0
 _PER_MINUTE = dict.fromkeys(("rpm", "spm", "1/min", "/min"), math.pi / 30.0)
-_UNITS: dict[str, tuple[str, dict[str, float]]] = {  # SI unit: example, sizes of its units
-    "": ("0.5", {"": 1.0, "%": 0.01}),
-    "m": ("0.8mm", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}),
-    "rad/s": (
-        "3.5pi rad/s",
-        {"rad/s": 1.0, "deg/s": math.pi / 180.0, **_PER_MINUTE, "Hz": 2.0 * math.pi},
-    ),
-    "rad": ("30deg", {"rad": 1.0, "deg": math.pi / 180.0}),
-    "kg": ("0.1kg", {"kg": 1.0, "g": 1e-3, "t": 1e3}),
-    "kg m^2": ("1e-3kg m^2", dict.fromkeys(("kg m^2", "kgm^2"), 1.0)),
-    "Pa": (
-        "200GPa",
-        {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m^2": 1.0, "N/mm^2": 1e6},
-    ),
-    "1/Pa": (
-        "1.2e-15/Pa",
-        {
-            **dict.fromkeys(("1/Pa", "/Pa", "m^2/N"), 1.0),
-            **dict.fromkeys(("1/MPa", "/MPa", "mm^2/N"), 1e-6),
-            **dict.fromkeys(("mm^3/Nm", "mm^3/N m", "mm^3/(N m)"), 1e-9),
-        },
-    ),
-    "m^3": ("2mm^3", {"m^3": 1.0, "cm^3": 1e-6, "mm^3": 1e-9}),
-    "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0}),
-    "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "mm/s^2": 1e-3}),
-    "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}),
-    "N/m": ("1e6N/m", {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "kN/mm": 1e6}),
-    "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
-    "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
-    "N m": (
-        "20N m",
-        {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},
-    ),
-    "1/m": ("1e5/m", {"1/m": 1.0, "/m": 1.0, "1/mm": 1e3, "/mm": 1e3}),
-    "s/m": ("10s/m", {"s/m": 1.0, "s/mm": 1e3}),
-    "N s/m": ("100N s/m", {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3}),
+_UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
+    "": {"": 1.0, "%": 0.01},
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
+    "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, "Hz": 2.0 * math.pi},
+    "rad": {"rad": 1.0, "deg": _DEGREE},
+    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
+    "kg m^2": {"kg m^2": 1.0, "kgm^2": 1.0},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m^2": 1.0, "N/mm^2": 1e6},
+    "1/Pa": {
+        **dict.fromkeys(("1/Pa", "/Pa", "m^2/N"), 1.0),
+        **dict.fromkeys(("1/MPa", "/MPa", "mm^2/N"), 1e-6),
+        **dict.fromkeys(("mm^3/Nm", "mm^3/N m", "mm^3/(N m)"), 1e-9),
+    },
+    "m^3": {"m^3": 1.0, "cm^3": 1e-6, "mm^3": 1e-9},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0},
+    "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
+    "N/m": {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "kN/mm": 1e6},
+    "N/m^n": dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0),
+    "N": {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    "N m": {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},
+    "1/m": {"1/m": 1.0, "/m": 1.0, "1/mm": 1e3, "/mm": 1e3},
+    "s/m": {"s/m": 1.0, "s/mm": 1e3},
+    "N s/m": {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3},
 }
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
 _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
@@ -100,11 +89,6 @@ class Quantity:
         first = f"above {low} up to" if self.open_low else f"{low} to"
         return self.with_unit(f"{first} {_six_digits(self.high, ROUND_FLOOR)}")
 
-    def allows(self, value: float) -> bool:
-        """Return whether a value is finite and in range."""
-        is_above = self.low < value if self.open_low else self.low <= value
-        return is_above and value <= self.high and not math.isinf(value)
-
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is a finite number in range."""
         kind = int if self.whole else (int, float)
@@ -113,7 +97,8 @@ class Quantity:
                 f"{name} = {shown(value)}: a {'whole ' if self.whole else ''}number is expected; "
                 f"allowed is {self.range_text()}"
             )
-        if not self.allows(value):
+        is_above = self.low < value if self.open_low else self.low <= value
+        if not (is_above and value <= self.high) or math.isinf(value):
             text = f"{value:g}"
             if self.low <= float(text) <= self.high:  # outside by less than six digits show
                 text = f"{value!r}"
@@ -132,72 +117,39 @@ def _six_digits(value: float, rounding: str) -> str:
     return f"{float(Context(6, rounding).create_decimal(repr(value))):g}"
 
 
-def _units_of(unit: str) -> tuple[str, dict[str, float]]:
-    """Return an example in a dimension, and the sizes of its units; ``m or rad`` has those of both.
-
-    A unit that the table lacks is the only one of its dimension.
-    """
-    several = [_UNITS.get(one, (f"1{one}", {one: 1.0})) for one in unit.split(" or ")]
-    return several[0][0], {name: size for _, sizes in several for name, size in sizes.items()}
-
-
-def _read_number(text: str, unit: str) -> tuple[float | None, str]:
-    """Return the value in the SI unit, None for another unit, and the unit as written.
-
-    ValueError for text that does not begin with a number.
-    """
-    match = _NUMBER.match(text)
-    if match is None:
-        raise ValueError
-    written = _POWER.sub("^", match[2].translate(_SIGNS))
-    value, written = float(match[1]), re.sub(r"\s+", " ", written).strip()
-    if written.startswith("pi") and "rad" in unit:
-        value, written = value * math.pi, written[2:].strip()
-    size = _units_of(unit)[1].get(written)
-    return None if size is None else value * size, written
-
-
 def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     """Return a number, SI, from a text with its unit, and check its range.
 
-    Parameters
-    ----------
-    name : str
-        Name for messages.
-    meaning : Quantity
-        A quantity with a dimension needs its unit: 0.8 could be metres or millimetres.
+    A quantity with a dimension needs its unit: 0.8 could be metres or millimetres. ``m or rad``
+    has the units of both. A unit that the table lacks is the only one of its dimension.
 
     Raises
     ------
     InputError
+        With the name, and the known units or the allowed range.
     """
-    unit = meaning.unit
-    try:
-        value, written = _read_number(text, unit)
-        fault = "has no unit" if unit and not written else ""
-    except ValueError:
-        fault = f"is not a number{' with a unit' * bool(unit)}"
-    if fault:
-        example = f", for instance {_example(meaning)!r}" if unit else ""
-        raise InputError(f"{name} = {text!r} {fault}{example}; allowed is {meaning.range_text()}")
+    units: dict[str, float] = {}
+    for unit in meaning.unit.split(" or "):
+        units |= _UNITS.get(unit, {unit: 1.0})
+    label, allowed = f"{name} = {text!r}", f"allowed is {meaning.range_text()}"
+    match = _NUMBER.match(text)
+    if match is None:
+        raise InputError(f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}")
+    value, written = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
+    written = re.sub(r"\s+", " ", written).strip()
     if re.match(r",\s*[0-9]", written):
-        raise InputError(f"{name} = {text!r}: use a decimal point, {text.replace(',', '.')!r}")
-    if value is None:
-        wrong = unknown("unit", written, _units_of(unit)[1])
-        fault = f"{wrong}" if unit else "a pure number, without unit, is expected"
-        raise InputError(f"{name} = {text!r}: {fault}")
+        raise InputError(f"{label}: use a decimal point, {text.replace(',', '.')!r}")
+    if written.startswith("pi") and "rad" in meaning.unit:
+        value, written = value * math.pi, written[2:].strip()
+    if meaning.unit and not written:
+        raise InputError(f"{label} has no unit; known are {', '.join(units)}; {allowed}")
+    if written not in units:
+        fault = unknown("unit", written, units) if meaning.unit else "a pure number is expected"
+        raise InputError(f"{label}: {fault}")
+    value *= units[written]
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     meaning.check(name, number)
     return number
-
-
-def _example(meaning: Quantity) -> str:
-    """Return an example of a value in range, or else the upper end of the range."""
-    text, _ = _units_of(meaning.unit)
-    value, _ = _read_number(text, meaning.unit)
-    if value is not None and meaning.allows(value):
-        return text
-    return f"{_six_digits(meaning.high, ROUND_FLOOR)} {meaning.unit.split(' or ')[0]}"
 
 
 @dataclass(frozen=True)
@@ -208,8 +160,6 @@ class Choice:
     ----------
     words : tuple of str, or callable
         Allowed words; a callable returns those that the owner of the field allows.
-    text : str
-        Meaning.
     parameters : tuple of str
         Parameters that a user function in place of a word may have; empty: none is allowed.
     several : bool
@@ -238,22 +188,18 @@ class Choice:
         """True where the field holds a data class."""
         return self.instances is not None or self.kinds is not None
 
-    @property
-    def _separator(self) -> str:
-        return "" if all(len(word) == 1 for word in self.words[:-1]) else ","
-
     def combine(self, words: Iterable[str]) -> str:
         """Return several words as one value, in the order in which they are allowed."""
-        used = set(words)
-        return self._separator.join(w for w in self.words[:-1] if w in used) or self.words[-1]
+        used, between = set(words), "" if all(len(word) == 1 for word in self.words[:-1]) else ","
+        return between.join(word for word in self.words[:-1] if word in used) or self.words[-1]
 
     def split(self, value: str) -> tuple[str, ...]:
         """Return the words of a combined value."""
         if value == self.words[-1]:
             return ()
-        if "," in value or self._separator:
-            return tuple(part.strip() for part in value.split(","))
-        return tuple(value)
+        if "," not in value and all(len(word) == 1 for word in self.words[:-1]):
+            return tuple(value)
+        return tuple(part.strip() for part in value.split(","))
 
     def allowed(self) -> tuple[str, ...]:
         """Return the allowed values in words."""
@@ -297,11 +243,10 @@ class Choice:
 
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is one of the words, or a text where one is free."""
-        if isinstance(value, str) and (self.example or value in self.words):
-            return
-        if self.several and isinstance(value, str):
-            parts = self.split(value)
-            if parts and len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1]):
+        if isinstance(value, str):
+            parts = self.split(value) if self.several else ()
+            is_combined = len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1])
+            if self.example or value in self.words or (parts and is_combined):
                 return
         if self.example:
             raise InputError(f"{name} = {shown(value)}: a text is expected")

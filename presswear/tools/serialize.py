@@ -33,7 +33,6 @@ _WORDS: dict[Any, str] = {
     str: "text",
     bool: "True or False",
     NoneType: "None",
-    Callable: "function",
     tuple: "list",
     Sequence: "list",
     Mapping: "mapping",
@@ -43,8 +42,8 @@ _WORDS: dict[Any, str] = {
 def check_fields(owner: Any) -> None:
     """Convert and check all fields of a data class instance; raise InputError naming the field.
 
-    Texts with units become numbers in SI, numbers of any kind Python
-    numbers, sequences tuples, mappings the data classes of the annotation.
+    Texts with units become numbers in SI, numbers of any kind Python numbers, sequences tuples,
+    mappings the data classes of the annotation.
     """
     items = [item for item in fields(owner) if item.init]
     first = items[0].name
@@ -56,10 +55,8 @@ def check_fields(owner: Any) -> None:
             continue
         name = item.name if item.name == first else f"{item.name}{whose}"
         meaning = meaning_of(item, owner)
-        if meaning is None:
-            result = converted(name, value, item.type)
-        else:
-            result = meaning.convert(name, value)
+        kind = item.type if meaning is None else Annotated[Any, meaning]
+        result = converted(name, value, kind)
         if result is not value:
             object.__setattr__(owner, item.name, result)
 
@@ -103,7 +100,7 @@ def converted(name: str, value: Any, kind: Any) -> Any:
         return value
     elif is_dataclass(origin) and isinstance(value, Mapping):
         return make(name, cast(Any, origin), value)
-    elif callable(value) if origin is Callable else isinstance(value, origin):
+    elif isinstance(value, origin):
         return value
     raise _refusal(name, value, kind)
 
@@ -117,11 +114,9 @@ def _refusal(name: str, value: Any, kind: Any) -> InputError:
     kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
     origins = (get_args(one)[0] if get_origin(one) is Annotated else one for one in kinds)
     origins = (get_origin(one) or one for one in origins)
-    words = list(dict.fromkeys(_WORDS.get(one, one.__name__) for one in origins))
-    word = " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
-    return InputError(
-        f"{name} = {shown(value)}: {'an' if word[0] in 'AEIOU' else 'a'} {word} is expected"
-    )
+    words = " or ".join(dict.fromkeys(_WORDS.get(one, one.__name__) for one in origins))
+    article = "an" if words[0] in "AEIOU" else "a"
+    return InputError(f"{name} = {shown(value)}: {article} {words} is expected")
 
 
 def _as_one_of(name: str, value: Any, kind: Any) -> Any:
@@ -166,10 +161,8 @@ def _as_tuple(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
 def make(place: str, kind: Callable[..., T], data: Any) -> T:
     """Call a data class or a function with plain data as its arguments.
 
-    Raises
-    ------
-    InputError
-        With the place and the key that is unknown or missing, or the value that does not fit.
+    InputError names the place and the key that is unknown or missing, or the value that does not
+    fit.
     """
     if not isinstance(data, Mapping):
         raise InputError(f"{place} = {shown(data)}: a table is expected")
@@ -198,10 +191,8 @@ def plain(value: Any) -> Any:
     if hasattr(value, "as_plain"):
         return value.as_plain()
     if is_dataclass(value):
-        kind = getattr(value, "kind", None)
-        first = {"kind": kind} if isinstance(kind, str) else {}
         items = (item.name for item in fields(value) if item.init)
-        return first | {name: plain(getattr(value, name)) for name in items}
+        return _kind_of(value) | {name: plain(getattr(value, name)) for name in items}
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
@@ -210,13 +201,15 @@ def plain(value: Any) -> Any:
     return None if isinstance(number, float) and not math.isfinite(number) else number
 
 
+def _kind_of(value: Any) -> dict[str, str]:
+    kind = getattr(value, "kind", None)
+    return {"kind": kind} if isinstance(kind, str) else {}
+
+
 def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
     """Return a data class from what ``plain`` returned; nothing is filled in.
 
-    Raises
-    ------
-    InputError
-        With the place and the first key that does not fit or is missing.
+    InputError names the place and the first key that does not fit or is missing.
     """
     try:
         result = make(place, kind, data)
@@ -232,28 +225,25 @@ def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
 def _missing_keys(whole: Any, data: Any) -> Iterator[str]:
     """Yield names in nested plain data that other plain data lack."""
     if isinstance(whole, Mapping) and isinstance(data, Mapping):
-        for name, value in whole.items():
-            if name not in data:
-                yield name
-            else:
-                yield from _missing_keys(value, data[name])
+        yield from whole.keys() - data.keys()
+        for name in whole.keys() & data.keys():
+            yield from _missing_keys(whole[name], data[name])
 
 
 def to_toml(value: Any, kind: Any = Any) -> str:
     """Return a value as TOML, numbers with the unit of the annotation."""
     origin, inner = get_origin(kind) or kind, get_args(kind)
-    if origin is Annotated:
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return _number_text(value, inner[1].unit) if is_number else to_toml(value, inner[0])
     if origin in (Union, UnionType):
         return to_toml(value, next((one for one in inner if _fits(value, one)), Any))
     if isinstance(value, bool):
         return str(value).lower()
+    if origin is Annotated and isinstance(value, int | float):
+        unit = inner[1].unit.split(" or ")[0]
+        return f'"{value!r} {unit}"' if unit else f"{value!r}"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if is_dataclass(value):
-        kind_name = getattr(value, "kind", None)
-        pairs = [f'kind = "{kind_name}"'] if isinstance(kind_name, str) else []
+        pairs = [f'{key} = "{word}"' for key, word in _kind_of(value).items()]
         pairs += (f"{key} = {text}" for key, text, _ in toml_items(value))
         return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, Mapping):
@@ -275,13 +265,7 @@ def toml_items(owner: Any) -> Iterator[tuple[str, str, str]]:
             continue
         meaning = meaning_of(item, owner)
         kind = Annotated[float, meaning] if isinstance(meaning, Quantity) else item.type
-        text = to_toml(value, kind)
-        yield item.name, text, meaning.text if meaning else ""
-
-
-def _number_text(value: Any, unit: str) -> str:
-    first = unit.split(" or ")[0]
-    return f'"{value!r} {first}"' if first else f"{value!r}"
+        yield item.name, to_toml(value, kind), meaning.text if meaning else ""
 
 
 def _fits(value: Any, kind: Any) -> bool:
@@ -293,11 +277,9 @@ def _fits(value: Any, kind: Any) -> bool:
 
 
 def typed(data: Any, kind: type[T], place: str) -> T:
-    """Return plain data as the type that describes them, by msgspec.
+    """Return plain data as the type that describes them, by msgspec; other keys are left out.
 
-    A whole number may stand for a float, but neither True nor a text for a number. Keys without an
-    annotation are left out. InputError names the place of the first value that is missing or of a
-    wrong type.
+    InputError names the place of the first value that is missing or of a wrong type.
     """
     import msgspec  # only where something is read
 
@@ -311,10 +293,7 @@ def typed(data: Any, kind: type[T], place: str) -> T:
 def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
     """Read a document of one schema, all of whose numbers are finite.
 
-    Parameters
-    ----------
-    missing : str
-        Message of the InputError where there is no such file.
+    InputError with the message ``missing`` where there is no such file.
     """
     if not file.is_file():
         raise InputError(missing)

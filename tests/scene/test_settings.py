@@ -135,7 +135,7 @@ PRESS_JOINTS, CRANK_JOINTS = "A, C, none, several, as AC", "A, B, none, several,
         (
             IDEAL,
             {"process": "drawing", "process.force": "3"},
-            r"process\.force = '3' has no unit, for instance '500N'",
+            r"process\.force = '3' has no unit; known are N, kN, MN",
         ),
     ],
 )
