@@ -28,7 +28,6 @@ from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_ti
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled
-from presswear.show.figures.motion import central_range
 from presswear.show.figures.style import LINES
 from presswear.show.figures.wear import seam
 from presswear.tools.numbers import readable
@@ -167,9 +166,6 @@ def test_short_peaks_exceed_the_panels_of_the_drives() -> None:
     assert low < exact.min() < exact.max() < high
     assert high - low < 1.3 * float(np.ptp(exact))
     assert axes.get_title(loc="right") == f"farthest: {readable(-1e3 * largest)} N m"
-    time = np.cumsum(np.random.default_rng(1).uniform(0.0, 2e-4, 10_000))
-    time /= time[-1]
-    assert central_range(time, time, 0.1) == pytest.approx((0.1, 0.9), abs=1e-3)
 
 
 def test_depth_is_the_cumulative_total_in_microns() -> None:

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import matplotlib
 import numpy as np
@@ -13,32 +13,42 @@ from PIL import Image
 
 from presswear.results.result import Result
 from presswear.show.figures import dynamics, life, mechanism, motion, wear
-from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, Axes, Drawing, Sheet, Stages
+from presswear.show.figures.style import (
+    DOTS_PER_INCH,
+    SETTINGS,
+    Axes,
+    Drawing,
+    Stages,
+    loose_stages,
+    moving_stages,
+    settled_stages,
+    shown_stages,
+)
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
 
 __all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 
-# Figures by name, in the order of the report: each returns the drawings of at least one stage of
-# a result, and none where it would show nothing.
-NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
-    "life": life.service_life,
-    "mechanism": mechanism.draw_mechanism,
-    "stroke": motion.height_over_angle,
-    "tonnage": motion.force_over_stroke,
-    "wear": wear.wear_depth,
-    "growth": wear.wear_growth,
-    "surfaces": wear.worn_surfaces,
-    "response": motion.response,
-    "bottom": motion.bottom_dead_centre,
-    "force": motion.contact_force,
-    "path": motion.centre_trajectory,
-    "phase": dynamics.phase_portrait,
-    "poincare": dynamics.poincare_section,
-    "impacts": dynamics.impact_section,
-    "modes": dynamics.contact_modes,
-    "spectrum": dynamics.spectrum,
-    "drives": motion.drive_work,
+# Figures by name, in the order of the report: the choice of the stages that are drawn (None: all),
+# and the function that returns the drawings of at least one stage, none where it would be empty.
+NAMES: dict[str, tuple[Callable[[Result, Stages], Any] | None, Callable[..., list[Drawing]]]] = {
+    "life": (None, life.service_life),
+    "mechanism": (None, mechanism.draw_mechanism),
+    "stroke": (moving_stages, motion.height_over_angle),
+    "tonnage": (moving_stages, motion.force_over_stroke),
+    "wear": (shown_stages, wear.wear_depth),
+    "growth": (None, wear.wear_growth),
+    "surfaces": (shown_stages, wear.worn_surfaces),
+    "response": (moving_stages, motion.response),
+    "bottom": (shown_stages, motion.bottom_dead_centre),
+    "force": (loose_stages, motion.contact_force),
+    "path": (loose_stages, motion.centre_trajectory),
+    "phase": (settled_stages, dynamics.phase_portrait),
+    "poincare": (settled_stages, dynamics.poincare_section),
+    "impacts": (settled_stages, dynamics.impact_section),
+    "modes": (settled_stages, dynamics.contact_modes),
+    "spectrum": (settled_stages, dynamics.spectrum),
+    "drives": (moving_stages, motion.drive_work),
 }
 _PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets only shown ones
 
@@ -74,26 +84,24 @@ def drawings(
 
 def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
     """Return the drawings of a figure of ``NAMES``; none where it would show nothing."""
+    choose, draw = NAMES[name]
     with matplotlib.rc_context(SETTINGS):
-        return NAMES[name](result, stages) if stages else []
+        chosen = choose(result, stages) if choose and stages else stages
+        return draw(result, chosen) if chosen else []
 
 
 def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) -> list[Axes]:
     """Draw figures as ``drawings`` does, show them in a notebook and return their axes."""
     axes = []
     for drawing in drawings(result, names, stage):
+        sheet = drawing.sheet
         with matplotlib.rc_context(SETTINGS):
-            # Ticks get their look when they are first drawn.
-            drawing.sheet.draw_without_rendering()
-        _show(drawing.sheet)
-        axes += drawing.sheet.axes
+            sheet.draw_without_rendering()  # ticks get their look when they are first drawn
+        # Pyplot gets a figure where it shows figures by itself.
+        if "ipykernel" in sys.modules or (_PYPLOT in sys.modules and matplotlib.is_interactive()):
+            import_module(_PYPLOT).figure(FigureClass=lambda sheet=sheet, **_: sheet)
+        axes += sheet.axes
     return axes
-
-
-def _show(sheet: Sheet) -> None:
-    """Hand a figure to pyplot where that shows figures by itself."""
-    if "ipykernel" in sys.modules or (_PYPLOT in sys.modules and matplotlib.is_interactive()):
-        import_module(_PYPLOT).figure(FigureClass=lambda **_: sheet)
 
 
 def save(drawing: Drawing, folder: Path) -> Path:

@@ -1,6 +1,5 @@
 """Figures of the dynamics: phase portraits, sections, modes and spectra; bifurcation diagrams."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -15,7 +14,7 @@ from presswear.results import press_analysis as press
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.motion import pin_panels
-from presswear.show.figures.style import Array, Axes, Drawing, Pen, ShownStage, Stages
+from presswear.show.figures.style import Array, Axes, Drawing, Pen, Shown, ShownStage
 from presswear.tools.numbers import readable, unit_scale
 
 if TYPE_CHECKING:
@@ -25,27 +24,16 @@ BINS = 180  # bins of the cycle in a timeline of modes
 _MODE_COLOURS = ("0.92", "#E69F00", "#0072B2", "#009E73")
 _MODE_WORDS = ("free", "impact", "sustained", "sticking")
 _HARMONICS = 10  # harmonics of the crank that are marked
+BRANCHES = {"up": ("increasing", "^"), "down": ("decreasing", "v")}  # word and marker
+NO_PERIOD = 0.0  # ordinate of a motion without period
+DYNAMIC_RANGE = 1e-4  # smallest amplitude shown, relative to the largest
+DOT_AREA = 4000.0  # area of all dots of a branch, square points
+MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 
 
-def _rattling(result: Result, stages: Stages) -> list[ShownStage]:
-    """Return the shown stages with at least a cycle of motion in joints with clearance."""
-    shown = style.shown_stages(result, stages)
-    return [stage for stage in shown if press.has_motion(result.scene, stage.data)]
-
-
-def _label_phase(row: Sequence[Axes], result: Result) -> None:
-    for axes in row:
-        axes.set_xlabel(f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)")
-        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
-        axes.set_xlim(0.0, 360.0)
-
-
-def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
+def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
-    shown, scene = _rattling(result, stages), result.scene
-    if not shown:
-        return []
-    joints, side = scene.clearance_joints, style.square_side(len(shown))
+    scene, joints, side = result.scene, result.scene.clearance_joints, style.square_side(len(shown))
     count = 1 + len(joints)
     height = 0.7 + (0.75 * side + 0.35) * count
     sheet, grid = style.panels(count, len(shown), height, sharex="row", sharey="row")
@@ -69,40 +57,28 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     return style.finished("phase", sheet, scene=scene)
 
 
-def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
+def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the position of each pin once per cycle, a panel for each stage."""
-    shown, scene = _rattling(result, stages), result.scene
-    if not shown:
-        return []
-    phase, counts = 1.0, []
+    scene, phase, counts = result.scene, 1.0, []
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
         nonlocal phase
         points, phase = section_of(scene, stage.data, joint)
         counts.append(len(points))
-        x, y = factor * points.T
         size = 9.0 if len(points) < 50 else 3.0
+        x, y = factor * points.T
         axes.scatter(x, y, size, stage.pen.colour, linewidths=0.0, zorder=3)
         return points.T
 
     sheet, circle = pin_panels(result, shown, draw)
-    return style.finished(
-        "poincare",
-        sheet,
-        [circle],
-        scene=scene,
-        angle=360.0 * (phase % 1.0),
-        fewest=min(counts),
-        periods=[f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown],
-    )
+    periods = [f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown]
+    content = {"angle": 360.0 * (phase % 1.0), "fewest": min(counts), "periods": periods}
+    return style.finished("poincare", sheet, [circle], scene=scene, **content)
 
 
-def impact_section(result: Result, stages: Stages) -> list[Drawing]:
+def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
-    shown, scene = _rattling(result, stages), result.scene
-    if not shown:
-        return []
-    joints = scene.clearance_joints
+    scene, joints = result.scene, result.scene.clearance_joints
     impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
     if not any(speed.any() for row in impacts for _, speed in row):
         return []
@@ -115,57 +91,59 @@ def impact_section(result: Result, stages: Stages) -> list[Drawing]:
             axes.set_yscale("log")
         row[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
     style.title_stages(grid, shown, (style.WIDTH - 0.9) / len(shown))
-    _label_phase(grid[-1], result)
+    _label_phase(grid, result)
     fewest = min(len(speed) for row in impacts for _, speed in row)
     return style.finished("impacts", sheet, scene=scene, fewest=fewest)
 
 
-def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
+def _label_phase(grid: Any, result: Result) -> None:
+    """Label the axes below the lowest row of a grid with the phase of the cycle."""
+    for axes in grid[-1]:
+        axes.set_xlabel(f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)")
+        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
+        axes.set_xlim(0.0, 360.0)
+
+
+def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
-    shown, scene = _rattling(result, stages), result.scene
-    if not shown:
-        return []
-    joints, height = scene.clearance_joints, 0.9 + 1.6 * len(shown)
+    scene, joints = result.scene, result.scene.clearance_joints
+    height = 0.9 + 1.6 * len(shown)
     sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey=True)
     for row, stage in zip(grid, shown, strict=True):
         for axes, joint in zip(row, joints, strict=True):
             line = timeline_of(scene, stage.data, joint)
-            _stack(axes, 100.0 * line.over_phase(scene.mechanism.period, BINS))
+            parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
+            parts = np.column_stack([parts, parts[:, -1]])
+            edges = np.linspace(0.0, 360.0, BINS + 1)
+            axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
+            axes.set_ylim(0.0, 100.0)
+            axes.grid(False)
             shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
             text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
             axes.set_title(f"{stage.pen.label}, {joint}\n{text} %", fontsize=7.0)
         row[0].set_ylabel("part of the time (%)")
-    _label_phase(grid[-1], result)
+    _label_phase(grid, result)
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
     return style.finished("modes", sheet, pens)
 
 
-def _stack(axes: Axes, parts: Array) -> None:
-    edges = np.linspace(0.0, 360.0, BINS + 1)
-    parts = np.column_stack([parts, parts[:, -1]])
-    axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
-    axes.set_ylim(0.0, 100.0)
-    axes.grid(False)
-
-
-def spectrum(result: Result, stages: Stages) -> list[Drawing]:
+def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
-    shown, scene = _rattling(result, stages), result.scene
-    if not shown:
-        return []
-    joints, period = scene.clearance_joints, scene.mechanism.period
+    scene, joints = result.scene, result.scene.clearance_joints
     sheet, grid = style.panels(1 + len(joints), 1, 0.6 + 1.9 * (1 + len(joints)), sharex=True)
     column, resonances = grid[:, 0], []
     for stage in shown:
         for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
             stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
-        frequencies = [(stage.pen.colour, resonance(stage.data, joint)) for stage in shown]
-        for colour, frequency in frequencies:
-            if frequency is not None:
-                axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
-        if hertz := sorted(frequency for _, frequency in frequencies if frequency is not None):
-            ends = dict.fromkeys(map(readable, (hertz[0], hertz[-1])))
+        hertz = []
+        for stage in shown:
+            if (frequency := resonance(stage.data, joint)) is not None:
+                order, colour = frequency * scene.mechanism.period, stage.pen.colour
+                axes.axvline(order, color=colour, linewidth=0.9, linestyle="dashdot")
+                hertz.append(frequency)
+        if hertz:
+            ends = dict.fromkeys(map(readable, (min(hertz), max(hertz))))
             resonances.append(f"{joint} {' to '.join(ends)} Hz")
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
     column[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
@@ -176,16 +154,8 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
     column[-1].set_xlim(0.2, MAX_ORDER)
     column[-1].set_xlabel("frequency in turns of the cycle (orders)")
-    pens = [stage.pen for stage in shown]
-    content: dict[str, Any] = {"harmonics": _HARMONICS, "resonances": resonances}
-    return style.finished("spectrum", sheet, pens, scene=scene, **content)
-
-
-BRANCHES = {"up": ("increasing", "^"), "down": ("decreasing", "v")}  # word and marker
-NO_PERIOD = 0.0  # ordinate of a motion without period
-DYNAMIC_RANGE = 1e-4  # smallest amplitude shown, relative to the largest
-DOT_AREA = 4000.0  # area of all dots of a branch, square points
-MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
+    content = {"harmonics": _HARMONICS, "resonances": resonances}
+    return style.finished("spectrum", sheet, [one.pen for one in shown], scene=scene, **content)
 
 
 def _axis(diagram: "Diagram") -> tuple[float, str]:
@@ -205,9 +175,8 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     column, pens = grid[:, 0], []
     factor, label = _axis(diagram)
     size = float(np.clip(DOT_AREA / (len(parameter.values) * cycles.stored), 0.6, 6.0))
-    for (direction, branch), (colour, _) in zip(
-        diagram.branches.items(), style.LINES, strict=False
-    ):
+    branches = zip(diagram.branches.items(), style.LINES, strict=False)
+    for (direction, branch), (colour, _) in branches:
         word, marker = BRANCHES[direction]
         pens.append(Pen(f"{word} {parameter.key}", colour))
         value = factor * branch.value
@@ -236,27 +205,21 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     column[-1].set_ylim(-0.5, max(MIN_PERIOD_AXIS, column[-1].get_ylim()[1]) + 0.5)
     column[-1].yaxis.set_major_locator(MaxNLocator(5, integer=True))
     column[-1].set_xlabel(label)
-    content: dict[str, Any] = {
-        "parameter": parameter,
-        "cycles": cycles,
-        "summary": diagram.summary(),
-    }
-    (drawing,) = style.finished("diagram", sheet, pens, has_exponent=has_exponent, **content)
-    return drawing
+    content = {"parameter": parameter, "cycles": cycles, "summary": diagram.summary()}
+    return style.finished("diagram", sheet, pens, has_exponent=has_exponent, **content)[0]
 
 
 @matplotlib.rc_context(style.SETTINGS)
 def draw_orders(diagram: "Diagram") -> Drawing:
     """Return the amplitudes at the orders of the crank, one column for each branch."""
     joints, branches = diagram.scene.clearance_joints, diagram.branches
-    count = 1 + len(joints)
-    height = 0.9 + 2.2 * count
-    sheet, grid = style.panels(count, len(branches), height, sharex=True, sharey=True)
-    factor, label = _axis(diagram)
-    ring = Pen("contact resonance", style.REFERENCE, (0.0, (6.0, 1.2, 1.5, 1.2)), 0.9)
     names = [f"acceleration of the\n{diagram.scene.output} (m/s²)"]
     names += [f"force at {joint} (N)" for joint in joints]
-    for k, row in enumerate(grid):
+    height = 0.9 + 2.2 * len(names)
+    sheet, grid = style.panels(len(names), len(branches), height, sharex=True, sharey=True)
+    factor, label = _axis(diagram)
+    ring = Pen("contact resonance", style.REFERENCE, (0.0, (6.0, 1.2, 1.5, 1.2)), 0.9)
+    for k, (row, name) in enumerate(zip(grid, names, strict=True)):
         amplitudes = [branch.amplitude[:, k] for branch in branches.values()]
         largest = max(float(np.nanmax(each, initial=0.0)) for each in amplitudes) or 1.0
         for axes, branch, amplitude in zip(row, branches.values(), amplitudes, strict=True):
@@ -276,10 +239,10 @@ def draw_orders(diagram: "Diagram") -> Drawing:
             axes.set_ylim(0.5, amplitude.shape[1])
             axes.grid(False)
         row[0].set_ylabel("order (multiples of\nthe crank frequency)")
-        sheet.colorbar(image, ax=row.tolist(), label=f"amplitude:\n{names[k]}", pad=0.01)
+        sheet.colorbar(image, ax=row.tolist(), label=f"amplitude:\n{name}", pad=0.01)
     for axes, direction in zip(grid[0], branches, strict=True):
         axes.set_title(f"{BRANCHES[direction][0]} {diagram.parameter.key}")
     for axes in grid[-1]:
         axes.set_xlabel(label)
-    content: dict[str, Any] = {"parameter": diagram.parameter, "cycles": diagram.cycles}
+    content = {"parameter": diagram.parameter, "cycles": diagram.cycles}
     return style.finished("orders", sheet, [ring], **content)[0]

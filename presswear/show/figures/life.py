@@ -1,9 +1,7 @@
 """Figure of a service life: every monitored quantity over the strokes."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -25,12 +23,11 @@ _LIFE = Pen("life with its interval", style.LINES[2][0])
 _SERVICE = Pen("bushing serviced", style.REFERENCE, "dotted", 0.9)
 
 
-@dataclass(frozen=True)
-class _Scale:
+class _Scale(NamedTuple):
     """Life with the services that were done, end of the axis in strokes, and unit of the axis."""
 
     life: LifeResult
-    services: tuple[Service, ...]
+    services: list[Service]
     end: float
     factor: float
     unit: str
@@ -41,24 +38,28 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     life = result.life
     if life is None or len(stages) < len(result.stages):
         return []
-    rows = _panel_keys(life, result.scene.clearance_joints)
+    # One row of panels per joint, then those of the press.
+    joints = result.scene.clearance_joints
+    rows = [[key for key in life.curves if key.startswith(f"{name}.")] for name in joints]
+    common = [key for key in life.curves if key != "strokes" and "." not in key]
+    rows += [common[k : k + _COLUMNS] for k in range(0, len(common), _COLUMNS)]
+    rows = [row for row in rows if row]
     high = life.interval.high if life.ended == "limit" else None
     end = max(float(life.curves["strokes"][-1]), high or 0.0)
     factor, unit = count_scale(end)
     if not unit and end >= 1e4:  # ticks of thousands are too long for narrow panels
         factor, unit = 1e-3, "thousand"
-    scale = _Scale(life, tuple(services_done(result)), end, factor, f"{unit} strokes".strip())
+    scale = _Scale(life, services_done(result), end, factor, f"{unit} strokes".strip())
     height = 0.6 + min(1.5, (style.TALLEST - 1.2) / len(rows)) * len(rows)
     sheet, grid = style.panels(len(rows), _COLUMNS, height, sharex=True)
-    for k, (keys, below) in enumerate(pairwise([*rows, []])):
-        for axes, key in zip(grid[k], keys, strict=False):
+    for panels, (keys, below) in zip(grid, pairwise([*rows, []]), strict=True):
+        for axes, key in zip(panels, keys, strict=False):
             _draw_quantity(axes, key, scale)
-        for column in range(_COLUMNS):
-            if column >= len(keys):
-                grid[k, column].set_axis_off()
-            elif column >= len(below):
-                grid[k, column].tick_params(labelbottom=True)
-                grid[k, column].set_xlabel(f"({scale.unit})")
+        for axes in panels[len(keys) :]:
+            axes.set_axis_off()
+        for axes in panels[len(below) : len(keys)]:
+            axes.tick_params(labelbottom=True)
+            axes.set_xlabel(f"({scale.unit})")
     pens = [_MEAN, _LIMIT, *[_LIFE] * (life.ended == "limit"), *[_SERVICE] * bool(scale.services)]
     curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
     first = life.first if life.ended == "limit" else None
@@ -72,14 +73,6 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
         first=first and f"{words_of(first.key)} exceeds its limit, {limit_text(first)}",
         services=scale.services,
     )
-
-
-def _panel_keys(life: LifeResult, joints: Sequence[str]) -> list[list[str]]:
-    """Return the keys of the panels: one row per joint, then those of the press."""
-    rows = [[key for key in life.curves if key.startswith(f"{name}.")] for name in joints]
-    common = [key for key in life.curves if key != "strokes" and "." not in key]
-    rows += [common[k : k + _COLUMNS] for k in range(0, len(common), _COLUMNS)]
-    return [row for row in rows if row]
 
 
 def _draw_quantity(axes: Axes, key: str, scale: _Scale) -> None:
@@ -110,43 +103,32 @@ def _draw_quantity(axes: Axes, key: str, scale: _Scale) -> None:
     title = style.wrapped(words_of(key), 0.7 * style.WIDTH / _COLUMNS)
     title += ": first" if is_first else ""
     axes.set_title(title, loc="left", fontweight="bold" if is_first else "normal")
-    _mark_life_and_services(axes, joint, scale)
-    if joint and name == "wear_volume":
-        _shade_phases(axes, joint, scale)
+    _draw_marks(axes, joint, scale, joint != "" and name == "wear_volume")
 
 
-def _mark_life_and_services(axes: Axes, joint: str, scale: _Scale) -> None:
-    """Mark the life and the services; those of the joint of the panel are named."""
+def _draw_marks(axes: Axes, joint: str, scale: _Scale, has_phases: bool) -> None:
+    """Mark the life, the services and the phases; services and phases of the joint are named."""
     life, factor = scale.life, scale.factor
     if life.ended == "limit":
         axes.axvline(factor * life.strokes, color=_LIFE.colour, linewidth=_LIFE.width)
         interval = life.interval.scaled(factor)
         if interval.low is not None and interval.high is not None:
             axes.axvspan(interval.low, interval.high, color=_LIFE.colour, alpha=0.15, linewidth=0.0)
+    small: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
     for service in scale.services:
         axes.axvline(factor * service.strokes, **_SERVICE.look)
         if service.joint == joint:
             word = "turned" if service.is_turned else "replaced"
             box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5}
-            _upright(axes, factor * service.strokes, 0.03, word, ha="right", va="bottom", bbox=box)
-
-
-def _shade_phases(axes: Axes, joint: str, scale: _Scale) -> None:
-    """Shade every second phase of the wear of a joint and name all of them."""
-    phases = [phase for phase in scale.life.phases if phase.joint == joint]
-    for k, phase in enumerate(phases):
-        ends = scale.factor * phase.since, scale.factor * phase.until
+            look = small | {"rotation": 90.0, "ha": "right", "va": "bottom", "bbox": box}
+            axes.text(factor * service.strokes, 0.03, word, **look)
+    for k, phase in enumerate(one for one in life.phases if has_phases and one.joint == joint):
+        ends = factor * phase.since, factor * phase.until
         if k % 2:
             axes.axvspan(*ends, color=style.MUTED, alpha=0.12, linewidth=0.0)
         is_narrow = phase.until - phase.since < _NARROW * scale.end
-        look = {"ha": "center", "va": "top", "rotation": 90.0 if is_narrow else 0.0}
-        _upright(axes, 0.5 * sum(ends), 0.96, phase.name, **look)
-
-
-def _upright(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
-    """Write a small text at an abscissa and a fraction of the height, by default upright."""
-    place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
-    axes.text(x, y, text, **place, **{"rotation": 90.0} | look)
+        look = small | {"rotation": 90.0 if is_narrow else 0.0, "ha": "center", "va": "top"}
+        axes.text(0.5 * sum(ends), 0.96, phase.name, **look)
 
 
 def services_done(result: Result) -> list[Service]:

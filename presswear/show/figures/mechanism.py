@@ -73,8 +73,8 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
-    times_ms = {"time": 1e3 * time, "period": 1e3 * period}
-    return style.captioned("mechanism", sheet, linkage=linkage, **times_ms)
+    times_ms: dict[str, Any] = {"time": 1e3 * time, "period": 1e3 * period}
+    return style.finished("mechanism", sheet, linkage=linkage, **times_ms)[0]
 
 
 def _direction(angle: float) -> Array:

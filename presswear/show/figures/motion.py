@@ -1,7 +1,7 @@
 """Figures of motion: stroke, response, forces, paths of the pin centres, tonnage and drives."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from presswear.results import press_analysis as press
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.show.figures import style
-from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, ShownStage, Stages
+from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, Shown, ShownStage
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
@@ -29,20 +29,6 @@ _MOMENTS = {
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
-
-
-def moving_stages(result: Result, stages: Stages, joints: bool = False) -> list[ShownStage]:
-    """Return the shown stages with a motion, and with series of the joints if required.
-
-    A failed stage is left out, because its numbers are meaningless.
-    """
-    return [
-        stage
-        for stage in style.shown_stages(result, stages)
-        if not stage.data.failed
-        and stage.data.time.size > 1
-        and (stage.data.has_joint_series or not joints)
-    ]
 
 
 @dataclass(frozen=True)
@@ -66,7 +52,7 @@ class Window:
         axes.set_xlabel(f"{self.phase} since the start (degrees)")
 
 
-def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
+def settled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     """Return the stages cut to the part of the motion that is shown: cycles after the start-up."""
     period, run_up = result.scene.mechanism.period, result.scene.run_up
     ends = [float(stage.data.time[-1]) for stage in stages]
@@ -87,85 +73,81 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     return shown, Window(start, end, period, run_up, result.scene.mechanism.linkage().phase, words)
 
 
-def _pens(stages: Sequence[ShownStage]) -> list[Pen]:
+def _pens(stages: Shown) -> list[Pen]:
     return [IDEAL, *(stage.pen for stage in stages)]
 
 
-def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
+def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the height over the ideal bottom dead centre, with the moments of the work."""
-    scene, moving = result.scene, moving_stages(result, stages)
-    if not moving or bottom_of(scene.ideal) is None:
+    scene = result.scene
+    if bottom_of(scene.ideal) is None:
         return []
     shown, window = settled(result, moving)
     factor, unit = unit_scale("m", scene.stroke)
-    time = np.linspace(window.start, window.end, 1001)
-    offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
     sheet, ((axes,),) = style.panels(1, 1, 2.9)
     marks: dict[str, str] = {}
     for stage, full in zip(shown, moving, strict=True):
         stage.pen.draw(axes, stage.data.time, factor * press.height_of(scene, stage.data))
         strokes = press.strokes_of(scene, full.data)
         for name, (mark, words) in _MOMENTS.items() if strokes else ():
-            moments = getattr(strokes, name)
-            inside = (moments[:, 0] >= window.start) & (moments[:, 0] <= window.end)
+            when, height = getattr(strokes, name).T
+            inside = (when >= window.start) & (when <= window.end)
             if inside.any():
                 marks[mark] = words
-                when, height = moments[inside].T
-                axes.plot(when, factor * height, mark, color=stage.pen.colour, markersize=6)
+                look = {"color": stage.pen.colour, "markersize": 6.0}
+                axes.plot(when[inside], factor * height[inside], mark, **look)
+    time = np.linspace(window.start, window.end, 1001)
+    offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
     IDEAL.draw(axes, time, factor * (offset + scene.ideal_slider(time)[:, 0] - scene.bottom))
     axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
-    return style.finished(
-        "stroke", sheet, _pens(shown), scene=scene, window=window, marks=marks.values()
-    )
+    content = {"scene": scene, "window": window, "marks": marks.values()}
+    return style.finished("stroke", sheet, _pens(shown), **content)
 
 
-def response(result: Result, stages: Stages) -> list[Drawing]:
+def response(result: Result, moving: Shown) -> list[Drawing]:
     """Draw displacement, velocity and acceleration of the output against the ideal."""
-    scene, moving = result.scene, moving_stages(result, stages)
-    if not moving:
-        return []
+    scene = result.scene
     shown, window = settled(result, moving)
-    time = np.linspace(window.start, window.end, 2001)
-    place, velocity, acceleration = scene.ideal_slider(time).T
     heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
     height = 0.9 + min(1.15, (style.TALLEST - 0.9) / sum(heights)) * sum(heights)
     sheet, grid = style.panels(len(heights), 1, height, sharex=True, height_ratios=heights)
-    column = grid[:, 0]
+    column, jagged = grid[:, 0], grid[3 : 3 + len(shown), 0]
+    time = np.linspace(window.start, window.end, 2001)
+    place, velocity, acceleration = scene.ideal_slider(time).T
     deviations = [s.data.displacement - scene.ideal_slider(s.data.time)[:, 0] for s in shown]
     factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
-    for stage, deviation in zip(shown, deviations, strict=True):
-        data = stage.data
-        for axes, values in zip(
-            column, (data.displacement, factor * deviation, data.velocity), strict=False
-        ):
-            stage.pen.draw(axes, data.time, values, linewidth=0.9)
-    for axes, values in zip(column, (place, 0.0 * time, velocity), strict=False):
-        IDEAL.draw(axes, time, values)
-    column[0].set_ylabel("displacement\n(m)")
-    column[1].set_ylabel(f"displacement\nminus ideal ({unit})")
-    column[2].set_ylabel("velocity\n(m/s)")
-    _draw_accelerations(column[3 : 3 + len(shown)], window, shown, time, acceleration)
-    interval = window.period / _MEANS_PER_CYCLE if scene.clearance_joints else None
-    if interval:
-        _draw_mean_accelerations(column[-1], moving, time, velocity, interval)
-    window.label(column[-1])
-    pens = _pens(shown)
-    return style.finished("response", sheet, pens, scene=scene, window=window, interval=interval)
-
-
-def _draw_accelerations(
-    column: Sequence[Axes], window: Window, stages: list[ShownStage], time: Array, ideal: Array
-) -> None:
-    low, high = float(ideal.min()), float(ideal.max())
-    for axes, stage in zip(column, stages, strict=True):
-        values, peaks = stage.data.acceleration, stage.data.each_cycle("acceleration_max")
-        _draw_jagged(axes, stage, values, peaks, window, "m/s²")
+    curves = {
+        "displacement\n(m)": ([stage.data.displacement for stage in shown], place),
+        f"displacement\nminus ideal ({unit})": ([factor * d for d in deviations], 0.0 * time),
+        "velocity\n(m/s)": ([stage.data.velocity for stage in shown], velocity),
+    }
+    for axes, (label, (lines, ideal)) in zip(column, curves.items(), strict=False):
+        for stage, values in zip(shown, lines, strict=True):
+            stage.pen.draw(axes, stage.data.time, values, linewidth=0.9)
         IDEAL.draw(axes, time, ideal)
+        axes.set_ylabel(label)
+    for axes, stage in zip(jagged, shown, strict=True):
+        peaks = stage.data.each_cycle("acceleration_max")
+        _draw_jagged(axes, stage, stage.data.acceleration, peaks, window, "m/s²")
+        IDEAL.draw(axes, time, acceleration)
         axes.set_ylabel("acceleration\n(m/s²)")
-        low, high = min(low, float(values.min())), max(high, float(values.max()))
-    for axes in column:
-        axes.set_ylim(low - 0.05 * (high - low), high + 0.3 * (high - low))
+    everything = np.concatenate([acceleration, *(stage.data.acceleration for stage in shown)])
+    low, reach = float(everything.min()), float(np.ptp(everything))
+    for axes in jagged:
+        axes.set_ylim(low - 0.05 * reach, low + 1.3 * reach)
+    interval = window.period / _MEANS_PER_CYCLE if scene.clearance_joints else None
+    if interval:  # means over it are differences of the velocity
+        middle = time[(time >= 0.5 * interval) & (time <= time[-1] - 0.5 * interval)]
+        series = [(stage.pen, stage.data.time, stage.data.velocity) for stage in moving]
+        for pen, times, speed in [*series, (IDEAL, time, velocity)]:
+            before, after = (np.interp(middle + s * interval, times, speed) for s in (-0.5, 0.5))
+            pen.draw(column[-1], middle, (after - before) / interval, linewidth=0.8)
+        mean = f"{readable(1e3 * interval, 2)} ms mean"
+        column[-1].set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
+    window.label(column[-1])
+    content = {"scene": scene, "window": window, "interval": interval}
+    return style.finished("response", sheet, _pens(shown), **content)
 
 
 def _draw_jagged(
@@ -184,27 +166,9 @@ def _draw_jagged(
     return largest
 
 
-def _draw_mean_accelerations(
-    axes: Axes, stages: list[ShownStage], time: Array, ideal_velocity: Array, interval: float
-) -> None:
-    """Draw accelerations as means over an interval, s: differences of the velocity over it."""
-    middle = time[(time >= 0.5 * interval) & (time <= time[-1] - 0.5 * interval)]
-
-    def mean(times: Array, velocity: Array) -> Array:
-        before, after = (np.interp(middle + s * interval, times, velocity) for s in (-0.5, 0.5))
-        return np.asarray((after - before) / interval)
-
-    for stage in stages:
-        stage.pen.draw(axes, middle, mean(stage.data.time, stage.data.velocity), linewidth=0.8)
-    IDEAL.draw(axes, middle, mean(time, ideal_velocity))
-    axes.set_ylabel(f"acceleration,\n{readable(1e3 * interval, 2)} ms mean\n(m/s²)")
-
-
-def contact_force(result: Result, stages: Stages) -> list[Drawing]:
+def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the normal force at each clearance joint over time, a panel for each stage."""
-    joints, moving = result.scene.clearance_joints, moving_stages(result, stages, joints=True)
-    if not moving:
-        return []
+    joints = result.scene.clearance_joints
     shown, window = settled(result, moving)
     height = 0.5 + 1.35 * len(shown)
     sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey="col")
@@ -222,10 +186,10 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
     return style.finished("force", sheet, window=window)
 
 
-def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
+def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the height of bottom dead centre over the ideal in each stroke, a panel per stage."""
     scene = result.scene
-    shown = [stage for stage in style.shown_stages(result, stages) if stage.data.statistics.bdc]
+    shown = [stage for stage in shown if stage.data.statistics.bdc]
     if not shown or not scene.clearance_joints:
         return []
     strokes = [press.bottom_errors(scene, stage.data) for stage in shown]
@@ -242,30 +206,26 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
         last = max(float(number[-1]) for number, _ in replicates if number.size)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        axes.set_xlabel(
-            style.wrapped("since the start (strokes)", (style.WIDTH - 0.7) / len(shown) - 0.1)
-        )
+        width = (style.WIDTH - 0.7) / len(shown) - 0.1
+        axes.set_xlabel(style.wrapped("since the start (strokes)", width))
     row[0].set_ylabel(f"lowest position of the {scene.output}\nminus ideal ({unit})")
     return style.finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
 
 
-def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
+def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the path of each pin centre inside its bearing, a panel for each stage."""
-    moving = moving_stages(result, stages, joints=True)
-    if not moving:
-        return []
     shown, window = settled(result, moving)
-    limits = {}
+    is_bounded = False
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
+        nonlocal is_bounded
         path, limit = stage.data.joints[joint].eccentricity.T, gap_limit(result, joint, stage.data)
         axes.plot(*(factor * path), color=stage.pen.colour, linewidth=0.5)
         _LIMIT.draw(axes, *(factor * limit))
-        limits[joint, stage.pen.label] = limit.size > 0
+        is_bounded |= limit.size > 0
         return np.hstack([path, limit])
 
     sheet, circle = pin_panels(result, shown, draw)
-    is_bounded = any(limits.values())
     maps = [joint for stage in shown for joint in stage.data.joints.values()]
     is_worn = any(np.any(each.depth(side) > 0.0) for each in maps for side in SIDES)
     pens = [circle, _LIMIT] if is_bounded else [circle]
@@ -273,18 +233,15 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
 
 
 def pin_panels(
-    result: Result,
-    shown: Sequence[ShownStage],
-    draw: Callable[[Axes, ShownStage, str, float], Array],
+    result: Result, shown: Shown, draw: Callable[[Axes, ShownStage, str, float], Array]
 ) -> tuple[Sheet, Pen]:
     """Draw positions of the pin centres in square panels, a row for each joint.
 
     ``draw`` draws a stage of a joint with a factor from metres, and returns positions, m, shape
     (2, n). The pen of the clearance circle is returned with the sheet.
     """
-    side, gaps = style.square_side(len(shown)), {}
-    for joint in result.scene.clearance_joints:
-        gaps[joint] = result.scene.bearing(joint).clearance
+    scene, side = result.scene, style.square_side(len(shown))
+    gaps = {joint: scene.bearing(joint).clearance for joint in scene.clearance_joints}
     widest = max(gaps.values())
     factor, unit = unit_scale("m", widest)
     height = 0.95 + (side + 0.1) * len(gaps)
@@ -297,8 +254,8 @@ def pin_panels(
             widest = max(widest, float(np.hypot(*positions).max(initial=0.0)))
             _ROUND_GAP.draw(axes, *(factor * gap * circle))
             axes.set_aspect("equal")
-            axes.xaxis.set_major_locator(MaxNLocator(4, symmetric=True))
-            axes.yaxis.set_major_locator(MaxNLocator(4, symmetric=True))
+            for axis in (axes.xaxis, axes.yaxis):
+                axis.set_major_locator(MaxNLocator(4, symmetric=True))
         row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
     edge = 1.06 * factor * widest
     grid[0, 0].set(xlim=(-edge, edge), ylim=(-edge, edge))
@@ -323,14 +280,11 @@ def gap_limit(result: Result, joint: str, stage: StageResult) -> Array:
     return gap * np.array([np.cos(angle), np.sin(angle)])
 
 
-def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
+def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the forces of the work and of the joints over the height of the stroke."""
     scene, process = result.scene, result.scene.process
-    shown = [
-        (stage, strokes)
-        for stage in moving_stages(result, stages)
-        if (strokes := press.settled_strokes(scene, stage.data))
-    ]
+    shown = [(stage, press.settled_strokes(scene, stage.data)) for stage in moving]
+    shown = [(stage, strokes) for stage, strokes in shown if strokes]
     if process is None or not shown:
         return []
     joints = scene.clearance_joints if all(one.data.has_joint_series for one, _ in shown) else ()
@@ -339,13 +293,13 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
     sheet, grid = style.panels(1 + len(joints), 1, 0.8 + 1.7 * (1 + len(joints)), sharex=True)
     column = grid[:, 0]
     for stage, strokes in shown:
-        time, height = stage.data.time, press.height_of(scene, stage.data)
-        force = press.process_force(scene, stage.data)
+        data, height = stage.data, press.height_of(scene, stage.data)
+        force = press.process_force(scene, data)
         assert force is not None, "the scene has a process"
-        series = [force, *(np.hypot(*stage.data.joints[name].force.T) for name in joints)]
+        series = [force, *(np.hypot(*data.joints[name].force.T) for name in joints)]
         for stroke in strokes:
             # Above the reach nothing presses on the work.
-            inside = (time >= stroke.start) & (time < stroke.end) & (height <= reach)
+            inside = (data.time >= stroke.start) & (data.time < stroke.end) & (height <= reach)
             for axes, values in zip(column, series, strict=True):
                 stage.pen.draw(axes, factor * height[inside], values[inside], linewidth=0.7)
     if isinstance(process, Coining):
@@ -361,17 +315,18 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
     return style.finished("tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene)
 
 
-def drive_work(result: Result, stages: Stages) -> list[Drawing]:
+def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     """Draw torque and power of each drive over the phase of the cycle, beside ideal joints.
 
-    Only if torques were stored and ideal torques do not need untrusted stored laws.
+    Only if torques were stored and ideal torques do not need untrusted stored laws. Short peaks
+    exceed the panels.
     """
     scene = result.scene
-    shown = [s for s in moving_stages(result, stages) if "drive_torque" in s.data.arrays]
+    moving = [stage for stage in moving if "drive_torque" in stage.data.arrays]
     drives = [drive.body for drive in scene.mechanism.linkage().drives]
-    if not shown or not drives or scene.has_untrusted_loads:
+    if not moving or not drives or scene.has_untrusted_loads:
         return []
-    shown, window = settled(result, shown)
+    shown, window = settled(result, moving)
     sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
     curves = [(stage.pen, stage.data.time, press.curves_of(scene, stage.data)) for stage in shown]
     ideal = press.ideal_curves(scene)
@@ -380,36 +335,20 @@ def drive_work(result: Result, stages: Stages) -> list[Drawing]:
         time = ideal[drive].time - scene.run_up - window.period
         time = np.add.outer(window.start + window.period * cycles, time).ravel()
         for axes, name, unit in zip(row, ("torque", "power"), ("N m", "W"), strict=True):
-            lines = [(pen, times, getattr(each[drive], name)) for pen, times, each in curves]
             expected = np.tile(getattr(ideal[drive], name), cycles.size)
-            _draw_drive(axes, lines, (time, expected), unit)
+            ends, farthest = [expected.min(), expected.max()], []
+            for pen, times, each in curves:
+                values = getattr(each[drive], name)
+                pen.draw(axes, times, values, linewidth=0.7)
+                weights, tails = np.gradient(times), (_TAIL, 1.0 - _TAIL)
+                ends += [*np.quantile(values, tails, weights=weights, method="inverted_cdf")]
+                farthest.append(readable(float(values[np.abs(values).argmax()])))
+            IDEAL.draw(axes, time, expected)
+            margin = 0.08 * float(np.ptp(ends))
+            axes.set_ylim(min(ends) - margin, max(ends) + margin)
+            axes.set_title(f"farthest: {', '.join(farthest)} {unit}", loc="right", fontsize="small")
             axes.set_ylabel(f"{name} ({unit})")
         style.title_joint(row[0], drive)
     for axes in grid[-1]:
         window.label(axes)
     return style.finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)
-
-
-def _draw_drive(
-    axes: Axes, lines: Sequence[tuple[Pen, Array, Array]], ideal: tuple[Array, Array], unit: str
-) -> None:
-    """Draw lines over time below the ideal one, in a panel that short peaks exceed."""
-    low, high = float(ideal[1].min()), float(ideal[1].max())
-    for pen, time, values in lines:
-        pen.draw(axes, time, values, linewidth=0.7)
-        least, most = central_range(time, values, _TAIL)
-        low, high = min(low, least), max(high, most)
-    IDEAL.draw(axes, *ideal)
-    margin = 0.08 * (high - low)
-    axes.set_ylim(low - margin, high + margin)
-    farthest = (readable(float(values[np.abs(values).argmax()])) for _, _, values in lines)
-    axes.set_title(f"farthest: {', '.join(farthest)} {unit}", loc="right", fontsize="small")
-
-
-def central_range(time: Array, values: Array, tail: float) -> tuple[float, float]:
-    """Return the quantiles of a sampled quantity over time at ``tail`` and ``1 - tail``."""
-    weights = np.gradient(time)
-    order = np.argsort(values)
-    fraction = np.cumsum(weights[order]) / weights.sum()
-    least, most = np.searchsorted(fraction, (tail, 1.0 - tail))
-    return float(values[order[least]]), float(values[order[min(most, order.size - 1)]])

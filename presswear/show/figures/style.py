@@ -1,4 +1,4 @@
-"""Size, colours, line styles and panels of all figures."""
+"""Size, colours, line styles, stages and panels of all figures."""
 
 import math
 import re
@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from textwrap import fill
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from jinja2 import Environment, StrictUndefined
@@ -16,6 +16,7 @@ from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
+from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
 from presswear.tools.numbers import large, quantity_text, readable, unit_factor
@@ -23,9 +24,7 @@ from presswear.tools.numbers import large, quantity_text, readable, unit_factor
 __all__ = ["Axes", "Sheet"]
 
 Array = NDArray[np.float64]
-LineStyle = Literal["solid", "dotted"] | tuple[float, tuple[float, ...]]
-Place = Literal["upper right", "outside upper center", "outside upper right"]
-Stages = tuple[StageResult, ...]
+LineStyle = str | tuple[float, tuple[float, ...]]
 
 WIDTH = 7.0  # inches, the text width of an A4 page, so that 8 pt print as 8 pt
 TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
@@ -54,15 +53,13 @@ SETTINGS: dict[Any, Any] = {
 
 _ROW, _HANDLE = 112, 8  # letters in the width of a figure, and in the handle of a legend
 # The palette of Okabe and Ito is distinct with every common colour blindness.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
-_DASHES: tuple[LineStyle, ...] = (
-    "solid",
-    (0.0, (7.0, 1.5)),
-    (0.0, (6.0, 1.2, 1.5, 1.2)),
-    (0.0, (3.0, 1.2)),
-    (0.0, (1.2, 1.0)),
+LINES: tuple[tuple[str, LineStyle], ...] = (
+    ("#0072B2", "solid"),
+    ("#D55E00", (0.0, (7.0, 1.5))),
+    ("#009E73", (0.0, (6.0, 1.2, 1.5, 1.2))),
+    ("#CC79A7", (0.0, (3.0, 1.2))),
+    ("#E69F00", (0.0, (1.2, 1.0))),
 )
-LINES: tuple[tuple[str, LineStyle], ...] = tuple(zip(_COLOURS, _DASHES, strict=True))
 REFERENCE = "black"  # colour of the ideal motion, the new surface, the round gap
 MUTED = "0.45"  # colour of what was not run
 MICRONS = unit_factor("µm")
@@ -119,6 +116,10 @@ class ShownStage:
     pen: Pen
 
 
+Stages = Sequence[StageResult]
+Shown = Sequence[ShownStage]
+
+
 def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
     """Return the first, the last and evenly spaced stages between, with their line styles."""
     count = len(stages)
@@ -129,6 +130,23 @@ def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
         ShownStage(stage, Pen(label, *line))
         for stage, label, line in zip(shown, labels, LINES, strict=False)
     ]
+
+
+def moving_stages(result: Result, stages: Stages) -> list[ShownStage]:
+    """Return the shown stages with a motion, unless they failed: their numbers are meaningless."""
+    shown = shown_stages(result, stages)
+    return [stage for stage in shown if not stage.data.failed and stage.data.time.size > 1]
+
+
+def loose_stages(result: Result, stages: Stages) -> list[ShownStage]:
+    """Return the moving stages with series of joints with clearance."""
+    return [stage for stage in moving_stages(result, stages) if stage.data.has_joint_series]
+
+
+def settled_stages(result: Result, stages: Stages) -> list[ShownStage]:
+    """Return the shown stages with at least a cycle of motion in joints with clearance."""
+    shown = shown_stages(result, stages)
+    return [stage for stage in shown if has_motion(result.scene, stage.data)]
 
 
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
@@ -172,7 +190,7 @@ def square_side(columns: int) -> float:
     return (WIDTH - 0.9) / max(columns, 2) - 0.1
 
 
-def title_stages(grid: Any, stages: Sequence[ShownStage], width: float) -> None:
+def title_stages(grid: Any, stages: Shown, width: float) -> None:
     """Write the names of stages above the columns of a grid, in lines of a width in inches."""
     for axes, stage in zip(grid[0], stages, strict=True):
         axes.set_title(wrapped(stage.pen.label, width))
@@ -187,26 +205,22 @@ def finished(
     name: str,
     sheet: Sheet,
     pens: Iterable[Pen] = (),
-    place: Place = "outside upper center",
+    place: Any = "outside upper center",
     **content: Any,
 ) -> list[Drawing]:
-    """Align the labels of a sheet, name its lines and return it as the only drawing."""
+    """Align the labels of a sheet, name its lines and return it as the only drawing.
+
+    File, title and caption are those of ``captions.toml``, filled with the content.
+    """
     sheet.align_ylabels()
     if pens := list(pens):
         legend(sheet, pens, place)
-    return [captioned(name, sheet, **content)]
+    texts = (TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values())
+    file, title, caption = (re.sub(r"[ \n]+", " ", text).strip() for text in texts)
+    return [Drawing(file, title, caption, sheet)]
 
 
-def captioned(name: str, sheet: Sheet, **content: Any) -> Drawing:
-    """Return a sheet with file, title and caption of ``captions.toml``, filled with content."""
-    file, title, caption = (
-        re.sub(r"[ \n]+", " ", TEMPLATES.from_string(text).render(content)).strip()
-        for text in _CAPTIONS[name].values()
-    )
-    return Drawing(file, title, caption, sheet)
-
-
-def legend(sheet: Sheet, pens: Iterable[Pen], place: Place, **look: Any) -> None:
+def legend(sheet: Sheet, pens: Iterable[Pen], place: Any, **look: Any) -> None:
     """Name the lines of a figure, in one row if they fit; ``look`` changes matplotlib's legend."""
     handles = [pen.handle() for pen in pens]
     letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
@@ -228,12 +242,6 @@ def round_down(value: float) -> float:
 
 def note(axes: Axes, text: str) -> None:
     """Write a short remark into the upper right corner of a panel."""
-    axes.text(
-        0.995,
-        0.96,
-        text,
-        transform=axes.transAxes,
-        ha="right",
-        va="top",
-        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0},
-    )
+    look: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+    box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0}
+    axes.text(0.995, 0.96, text, bbox=box, **look)

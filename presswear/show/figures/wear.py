@@ -1,19 +1,18 @@
 """Figures of wear: depth over angle and over cycles, outlines and profiles of worn surfaces."""
 
 import math
-from dataclasses import dataclass
-from itertools import accumulate
-from typing import Any
+from itertools import accumulate, product
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.projections.polar import PolarAxes
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
 from presswear.linkage.surface import SIDES, Surface
 from presswear.results.result import Result
-from presswear.results.stage import JointResult, StageResult
+from presswear.results.stage import JointResult
 from presswear.show.figures import style
-from presswear.show.figures.style import Array, Axes, Drawing, Pen, Place, Sheet, ShownStage, Stages
+from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, Shown, Stages
 from presswear.tools.numbers import readable, unit_factor
 
 _LINEAR_RATIO = 20.0  # largest over smallest peak up to which one linear scale shows both
@@ -32,30 +31,26 @@ _PROFILES = {"bearing": (4.0, 2.45, 2.85, 1.3), "pin": (4.0, 0.5, 2.85, 1.3)}
 _OUTWARDS = {"bearing": 1.0, "pin": -1.0}  # direction in which wear moves a surface
 
 Worn = tuple[Pen, JointResult]
-_RIGHT: Place = "outside upper right"
+_RIGHT = "outside upper right"
 
 
-def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
+def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the cumulative wear depth over angle at each clearance joint."""
-    parts = [(side,) for side in SIDES] if style.maps_turn(result) else [SIDES]
-    curves = [
-        (joint, sides, _depth_curves(result, stages, joint, sides))
-        for joint in result.scene.clearance_joints
-        for sides in parts
-    ]
+    joints, turns = result.scene.clearance_joints, style.maps_turn(result)
+    places = list(product(joints, [(side,) for side in SIDES] if turns else [SIDES]))
+    curves = [_depth_curves(result, shown, *place) for place in places]
     # By label: every panel may lack a line that another has.
-    pens = {pen.label: pen for _, _, lines in curves for pen, _ in lines}
+    pens = {pen.label: pen for lines in curves for pen, _ in lines}
     if not pens:
         return []
-    rows = len(curves) // len(parts)
-    sheet, grid = style.panels(rows, len(parts), 0.5 + 2.3 * rows)
-    for axes, (joint, sides, lines) in zip(grid.flat, curves, strict=True):
-        _draw_depth(axes, stages[0].joints[joint].angle, lines)
+    sheet, grid = style.panels(len(joints), 1 + turns, 0.5 + 2.3 * len(joints))
+    for axes, (joint, sides), lines in zip(grid.flat, places, curves, strict=True):
+        _draw_depth(axes, shown[0].data.joints[joint].angle, lines)
         axes.set_xlabel(style.angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
         style.title_joint(axes, f"joint {joint}")
     content = {
-        "turns": style.maps_turn(result),
+        "turns": turns,
         "is_shifted": any(axes.get_xlim()[0] for axes in grid.flat),
         "has_next": any(pen.colour == style.MUTED for pen in pens.values()),
         "in_steps": result.grew_in_steps,
@@ -65,24 +60,38 @@ def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
 
 
 def _depth_curves(
-    result: Result, stages: Stages, joint: str, sides: tuple[str, ...]
+    result: Result, shown: Shown, joint: str, sides: tuple[str, ...]
 ) -> list[tuple[Pen, Array]]:
     """Return the cumulative depth, m, after each wear update, and after that of the last stage."""
-
-    def total(stage: StageResult, *kinds: str) -> Array:
-        maps = stage.joints[joint].arrays
-        return np.asarray(sum(maps[f"{kind}_{side}"] for side in sides for kind in kinds))
-
-    curves = [
-        (stage.pen, total(stage.data, "depth"))
-        for stage in style.shown_stages(result, stages)
-        if stage.data.is_worn
-    ]
-    last = stages[-1]
+    worn = [(stage.pen, stage.data, ["depth"]) for stage in shown if stage.data.is_worn]
+    last = shown[-1].data
     if last is result.stages[-1] and not last.failed and result.life is None:
         name = f"{result.stage_name(last.index + 1)}, not run"
-        curves.append((Pen(name, style.MUTED, (0.0, (2.0, 2.0))), total(last, "depth", "wear")))
-    return [(pen, depth) for pen, depth in curves if np.any(depth > 0.0)]
+        worn.append((Pen(name, style.MUTED, (0.0, (2.0, 2.0)), 0.9), last, ["depth", "wear"]))
+    curves = []
+    for pen, stage, kinds in worn:
+        maps = stage.joints[joint].arrays
+        depth = np.sum([maps[f"{kind}_{side}"] for side in sides for kind in kinds], axis=0)
+        if np.any(depth > 0.0):
+            curves.append((pen, depth))
+    return curves
+
+
+def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> None:
+    peaks = [style.MICRONS * float(depth.max()) for _, depth in curves]
+    start = seam(angle, [depth for _, depth in curves])
+    since = (np.degrees(angle) - start) % 360.0
+    order = np.argsort(since)
+    for pen, depth in curves:
+        pen.draw(axes, start + since[order], style.MICRONS * depth[order])
+    axes.set_xlim(start, start + 360.0)
+    axes.xaxis.set_major_locator(MultipleLocator(_TICKS))
+    axes.xaxis.set_major_formatter(lambda place, _: f"{place % 360.0:.0f}")
+    if peaks and max(peaks) > _LINEAR_RATIO * min(peaks):
+        axes.set_yscale("log", nonpositive="mask")
+        axes.set_ylim(min(peaks) / 100.0, 2.0 * max(peaks))
+    else:
+        axes.set_ylim(0.0, None)
 
 
 def seam(angle: Array, depths: list[Array]) -> float:
@@ -101,24 +110,6 @@ def seam(angle: Array, depths: list[Array]) -> float:
     return 10.0 * round(float(worn[k] + 0.5 * gaps[k]) / 10.0) % 360.0
 
 
-def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> None:
-    peaks = [style.MICRONS * float(depth.max()) for _, depth in curves]
-    start = seam(angle, [depth for _, depth in curves])
-    since = (np.degrees(angle) - start) % 360.0
-    order = np.argsort(since)
-    for pen, depth in curves:
-        width = 0.9 if pen.colour == style.MUTED else 1.2
-        pen.draw(axes, start + since[order], style.MICRONS * depth[order], linewidth=width)
-    axes.set_xlim(start, start + 360.0)
-    axes.xaxis.set_major_locator(MultipleLocator(_TICKS))
-    axes.xaxis.set_major_formatter(lambda place, _: f"{place % 360.0:.0f}")
-    if peaks and max(peaks) > _LINEAR_RATIO * min(peaks):
-        axes.set_yscale("log", nonpositive="mask")
-        axes.set_ylim(min(peaks) / 100.0, 2.0 * max(peaks))
-    else:
-        axes.set_ylim(0.0, None)
-
-
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the deepest wear of each surface over the represented cycles, if wear went in steps.
 
@@ -135,16 +126,20 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     first, last = ends[stages[0].index], ends[stages[-1].index + 1]
     names = [(stage.index + 1, stage.wear_steps) for stage in stages]
     updates = [(cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied]
-    shown = slice(first, last + 1)
+    named = updates if len(updates) <= _NAMED_UPDATES else updates[-1:]
     marker = "." if last - first < _MARKED_STEPS else ""
     sheet, (row,) = style.panels(1, len(joints), 2.9)
     for axes, joint in zip(row, joints, strict=True):
         for side, pen in _SURFACES.items():
             depths = [float(result.stages[0].joints[joint].depth(side).max())]
             depths += [step.max_depth[joint][side] for step in steps]
-            depth = style.MICRONS * np.array(depths)
-            pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
-        _mark_updates(axes, updates)
+            depth = style.MICRONS * np.array(depths[first : last + 1])
+            pen.draw(axes, cycles[first : last + 1], depth, marker=marker, markersize=4.0)
+        for end, _ in updates:
+            axes.axvline(end, color=style.MUTED, linewidth=0.6)
+        for end, name in named:
+            look: dict[str, Any] = {"ha": "right", "va": "bottom", "color": style.MUTED}
+            axes.text(end, 1.02, name, transform=axes.get_xaxis_transform(), **look)
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
         axes.set_xlabel("represented cycles (million)")
@@ -154,19 +149,10 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
 
 
-def _mark_updates(axes: Axes, updates: list[tuple[float, str]]) -> None:
-    for end, _ in updates:
-        axes.axvline(end, color=style.MUTED, linewidth=0.6)
-    for end, name in updates if len(updates) <= _NAMED_UPDATES else updates[-1:]:
-        look: dict[str, Any] = {"ha": "right", "va": "bottom", "color": style.MUTED}
-        axes.text(end, 1.02, name, transform=axes.get_xaxis_transform(), **look)
-
-
-@dataclass(frozen=True)
-class _View:
+class _View(NamedTuple):
     """Enlarged part of a surface: middle and half width, rad, and radius of the new surface, m.
 
-    The radial scale is relative to the scale along the surface.
+    The radial scale is relative to the scale along the surface; the span is radial, in m.
     """
 
     side: str
@@ -174,39 +160,25 @@ class _View:
     half: float
     radius: float
     scale: float
-
-    @property
-    def span(self) -> float:
-        """Radial range of the drawing, m."""
-        return _radial_range(self.side, self.half, self.radius) / self.scale
+    span: float
 
 
-def _radial_range(side: str, half: float, radius: float) -> float:
-    """Return the radial range, m, of a profile with equal scales in both directions."""
-    _, _, width, height = _PROFILES[side]
-    return 2.0 * half * radius * height / width
-
-
-def worn_surfaces(result: Result, stages: Stages) -> list[Drawing]:
+def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the outline of pin and worn bearing, and an enlargement, of each worn joint."""
     drawings = []
     for joint in result.scene.clearance_joints:
-        worn = [
-            stage
-            for stage in style.shown_stages(result, stages)
-            if any(np.any(stage.data.joints[joint].depth(side) > 0.0) for side in SIDES)
-        ]
+        maps = [(stage, stage.data.joints[joint]) for stage in shown]
+        worn = [s for s, one in maps if any(np.any(one.depth(side) > 0.0) for side in SIDES)]
         if worn:
             drawings.append(worn_surface(result, joint, worn))
     return drawings
 
 
-def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawing:
+def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
     """Draw the outline and enlargement of one joint; the material of the last stage is grey."""
     bearing = result.scene.bearing(joint)
     worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
-    angle = worn[-1][1].angle
-    views = _views(result, joint, angle, worn[-1][1])
+    views = _views(result, joint, worn[-1][1])
     deepest = max(float(maps.depth(side).max()) for _, maps in worn for side in SIDES)
     factor = max(1.0, style.round_down(_DRAWN_DEPTH * bearing.bearing_radius / deepest))
     scale = "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
@@ -214,69 +186,61 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     size = np.array([style.WIDTH, _HEIGHT, style.WIDTH, _HEIGHT])
     outline = PolarAxes(sheet, tuple(_OUTLINE / size))
     sheet.add_axes(outline)
-    _draw_outline(outline, angle, worn, factor, views)
-    for side, view in views.items():
-        axes = sheet.add_axes(tuple(_PROFILES[side] / size))
+    _draw_outline(outline, worn, factor, views)
+    for view in views:
+        axes = sheet.add_axes(tuple(_PROFILES[view.side] / size))
         _draw_profile(axes, worn, view)
-        axes.set_xlabel(style.angle_label(result, side))
+        axes.set_xlabel(style.angle_label(result, view.side))
     sheet.text(0.12 / size[0], 1.0 - 0.2 / size[1], f"joint {joint}", va="center", weight="bold")
     middle = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / size[0]
     text = f"wear {scale}, clearance to scale"
     sheet.text(middle, 0.15 / size[1], text, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
     style.legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
-    return style.captioned(
-        "surface",
-        sheet,
-        joint=joint,
-        scale=scale,
-        clearance=bearing.clearance,
-        deepest=deepest,
-        turns=style.maps_turn(result),
-    )
+    content: dict[str, Any] = {"scale": scale, "clearance": bearing.clearance, "deepest": deepest}
+    turns = style.maps_turn(result)
+    return style.finished("surface", sheet, joint=joint, turns=turns, **content)[0]
 
 
-def _views(result: Result, joint: str, angle: Array, maps: JointResult) -> dict[str, _View]:
+def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
     """Return the part of each surface to enlarge; the same part of both in fixed directions."""
     depth = {side: maps.depth(side) for side in SIDES}
     turn, bearing = style.maps_turn(result), result.scene.bearing(joint)
     radii = (bearing.bearing_radius, bearing.bearing_radius - bearing.clearance)
-    views = {}
+    views = []
     for side, radius in zip(SIDES, radii, strict=True):
         worn = depth[side] if turn else depth["bearing"] + depth["pin"]
         deepest = max(float(depth[s].max()) for s in ((side,) if turn else SIDES))
-        half = _half_width(angle, worn)
+        centre = float(maps.angle[int(worn.argmax())])
+        # The half width holds all depths above a tenth of the deepest.
+        away = np.abs((maps.angle - centre + math.pi) % (2.0 * math.pi) - math.pi)
+        reach = math.degrees(float(away[worn >= 0.1 * worn.max()].max()))
+        half = math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
+        _, _, width, height = _PROFILES[side]
+        spans = 2.0 * half * np.array([radius, min(radii)]) * height / width  # with equal scales
         # The smaller surface sets the scale, because rounding could separate two equal views.
-        most = _radial_range(side, half, min(radii))
-        scale = max(1.0, style.round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
-        views[side] = _View(side, float(angle[int(worn.argmax())]), half, radius, scale)
+        scale = style.round_down(max(1.0, spans[1] / (1.12 * deepest))) if deepest > 0.0 else 1.0
+        views.append(_View(side, centre, half, radius, scale, spans[0] / scale))
     return views
 
 
-def _half_width(angle: Array, depth: Array) -> float:
-    """Return the half width, rad, that holds all depths above a tenth of the deepest."""
-    centre = angle[int(depth.argmax())]
-    away = np.abs((angle - centre + math.pi) % (2.0 * math.pi) - math.pi)
-    reach = math.degrees(float(away[depth >= 0.1 * depth.max()].max()))
-    return math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
-
-
-def _draw_outline(
-    axes: PolarAxes, angle: Array, worn: list[Worn], factor: float, views: dict[str, _View]
-) -> None:
-    rim = (1.0 + 1.2 * _DRAWN_DEPTH) * views["bearing"].radius
-    far_edge = {"bearing": rim, "pin": 0.0}
+def _draw_outline(axes: PolarAxes, worn: list[Worn], factor: float, views: list[_View]) -> None:
+    bearing = views[0]
+    rim = (1.0 + 1.2 * _DRAWN_DEPTH) * bearing.radius
     around = np.linspace(0.0, 2.0 * math.pi, 361)
+    angle = worn[-1][1].angle
     closed = np.append(angle, angle[0] + 2.0 * math.pi)
-    for side, view in views.items():
+    for view in views:
+        is_bearing = view is bearing
         for pen, maps in worn:
-            depth = maps.depth(side)
-            surface = view.radius + _OUTWARDS[side] * factor * np.append(depth, depth[0])
+            depth = maps.depth(view.side)
+            surface = view.radius + _OUTWARDS[view.side] * factor * np.append(depth, depth[0])
             if maps is worn[-1][1]:
-                axes.fill_between(closed, surface, far_edge[side], color=_MATERIAL, linewidth=0.0)
+                edge = rim if is_bearing else 0.0
+                axes.fill_between(closed, surface, edge, color=_MATERIAL, linewidth=0.0)
             pen.draw(axes, closed, surface, linewidth=1.0)
         _NEW.draw(axes, around, np.full_like(around, view.radius))
-        marked = rim if side == "bearing" else 0.62 * view.radius
+        marked = rim if is_bearing else 0.62 * view.radius
         sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
         axes.plot(sector, np.full_like(sector, marked), color=style.REFERENCE, linewidth=2.0)
     axes.set_rlim(0.0, 1.02 * rim)
@@ -286,8 +250,8 @@ def _draw_outline(
     axes.spines["polar"].set_visible(False)
     axes.text(0.0, 0.0, "pin", ha="center", va="center")
     # Above or below the pin, whichever is farther from the wear.
-    away = -math.copysign(0.5 * math.pi, math.sin(views["bearing"].centre))
-    axes.text(away, 0.5 * (views["bearing"].radius + rim), "bearing", ha="center", va="center")
+    away = -math.copysign(0.5 * math.pi, math.sin(bearing.centre))
+    axes.text(away, 0.5 * (bearing.radius + rim), "bearing", ha="center", va="center")
 
 
 def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
@@ -304,7 +268,7 @@ def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
     axes.grid(visible=False)
     axes.set_ylim(*sorted((-0.1 * far_edge, 0.9 * far_edge)))
     axes.set_xlim(degrees[0], degrees[-1])
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360.0:g}"))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value % 360.0:g}")
     symbol = "R_i" if view.side == "bearing" else "R_j"
     axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)")
     scale = "the same as" if view.scale == 1.0 else f"{readable(view.scale, 1)} times"
