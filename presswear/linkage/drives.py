@@ -18,7 +18,7 @@ from presswear.linkage.elements import ANGLE, LENGTH, MAX_ANGLE, Attachment, Out
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, choice, quantity
-from presswear.tools.serialize import Checked, check_fields
+from presswear.tools.serialize import Checked
 
 MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
 MAX_HARMONICS = 16
@@ -63,15 +63,10 @@ _L = Annotated[float, LENGTH]
 
 
 @dataclass(frozen=True)
-class Rise:
-    """Rise or return of a motion in a part of its cycle; between rises it dwells.
+class Rise(Checked):
+    """Rise of a motion between two phases of its cycle, rad, which is 2 pi long.
 
-    Attributes
-    ----------
-    start, end : float
-        Phases, rad; the cycle is 2 pi long.
-    by : float
-        Way, rad or, of a followed point, m; below zero: a return.
+    Below zero the way ``by`` is a return. Between rises the motion dwells.
     """
 
     start: Annotated[float, ANGLE]
@@ -80,7 +75,7 @@ class Rise:
     law: str = choice("cycloidal", tuple(RISES), "law of the rise")
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         if not 0.0 <= self.start < self.end - MIN_PIECE:
             raise InputError(
                 f"a rise from {self.start:g} to {self.end:g} rad: it must begin at 0 or later and "
@@ -89,24 +84,12 @@ class Rise:
 
 
 class Pieces(NamedTuple):
-    """Piecewise part of a motion, a function of the phase.
+    """Piecewise part of a motion, a function of the phase; ``n`` pieces."""
 
-    Attributes
-    ----------
-    start : ndarray, shape (n,)
-        Phases at which the pieces begin, rad; the last goes on to the first of the next cycle.
-    polynomial : ndarray, shape (n, DEGREE + 1)
-        Coefficients in the phase since the piece began, the constant first.
-    wave : ndarray, shape (n, 3)
-        Amplitude, frequency and initial phase, rad, of the sine that is added.
-    net : float
-        Way in a cycle, which the pieces leave out.
-    """
-
-    start: Array
-    polynomial: Array
-    wave: Array
-    net: float
+    start: Array  # (n,), phases, rad; the last piece goes on to the first of the next cycle
+    polynomial: Array  # (n, DEGREE + 1), in the phase since the piece began, the constant first
+    wave: Array  # (n, 3), amplitude, frequency and initial phase, rad, of a sine that is added
+    net: float  # way in a cycle, which the pieces leave out
 
     def at(self, phase: Array) -> tuple[Array, Array, Array]:
         """Return the value and its first and second derivative by the phase at phases, rad."""
@@ -223,25 +206,26 @@ def _next_starts(rises: tuple[Rise, ...]) -> list[float]:
 
 def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
     """Raise InputError where rows are no table of a motion."""
+    label = f"table of {owner}:"
     if len({len(row) for row in table}) > 1:
-        raise InputError(f"table of {owner}: rows of one length are expected")
+        raise InputError(f"{label} rows of one length are expected")
     phases = [row[0] for row in table]
-    closes = phases[-1] - phases[0] > _TURN - _PHASE_TOL
+    length = phases[-1] - phases[0]
+    closes = length > _TURN - _PHASE_TOL
     rows = len(table) - closes
     if not MIN_ROWS <= rows <= MAX_PIECES:
-        raise InputError(f"table of {owner}: {rows} rows; allowed are {MIN_ROWS} to {MAX_PIECES}")
+        raise InputError(f"{label} {rows} rows; allowed are {MIN_ROWS} to {MAX_PIECES}")
     steps = [after - before for before, after in pairwise(phases)]
     if not (phases[0] >= 0.0 and min(steps) >= MIN_PIECE):
         raise InputError(
-            f"table of {owner}: phases must rise, from 0 rad or above, by {MIN_PIECE:g} rad or more"
+            f"{label} phases must rise, from 0 rad or above, by {MIN_PIECE:g} rad or more"
         )
-    if phases[-1] - phases[0] > _TURN + _PHASE_TOL:
+    if length > _TURN + _PHASE_TOL:
         raise InputError(
-            f"table of {owner}: phases from {phases[0]:g} to {phases[-1]:g} rad; a cycle is 2 pi "
-            "long"
+            f"{label} phases from {phases[0]:g} to {phases[-1]:g} rad; a cycle is 2 pi long"
         )
     if not closes and phases[0] + _TURN - phases[-1] < MIN_PIECE:
-        raise InputError(f"table of {owner}: its last phase is too near the end of the cycle")
+        raise InputError(f"{label} its last phase is too near the end of the cycle")
 
 
 class _Motion(Checked):
@@ -299,15 +283,9 @@ def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Arr
 
 @dataclass(frozen=True)
 class Follow(_Motion):
-    """Curve that a point follows: its coordinate along a direction, from where it starts.
+    """Curve that a point follows: its coordinate along a direction, from where it starts, m.
 
     The drive of this curve moves so that the point follows, while the other drives run on.
-
-    Attributes
-    ----------
-    point : str, Attachment or OutputPoint
-    harmonics, table, rises
-        As of a drive, in m.
     """
 
     point: Attachment | OutputPoint | str
@@ -317,7 +295,6 @@ class Follow(_Motion):
     rises: Sequence[Rise] = ()
 
     def __post_init__(self) -> None:
-        """Raise InputError where the curve does not come back."""
         super().__post_init__()
         self._check("follow")
         if abs(self.pieces.net) > 0.0:
@@ -368,7 +345,6 @@ class Drive(_Motion):
     torque_limit: float | None = torque_limit()
 
     def __post_init__(self) -> None:
-        """Raise InputError where a repeating motion has no frequency, or there are two motions."""
         super().__post_init__()
         self._check(self.body)
         names = [name for name in ("harmonics", "table", "rises") if getattr(self, name)]
@@ -410,10 +386,9 @@ class Drive(_Motion):
     def motion(self, time: Array) -> tuple[Array, Array, Array]:
         """Return angle, rad, speed, rad/s, and acceleration, rad/s^2, at times, s.
 
-        ValueError where it follows a curve: ``physics.following.followed`` finds its motion.
+        The motion of a drive that follows a curve has to be found first.
         """
-        if self.follow is not None:
-            raise ValueError(f"{self.name} follows a curve: its motion has to be found first")
+        assert self.follow is None
         mean = self.mean_speed
         beside, faster, acceleration = series(self, self.base, time)
         return self.angle + mean * time + beside, mean + faster, acceleration
@@ -422,8 +397,8 @@ class Drive(_Motion):
 def run_up_motion(time: Array, duration: float) -> tuple[Array, Array, Array]:
     """Return the time at which motions are followed, s, its rate, and its second derivative, 1/s.
 
-    From rest its rate rises smoothly to 1 over a duration, s, in which half that time passes;
-    0: it is the time itself. The rate is 10 x^3 - 15 x^4 + 6 x^5.
+    From rest its rate 10 x^3 - 15 x^4 + 6 x^5 rises to 1 over a duration, s, in which half that
+    time passes; 0: it is the time itself.
     """
     if duration == 0.0:
         return time, np.ones_like(time), np.zeros_like(time)
@@ -479,7 +454,7 @@ class Dwell(Checked):
 
 
 @dataclass(frozen=True)
-class Forming:
+class Forming(Checked):
     """Slider that comes down fast, works at a constant speed, stops smoothly, and goes back.
 
     Between its places of rest, constant speed and rest it moves by polynomials of degree 5,
@@ -498,8 +473,7 @@ class Forming:
     angle: float = _servo_angle(0.0, _START)
 
     def __post_init__(self) -> None:
-        """Raise InputError where heights are in the wrong order."""
-        check_fields(self)
+        super().__post_init__()
         if not self.end < self.height < self.stroke:
             raise InputError(
                 f"height = {self.height:g} m: must lie between end = {self.end:g} m and stroke = "

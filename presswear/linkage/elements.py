@@ -8,7 +8,7 @@ from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, quantity
-from presswear.tools.serialize import Checked, check_fields
+from presswear.tools.serialize import Checked
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
@@ -53,13 +53,7 @@ class Attachment(Checked):
 
 @dataclass(frozen=True)
 class OutputPoint(Checked):
-    """Coordinate that a study observes: a point of a body along a direction.
-
-    Attributes
-    ----------
-    x, y : float
-        Point in the frame of the body with origin at the mass centre, m.
-    """
+    """Coordinate that a study observes: a point of a body, as an Attachment, along a direction."""
 
     body: str
     direction: float = angle("direction along which the output point is observed")
@@ -78,16 +72,11 @@ frame, m."""
 
 
 @dataclass(frozen=True)
-class Body:
-    """Rigid body.
+class Body(Checked):
+    """Rigid body: mass, kg, inertia about the mass centre, kg m^2, and points by name, m.
 
-    Attributes
-    ----------
-    mass, inertia : float
-        kg; about the mass centre, kg m^2. The inertia may be 0 where the body cannot turn.
-    points : tuple of (str, (float, float))
-        Names of points, in the frame of the body with origin at the mass centre, m. A mapping is
-        accepted.
+    Points are in the frame of the body with origin at the mass centre. The inertia may be 0 where
+    the body cannot turn.
     """
 
     name: str
@@ -96,7 +85,7 @@ class Body:
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         points = dict(self.points)
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
             raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
@@ -125,16 +114,13 @@ def Bar(  # noqa: N802 - in a linkage it is a kind of body
 ) -> Body:
     """Return a bar: a body with the points ``tail`` and ``head`` at its ends.
 
-    Its x axis points from tail to head, its mass centre is halfway.
+    Its x axis points from tail to head, its mass centre is halfway. Numbers are in m, kg and
+    kg m^2, or texts with units. ``points`` names more points.
 
     Parameters
     ----------
-    length, mass : float or str
-        m, kg, or texts with units.
     inertia : float, str or None
-        About its mass centre, kg m^2; None: that of a thin rod, m l^2 / 12.
-    points : mapping or None
-        Names of more points.
+        About its mass centre; None: that of a thin rod, m l^2 / 12.
     """
     size = BAR_LENGTH.convert(f"length of {name}", length)
     kilograms = MASS.convert(f"mass of {name}", mass)
@@ -164,13 +150,7 @@ class Revolute:
 
 @dataclass(frozen=True)
 class Guide(Checked):
-    """Straight guide on the frame: the body slides along a line and does not turn.
-
-    Attributes
-    ----------
-    body : str
-        Body whose mass centre stays on the line.
-    """
+    """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn."""
 
     name: str
     body: str
@@ -186,24 +166,18 @@ class WearLaw:
 
     Attributes
     ----------
-    coefficient : float
-        K_d, 1/Pa.
     slip : {"angle", "sliding"}
         ``ds = (R_j + delta) |d phi|`` (equation 24), or ``|v_t| dt``.
     wear_distribution : {"bin", "arc"}
         All into the bin of the contact with the mean pressure of equations 25 to 28, or over the
         contact arc in proportion to the pressure there.
-    bearing_share : float
-        Part of the depth that the bearing loses; the pin loses the rest.
-    angles : int
-        Number of angular bins.
     """
 
-    coefficient: float
+    coefficient: float  # K_d, 1/Pa
     slip: Slip = "sliding"
     wear_distribution: WearDistribution = "arc"
-    bearing_share: float = 0.5
-    angles: int = 360
+    bearing_share: float = 0.5  # part of the depth that the bearing loses; the pin loses the rest
+    angles: int = 360  # number of angular bins
 
 
 @dataclass(frozen=True)
@@ -212,12 +186,6 @@ class ClearanceJoint:
 
     Attributes
     ----------
-    bearing, pin : Attachment
-        Centres of the hole and of the pin.
-    bearing_radius, clearance, width : float
-        R_i, c = R_i - R_j and axial width b, m.
-    wear : WearLaw or None
-        None: no wear account.
     map_frame : {"fixed", "body"}
         Wear maps stay fixed in direction, or turn with their bodies.
     contact : {"radial", "foundation"}
@@ -226,14 +194,14 @@ class ClearanceJoint:
     """
 
     name: str
-    bearing: Attachment
+    bearing: Attachment  # centre of the hole
     pin: Attachment
-    bearing_radius: float
-    clearance: float
-    width: float
+    bearing_radius: float  # R_i, m
+    clearance: float  # c = R_i - R_j, m
+    width: float  # axial width b, m
     normal: NormalLaw
     friction: FrictionLaw = field(default_factory=FrictionLaw)
-    wear: WearLaw | None = None
+    wear: WearLaw | None = None  # None: no wear account
     map_frame: MapFrame = "body"
     contact: SurfaceContact = "radial"
     bearing_surface: Surface = field(default_factory=Surface)

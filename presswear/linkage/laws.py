@@ -13,7 +13,7 @@ whole force; its elastic part is its value at rest.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
@@ -29,23 +29,12 @@ def lankarani_nikravesh_damping(restitution: float) -> float:
     return 0.75 * (1.0 - restitution**2)
 
 
-@dataclass(frozen=True)
-class Damping:
-    """Damping factor chi as a function of the nominal restitution.
+class Damping(NamedTuple):
+    """Damping factor chi as a function of the nominal restitution."""
 
-    Attributes
-    ----------
-    title : str
-        Source.
-    least : float
-        Restitution below which the factor is not finite, or too large to compute with.
-    factor : callable
-        chi of a restitution.
-    """
-
-    title: str
-    least: float
-    factor: Callable[[float], float]
+    title: str  # source
+    least: float  # restitution below which the factor is infinite, or too large to compute with
+    factor: Callable[[float], float]  # chi of a restitution
 
 
 KELVIN_VOIGT = "kelvin-voigt"
@@ -84,16 +73,12 @@ FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper
 
 
 def hertz_stiffness(
-    bearing_radius: float,
-    pin_radius: float,
-    compliance: float,
-    reading: StiffnessReading,
+    bearing_radius: float, pin_radius: float, compliance: float, reading: StiffnessReading
 ) -> float:
     """Return the contact stiffness K, N/m^1.5, from the sum of (1 - nu^2) / E of both, 1/Pa.
 
-    ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which
-    is two spheres side by side.  ``refined`` takes the conforming pair: a pin in a
-    hole has R_i - R_j under the root.
+    ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which is two spheres
+    side by side. ``refined`` takes the pin in a hole, with R_i - R_j under the root.
     """
     combined = bearing_radius + pin_radius if reading == "paper" else bearing_radius - pin_radius
     return 4.0 / (3.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
@@ -148,14 +133,6 @@ class NormalLaw:
 
     Attributes
     ----------
-    stiffness : float
-        K, N/m^n.
-    exponent : float
-        n.
-    damping : float
-        chi, from the nominal restitution.
-    viscosity : float
-        D of Kelvin and Voigt's law, N s/m.
     elasticity : {"power", "liu", "foundation"}
         F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which is Liu and
         others' (2007) for cylinders that conform; the elastic foundation's, over all of the arc.
@@ -163,54 +140,36 @@ class NormalLaw:
         The whole force, N, as a function of NORMAL_PARAMETERS, in place of all these.
     """
 
-    stiffness: float
-    exponent: float = 1.5
-    damping: float = 0.0
-    viscosity: float = 0.0
+    stiffness: float  # K, N/m^n
+    exponent: float = 1.5  # n
+    damping: float = 0.0  # chi, from the nominal restitution
+    viscosity: float = 0.0  # D of Kelvin and Voigt's law, N s/m
     elasticity: Elasticity = "power"
     user_law: UserFunction | None = None
 
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """Friction law of one joint.
+    """Friction law of one joint: one of FRICTIONS, or a user function of FRICTION_PARAMETERS.
 
-    Attributes
-    ----------
-    coefficient : float
-        c_f; 0: none, whatever the law.
-    lower, upper : float
-        v_0 and v_1, m/s: no friction below, full friction above.
-    name : str
-        One of FRICTIONS.
-    user_law : UserFunction or None
-        The force along the sliding, N, as a function of FRICTION_PARAMETERS, in its place.
-    static : float
-        c_s of LuGre's law at rest, at least c_f.
-    stribeck : float
-        Its Stribeck speed v_s, m/s.
-    bristle_stiffness, bristle_damping : float
-        Its sigma_0, 1/m, and sigma_1, s/m, per unit of normal force.
+    The last four values are those of LuGre's law.
     """
 
-    coefficient: float = 0.0
-    lower: float = 1e-4
-    upper: float = 1e-3
+    coefficient: float = 0.0  # c_f; 0: none, whatever the law
+    lower: float = 1e-4  # v_0, m/s: no friction below
+    upper: float = 1e-3  # v_1, m/s: full friction above
     name: str = "ramp"
-    user_law: UserFunction | None = None
-    static: float = 0.0
-    stribeck: float = 1e-3
-    bristle_stiffness: float = 1e5
-    bristle_damping: float = 10.0
+    user_law: UserFunction | None = None  # force along the sliding, N
+    static: float = 0.0  # c_s at rest, at least c_f
+    stribeck: float = 1e-3  # Stribeck speed v_s, m/s
+    bristle_stiffness: float = 1e5  # sigma_0, 1/m, per unit of normal force
+    bristle_damping: float = 10.0  # sigma_1, s/m, per unit of normal force
 
 
 def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
     """Raise InputError where a user normal law returns no number, pulls, or creates energy.
 
-    Parameters
-    ----------
-    values : mapping
-        Values of NORMAL_PARAMETERS, those of the state left out.
+    ``values`` has the values of NORMAL_PARAMETERS, those of the state left out.
     """
 
     def force(penetration: float, rate: float, onset_speed: float) -> float:
@@ -238,10 +197,7 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
 def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
     """Raise InputError where a user friction law returns no number or creates energy.
 
-    Parameters
-    ----------
-    values : mapping
-        Values of FRICTION_PARAMETERS, those of the state left out.
+    ``values`` has the values of FRICTION_PARAMETERS, those of the state left out.
     """
     for speed in (0.1 * values["upper_speed"], values["upper_speed"], 0.01, 0.1, 0.4, 1.0, 4.0):
         for sliding in (speed, -speed):
@@ -286,7 +242,7 @@ class Materials(Checked):
 
 
 def _steels(pin: float, bearing: float) -> Materials:
-    """Steels with the wear coefficients of both, 1/Pa."""
+    """Return steels with the wear coefficients of both, 1/Pa."""
     total = pin + bearing
     return Materials(wear_coefficient=total, bearing_share=bearing / total)
 

@@ -72,6 +72,7 @@ class Linkage(Checked):
 
     kind: ClassVar[str] = "linkage"
     loose: ClassVar[tuple[str, ...]] = ()
+    origin: ClassVar[str] = "Dimensions and masses are the user's."
 
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
@@ -88,8 +89,7 @@ class Linkage(Checked):
 
     def changed(self, **changes: Any) -> "Linkage":
         """Return the linkage assembled again with arguments of ``assemble`` changed."""
-        values = {item.name: getattr(self, item.name) for item in fields(self)}
-        return assemble(**{**values, **changes})
+        return assemble(**(vars(self) | changes))
 
     @property
     def revolutes(self) -> tuple[Revolute, ...]:
@@ -116,11 +116,6 @@ class Linkage(Checked):
         """Names of the joints that may have clearance."""
         return tuple(joint.name for joint in self.revolutes)
 
-    @property
-    def origin(self) -> str:
-        """Origin of its values, in a sentence."""
-        return "Dimensions and masses are the user's."
-
     def linkage(self) -> "Linkage":
         """Return the linkage itself, as any mechanism returns its linkage."""
         return self
@@ -128,22 +123,20 @@ class Linkage(Checked):
     @property
     def period(self) -> float:
         """Time of one cycle, s: the shortest in which every drive makes whole turns."""
-        period = self._common_period if self.cycle is None else self.cycle
         label = f"cycle of {self.name}, in which all drives make whole turns,"
+        speeds = [(drive.name, speed) for drive in self.drives for speed in drive.frequencies]
+        period = self._common_period([w for _, w in speeds]) if self.cycle is None else self.cycle
         Quantity("s", MIN_CYCLE, MAX_CYCLE).check(label, period)
-        for drive in self.drives:
-            for speed in drive.frequencies:
-                turns = speed * period / (2.0 * math.pi)
-                if turns > MAX_TURNS:
-                    raise InputError(
-                        f"{label} = {period:g} s: {drive.name} turns {turns:.6g} times in it, "
-                        f"with {speed:g} rad/s; allowed are {MAX_TURNS} times at most"
-                    )
+        for name, speed in speeds:
+            turns = speed * period / (2.0 * math.pi)
+            if turns > MAX_TURNS:
+                raise InputError(
+                    f"{label} = {period:g} s: {name} turns {turns:.6g} times in it, with {speed:g} "
+                    f"rad/s; allowed are {MAX_TURNS} times at most"
+                )
         return period
 
-    @property
-    def _common_period(self) -> float:
-        speeds = [speed for drive in self.drives for speed in drive.frequencies]
+    def _common_period(self, speeds: Sequence[float]) -> float:
         if not speeds:
             raise InputError(f"cycle of {self.name}: no drive turns, so that it is needed, s")
         turns = 1
@@ -205,40 +198,6 @@ class _Parts(Checked):
     loads: Sequence[Load | Force | Moment] = ()
 
 
-def _parts_of(linkage: Linkage) -> _Parts:
-    """Return the arguments of ``assemble`` that make a linkage."""
-
-    def point(at: Attachment) -> End:
-        if at.body == GROUND:
-            return at.x, at.y
-        points = {"centre": (0.0, 0.0)} | dict(linkage.bodies[linkage.index(at.body)].points)
-        names = [name for name, place in points.items() if place == (at.x, at.y)]
-        return f"{at.body}.{names[0]}" if names else at
-
-    def named(part: Any) -> Any:
-        """Return a part with its points by name."""
-        if isinstance(part, OutputPoint):
-            return point(part.attachment)
-        if isinstance(part, Attachment):
-            return point(part)
-        if not isinstance(part, Revolute | Spring | Force | Drive | Follow):
-            return part
-        kind = Pin if isinstance(part, Revolute) else type(part)
-        return kind(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
-
-    return _Parts(
-        point(linkage.output.attachment),
-        linkage.name,
-        linkage.output.direction,
-        dict(linkage.guess),
-        linkage.cycle,
-        linkage.run_up,
-        linkage.gravity,
-        linkage.bodies,
-        *(tuple(map(named, getattr(linkage, table))) for table in _TABLES[1:]),
-    )
-
-
 def assemble(
     bodies: Sequence[Any],
     joints: Sequence[Any] = (),
@@ -261,9 +220,7 @@ def assemble(
 
     Parameters
     ----------
-    bodies : sequence of Body
     joints : sequence of Pin, Revolute or Guide
-    drives : sequence of Drive
     output : str, tuple, Attachment or OutputPoint
         Output point; default: the mass centre of the last body.
     guess : mapping of str to float
@@ -277,9 +234,7 @@ def assemble(
         many; 0: it starts at speed.
     gravity : float or str
         Acceleration along -y, m/s^2.
-    springs : sequence of Spring
     loads : sequence of Load, Force or Moment
-    clearances : sequence of ClearanceJoint
     direction : float, str or None
         Direction along which the output point is observed, rad; None: along the guide of its body,
         or else x.
@@ -319,53 +274,44 @@ def assemble(
         return Attachment(body, *points[name])
 
     def output_point(end: OutputPoint | End, where: str, direction: float | None) -> OutputPoint:
-        if isinstance(end, OutputPoint):
-            check_body(end.body, where)
-            return end
-        at = point(end, where)
+        at = end if isinstance(end, OutputPoint) else point(end, where)
         check_body(at.body, where)
+        if isinstance(at, OutputPoint):
+            return at
         default = guides.get(at.body, 0.0)
         return OutputPoint(at.body, default if direction is None else direction, at.x, at.y)
 
-    def placed(joint: Pin | Revolute | Guide) -> Joint:
-        if isinstance(joint, Guide):
-            check_body(joint.body, f"guide {joint.name}")
-            return joint
-        ends = (point(end, f"joint {joint.name}") for end in (joint.first, joint.second))
-        return Revolute(joint.name, *ends)
-
-    def followed(drive: Drive) -> Drive:
-        check_body(drive.body, "drives")
-        if drive.follow is None:
-            return drive
-        where, direction = f"follow of {drive.body}", drive.follow.direction
-        at = output_point(drive.follow.point, where, direction)
-        return replace(drive, follow=replace(drive.follow, point=at, direction=at.direction))
-
-    def applied(load: AnyLoad) -> AnyLoad:
-        check_body(load.body, "loads")
-        if isinstance(load, Force):
-            return replace(load, point=point(load.point, "loads"))
-        return load
-
-    def hung(spring: Spring) -> Spring:
-        first, second = (point(at, f"spring {spring.name}") for at in (spring.first, spring.second))
-        return replace(spring, first=first, second=second)
+    def placed(part: Any, where: str) -> Any:
+        """Return a joint, drive, spring or load with its points as attachments."""
+        where = f"{where} {part.name}" if where in ("joint", "guide", "spring") else where
+        if hasattr(part, "body"):
+            check_body(part.body, where)
+        if isinstance(part, Pin | Revolute):
+            return Revolute(part.name, point(part.first, where), point(part.second, where))
+        if isinstance(part, Spring):
+            return replace(part, first=point(part.first, where), second=point(part.second, where))
+        if isinstance(part, Force):
+            return replace(part, point=point(part.point, where))
+        if isinstance(part, Drive) and part.follow is not None:
+            follow = part.follow
+            at = output_point(follow.point, f"follow of {part.body}", follow.direction)
+            return replace(part, follow=replace(follow, point=at, direction=at.direction))
+        return part
 
     for body in parts.guess:
         check_body(body, "guess")
     linkage = Linkage(
         tuple(parts.bodies),
-        tuple(map(placed, parts.joints)),
-        tuple(map(followed, parts.drives)),
+        tuple(placed(one, "guide" if isinstance(one, Guide) else "joint") for one in parts.joints),
+        tuple(placed(drive, "drives") for drive in parts.drives),
         output_point(parts.output, "output", parts.direction),
         tuple(parts.guess.items()),
         parts.cycle,
         parts.run_up,
         parts.name,
         parts.gravity,
-        tuple(map(hung, parts.springs)),
-        tuple(map(applied, parts.loads)),
+        tuple(placed(spring, "spring") for spring in parts.springs),
+        tuple(placed(load, "loads") for load in parts.loads),
         tuple(clearances),
     )
     _check(linkage)
@@ -381,16 +327,24 @@ def _body_of(place: str, value: Any) -> Any:
 def _check(linkage: Linkage) -> None:
     """Raise InputError for names that stand twice and for bodies without inertia that can turn."""
     joints = [joint.name for joint in (*linkage.joints, *linkage.clearances)]
-    _check_names("body", [GROUND, *(body.name for body in linkage.bodies)])
-    _check_names("joint", ["none", *joints])
+    names = {
+        "body": [GROUND, *(body.name for body in linkage.bodies)],
+        "joint": ["none", *joints],
+        "spring": [spring.name for spring in linkage.springs],
+        "drive of": [drive.body for drive in linkage.drives],
+    }
+    for what, name in ((what, name) for what, row in names.items() for name in row):
+        if not name.isprintable() or name != name.strip() or not name or set(name) & _SIGNS:
+            signs = " ".join(sorted(_SIGNS))
+            raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
+        if names[what].count(name) > 1:
+            raise InputError(f"{what} {name}: the name stands twice")
     for one, longer in permutations(joints, 2):
         if longer.startswith(f"{one}_"):
             raise InputError(
                 f"name of a joint = {longer!r}: must not begin with {one}_, because {one} is a "
                 "joint too"
             )
-    _check_names("spring", [spring.name for spring in linkage.springs])
-    _check_names("drive of", [drive.body for drive in linkage.drives])
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
@@ -405,13 +359,34 @@ def _check(linkage: Linkage) -> None:
             )
 
 
-def _check_names(what: str, names: Sequence[str]) -> None:
-    for name in names:
-        if not name.isprintable() or name != name.strip() or not name or set(name) & _SIGNS:
-            signs = " ".join(sorted(_SIGNS))
-            raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
-        if list(names).count(name) > 1:
-            raise InputError(f"{what} {name}: the name stands twice")
+def _parts_of(linkage: Linkage) -> _Parts:
+    """Return the arguments of ``assemble`` that make a linkage."""
+
+    def named(part: Any) -> Any:
+        """Return a part with its points by name."""
+        if isinstance(part, OutputPoint):
+            part = part.attachment
+        if isinstance(part, Attachment):
+            if part.body == GROUND:
+                return part.x, part.y
+            points = {"centre": (0.0, 0.0)} | dict(linkage.bodies[linkage.index(part.body)].points)
+            names = [name for name, place in points.items() if place == (part.x, part.y)]
+            return f"{part.body}.{names[0]}" if names else part
+        if not isinstance(part, Revolute | Spring | Force | Drive | Follow):
+            return part
+        kind = Pin if isinstance(part, Revolute) else type(part)
+        return kind(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
+
+    return _Parts(
+        named(linkage.output),
+        linkage.name,
+        linkage.output.direction,
+        dict(linkage.guess),
+        linkage.cycle,
+        linkage.run_up,
+        linkage.gravity,
+        *(tuple(map(named, getattr(linkage, table))) for table in _TABLES),
+    )
 
 
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:
@@ -470,22 +445,12 @@ class _BarRow:
 
 
 class Branch(NamedTuple):
-    """Body of an open tree.
+    """Body of an open tree."""
 
-    Attributes
-    ----------
-    joint : Revolute, Guide or None
-        Joint to the parent; None for a body that no ideal joint holds.
-    before, end : Attachment
-        End of the joint on the parent, and on the body itself.
-    parent : int
-        Position of the parent in the tree; -1 for the frame or a body with prescribed motion.
-    """
-
-    joint: Joint | None
-    before: Attachment
-    end: Attachment
-    parent: int
+    joint: Joint | None  # to the parent; None for a body that no ideal joint holds
+    before: Attachment  # end of the joint on the parent
+    end: Attachment  # end of the joint on the body itself
+    parent: int  # position in the tree; -1 for the frame or a body with prescribed motion
 
 
 def _ends(joint: Joint) -> tuple[Attachment, Attachment]:

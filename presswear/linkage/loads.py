@@ -15,7 +15,7 @@ from typing import Annotated, Any, ClassVar, Literal, cast
 from presswear.linkage.elements import ANGLE, MAX_ANGLE, MAX_LENGTH, Attachment, End
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, choice, quantity
-from presswear.tools.serialize import Checked, check_fields, make
+from presswear.tools.serialize import Checked, make
 from presswear.tools.user_function import UserFunction
 
 Sense = Literal["both", "along", "against"]
@@ -61,15 +61,10 @@ class Load(Checked):
 
 
 @dataclass(frozen=True)
-class Harmonics:
+class Harmonics(Checked):
     """Fourier series over time: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t.
 
-    Attributes
-    ----------
-    mean : float
-        N or N m.
-    harmonics : tuple of (float, float)
-        a_k and b_k, N or N m.
+    The mean and the rows a_k, b_k of ``harmonics`` are in N or N m.
     """
 
     kind: ClassVar[str] = "harmonics"
@@ -79,7 +74,7 @@ class Harmonics:
     harmonics: Sequence[tuple[_LOAD, _LOAD]] = ()
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         if self.harmonics and not self.frequency > 0.0:
             raise InputError(
                 f"frequency = {self.frequency:g} rad/s: with harmonics it must be above 0"
@@ -87,14 +82,8 @@ class Harmonics:
 
 
 @dataclass(frozen=True)
-class OverTime:
-    """Table over time, linear between its nodes.
-
-    Attributes
-    ----------
-    table : tuple of (float, float)
-        Time, s, and force, N, or moment, N m.
-    """
+class OverTime(Checked):
+    """Table over time, linear between its nodes: time, s, and force, N, or moment, N m."""
 
     kind: ClassVar[str] = "over-time"
 
@@ -104,7 +93,7 @@ class OverTime:
     )
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         _check_rising(self.table)
         if self.period is not None:
             self.check_period("period", self.period)
@@ -120,7 +109,7 @@ class OverTime:
 
 
 @dataclass(frozen=True)
-class OverPosition:
+class OverPosition(Checked):
     """Table over the position of the point along the force, or the angle of the body.
 
     In one sense of motion alone, a load resists: it is 0 at rest and behind, and grows with the
@@ -156,44 +145,39 @@ class OverPosition:
     )
 
     def __post_init__(self) -> None:
-        """Raise InputError where the law would jump or drive the motion."""
-        check_fields(self)
-        table = self.table
+        """Raise InputError where the law would jump or drive the motion, or give back more."""
+        super().__post_init__()
+        table, sense = self.table, self.sense
         _check_rising(table)
-        if self.outside == "zero":
-            ends = {"along": table[:1], "against": table[-1:], "both": (table[0], table[-1])}
-            for place, size in ends[self.sense] if self.release else (table[0], table[-1]):
-                if size != 0.0:
-                    raise InputError(
-                        f"table: {size:g} N or N m at the end, {place:g} m or rad, would be a "
-                        "jump to 0; allowed are 0 there, or outside = hold"
-                    )
-        if self.release and (self.sense == "both" or len(table) < 2):
+        ends = {"along": table[:1], "against": table[-1:], "both": (table[0], table[-1])}[sense]
+        jumps = (ends if self.release else (table[0], table[-1])) if self.outside == "zero" else ()
+        for place, size in jumps:
+            if size != 0.0:
+                raise InputError(
+                    f"table: {size:g} N or N m at the end, {place:g} m or rad, would be a jump to "
+                    "0; allowed are 0 there, or outside = hold"
+                )
+        if self.release and (sense == "both" or len(table) < 2):
             raise InputError("release: it needs a table of two nodes that acts in one sense")
-        wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[self.sense]
+        wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[sense]
         for place, size in table:
             if wrong * size > 0.0:
                 raise InputError(
                     f"table: {size:g} N or N m at {place:g} m or rad would drive the motion "
-                    f"{self.sense} its direction; in one sense a load must resist it"
+                    f"{sense} its direction; in one sense a load must resist it"
                 )
-        if self.unloading:
-            self._check_unloading()
-
-    def _check_unloading(self) -> None:
-        """Raise InputError where the elastic line would give back more than the table takes."""
-        if self.sense == "both":
+        if not self.unloading:
+            return
+        if sense == "both":
             raise InputError("unloading: it needs a table that acts in one sense")
-        place, size = self.table[0] if self.sense == "along" else self.table[-1]
+        place, size = ends[0]
         if size != 0.0:
             raise InputError(
                 f"table: {size:g} N or N m at {place:g} m or rad, where it begins; with unloading "
                 "allowed is 0"
             )
         # Resistance against the way, whose signs cancel in either sense.
-        steepest = max(
-            ((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(self.table)), default=0.0
-        )
+        steepest = max(((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(table)), default=0.0)
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
             raise InputError(
                 f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
@@ -275,7 +259,7 @@ class Force(Checked):
 
 
 @dataclass(frozen=True)
-class Moment:
+class Moment(Checked):
     """Moment on a body, counterclockwise.
 
     Attributes
@@ -289,7 +273,7 @@ class Moment:
     law: Annotated[Law, _LawOf("N m")]
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         if isinstance(self.law, float):
             raise InputError(f"law = {self.law:g} N m: use Load for a constant moment")
 
@@ -323,17 +307,32 @@ _CUSHION = "additional constant force, in both directions of motion"
 _BOTTOM = "extreme of the output coordinate that is bottom dead centre"
 
 
-def _area(curve: Curve) -> float:
-    return sum(0.5 * (b[0] - a[0]) * (a[1] + b[1]) for a, b in pairwise(curve))
+class _Work(Checked):
+    """Curve of a process and what follows from it; a cushion gives back what it takes.
+
+    It is elastic-plastic: where the motion turns back, the force falls as steeply as the curve
+    rises at most; see ``laws_of``.
+    """
+
+    @property
+    def curve(self) -> Curve:
+        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+        return ((0.0, 0.0),)
+
+    @property
+    def fracture(self) -> float | None:
+        """Depth at which the work breaks, m."""
+        return None
+
+    @property
+    def work(self) -> float:
+        """Work of a stroke, J."""
+        return sum(0.5 * (b[0] - a[0]) * (a[1] + b[1]) for a, b in pairwise(self.curve))
 
 
 @dataclass(frozen=True)
-class Blanking:
-    """Sheet that is cut: the force rises, stays, and snaps through to zero.
-
-    It is elastic-plastic: where the motion turns back, the force falls as steeply as it rose; see
-    ``laws_of``. The cushion beside it pushes both ways.
-    """
+class Blanking(_Work):
+    """Sheet that is cut: the force rises, stays, and snaps through to zero."""
 
     kind: ClassVar[str] = "blanking"
 
@@ -352,7 +351,7 @@ class Blanking:
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         if self.stiffness is not None:
             low, high = self.force / MAX_DEPTH, self.force / MIN_DEPTH
             if not low <= self.stiffness <= high:
@@ -362,30 +361,21 @@ class Blanking:
                 )
 
     @property
-    def curve(self) -> Curve:
-        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+    def curve(self) -> Curve:  # noqa: D102
         rise = self.rise if self.stiffness is None else self.force / self.stiffness
         broken = rise + self.plateau * self.thickness
         return (0.0, 0.0), (rise, self.force), (broken, self.force), (broken + self.snap, 0.0)
 
     @property
-    def fracture(self) -> float:
-        """Depth at which the sheet breaks, m."""
+    def fracture(self) -> float:  # noqa: D102
         return self.curve[2][0]
-
-    @property
-    def work(self) -> float:
-        """Work of a stroke, J; the cushion gives back what it takes."""
-        return _area(self.curve)
 
 
 @dataclass(frozen=True)
-class Drawing(Checked):
+class Drawing(_Work):
     """Cup that is drawn: the force rises and falls over the punch travel, as half cosines.
 
-    Each half cosine is made of straight pieces. It is elastic-plastic: where the motion turns back,
-    the force falls as steeply as the curve rises at most; see ``laws_of``. The cushion beside it
-    pushes both ways.
+    Each half cosine is made of straight pieces.
     """
 
     kind: ClassVar[str] = "drawing"
@@ -397,11 +387,8 @@ class Drawing(Checked):
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
-    fracture: ClassVar[None] = None
-
     @property
-    def curve(self) -> Curve:
-        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+    def curve(self) -> Curve:  # noqa: D102
         peak = self.peak * self.depth
         parts = [k / _CURVE_PIECES for k in range(_CURVE_PIECES + 1)]
         sizes = [0.5 * self.force * (1.0 - math.cos(math.pi * part)) for part in parts]
@@ -409,14 +396,9 @@ class Drawing(Checked):
         depths = (*(part * peak for part in parts), *falling)
         return tuple(zip(depths, (*sizes, *sizes[-2::-1]), strict=True))
 
-    @property
-    def work(self) -> float:
-        """Work of a stroke, J; the cushion gives back what it takes."""
-        return _area(self.curve)
-
 
 @dataclass(frozen=True)
-class Coining(Checked):
+class Coining(_Work):
     """Stiff stop of die and work, elastic: it pushes on the way back as on the way in."""
 
     kind: ClassVar[str] = "coining"
@@ -425,10 +407,7 @@ class Coining(Checked):
     height: float = _depth(3e-4, _HEIGHT)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
-    fracture: ClassVar[None] = None
     cushion: ClassVar[float] = 0.0
-    curve: ClassVar[Curve] = ((0.0, 0.0),)
-    work: ClassVar[float] = 0.0  # it gives back what it takes, J
 
 
 Process = Blanking | Drawing | Coining

@@ -42,30 +42,19 @@ def _inertia(origin: str, default: float, text: str) -> Any:
     return quantity(default, "kg m^2", 1e-9, 1e4, origin, text)
 
 
+_side = partial(_length, "paper, reading chosen")
+_p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
+_l_length, _l_mass, _l_inertia = (partial(make, LITERATURE) for make in (_length, _mass, _inertia))
+
+
 class Mechanism(Checked, ABC):
-    """Driven mechanism, a data class of its quantities: everything but its clearance joints.
+    """Driven mechanism, a data class of its quantities: everything but its clearance joints."""
 
-    Attributes
-    ----------
-    kind : str
-        Word for it in a stored scene.
-    openable : tuple of str
-        Names, one letter each, of the joints that may have clearance, in order.
-    loose : tuple of str
-        Joints that have clearance by default.
-    speed : float
-        Speed of the driven crank, rad/s.
-    """
-
-    kind: ClassVar[str]
-    openable: ClassVar[tuple[str, ...]]
-    loose: ClassVar[tuple[str, ...]]
-    speed: float
-
-    @property
-    @abstractmethod
-    def origin(self) -> str:
-        """Origin of its values, in a sentence."""
+    kind: ClassVar[str]  # word for it in a stored scene
+    openable: ClassVar[tuple[str, ...]]  # joints that may have clearance, one letter each
+    loose: ClassVar[tuple[str, ...]]  # joints that have clearance by default
+    origin: ClassVar[str]  # of its values, in a sentence
+    speed: float  # of the driven crank, rad/s
 
     @property
     def period(self) -> float:
@@ -83,9 +72,6 @@ class Mechanism(Checked, ABC):
 @lru_cache(maxsize=64)
 def _assembled(mechanism: Mechanism) -> Linkage:
     return mechanism._assemble()  # once: a scene asks for it several times
-
-
-_side = partial(_length, "paper, reading chosen")
 
 
 @dataclass(frozen=True)
@@ -107,7 +93,6 @@ class Geometry(Checked):
     slider_side: float = BELOW
 
     def __post_init__(self) -> None:
-        """Raise InputError where the plate is no triangle."""
         super().__post_init__()
         for side in ("side_b", "side_c", "slider_side"):
             value = getattr(self, side)
@@ -142,8 +127,6 @@ GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equ
     ),
 }
 
-_p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
-
 
 @dataclass(frozen=True)
 class Press(Mechanism):
@@ -152,6 +135,10 @@ class Press(Mechanism):
     kind = "press"
     openable = ("A", "C")
     loose = ("A", "C")
+    origin = (
+        "The geometry and several parameters are chosen, not the paper's: it does not print enough "
+        "to fix the mechanism."
+    )
 
     geometry: Geometry = named_set(
         "standard", GEOMETRIES, "named geometry; a choice, the paper does not fix it"
@@ -185,14 +172,6 @@ class Press(Mechanism):
     servo: Servo | None = one_of(
         SERVOS, "servo motion of crank 7; none: it turns at constant speed, as crank 2"
     )
-
-    @property
-    def origin(self) -> str:
-        """Origin of its values, in a sentence."""
-        return (
-            f"The geometry ({self.geometry.name}) and several parameters are chosen, not the "
-            "paper's: it does not print enough to fix the mechanism."
-        )
 
     def plate_corners(self) -> dict[str, Attachment]:
         """Return B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""
@@ -270,9 +249,6 @@ def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) 
     return p + complex(along, across) * (q - p) / length
 
 
-_l_length, _l_mass, _l_inertia = (partial(make, LITERATURE) for make in (_length, _mass, _inertia))
-
-
 @dataclass(frozen=True)
 class SliderCrank(Mechanism):
     """Slider-crank: the crank turns about O, the rod joins it in A and the slider in B.
@@ -284,6 +260,10 @@ class SliderCrank(Mechanism):
     kind = "slider-crank"
     openable = ("A", "B")
     loose = ("B",)
+    origin = (
+        "Dimensions, masses and speed are those of a slider-crank that the literature on joints "
+        "with clearance has studied (Flores), from memory and not checked against a page."
+    )
 
     crank_length: float = _l_length(0.05, "crank, O to A")
     rod_length: float = _l_length(0.12, "rod, A to B; longer than the crank")
@@ -300,7 +280,6 @@ class SliderCrank(Mechanism):
     torque_limit: float | None = torque_limit()
 
     def __post_init__(self) -> None:
-        """Raise InputError where the crank cannot turn all around."""
         super().__post_init__()
         least = _MIN_ROD_RATIO * self.crank_length
         if not self.rod_length >= least:
@@ -309,15 +288,6 @@ class SliderCrank(Mechanism):
                 f"allowed is {least:.6g} m to {MAX_LINK:g} m; joint B does not close over the "
                 "whole turn"
             )
-
-    @property
-    def origin(self) -> str:
-        """Origin of its values, in a sentence."""
-        return (
-            "Dimensions, masses and speed are those of a slider-crank that the literature on "
-            "joints with clearance has studied (Flores), from memory and not checked against a "
-            "page."
-        )
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the rod from A to B: both are at angle 0 at the start.

@@ -1,10 +1,9 @@
 """Worn surfaces: wear depth as a smooth periodic function of angle.
 
-A map holds the mean depth of ``m`` equal angular bins, bin ``k`` covering
-``[k, k + 1) 2 pi / m``; between the bin centres the depth is the monotone
-piecewise cubic of Fritsch and Carlson (SIAM J. Numer. Anal. 17, 1980): value
-and slope are continuous, seam included, and it never leaves the range of its
-neighbours, so that a worn surface cannot rise above the new one.
+A map holds the mean depth of ``m`` equal angular bins, bin ``k`` covering ``[k, k + 1) 2 pi / m``.
+Between the bin centres the depth is the monotone piecewise cubic of Fritsch and Carlson (SIAM J.
+Numer. Anal. 17, 1980): value and slope are continuous, seam included, and it never leaves the range
+of its neighbours, so that a worn surface cannot rise above the new one.
 """
 
 import math
@@ -42,14 +41,9 @@ def bin_centres(count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Worn surface of a bearing or a pin.
+    """Worn surface of a bearing or a pin: depth, m, and slope, m/rad, at the bin centres, (m,).
 
-    Attributes
-    ----------
-    depth : ndarray, shape (m,)
-        Wear depth at the bin centres, m; empty for an unworn surface.
-    slope : ndarray, shape (m,)
-        Its derivative, m/rad, derived from the depth.
+    Both are empty for an unworn surface.
     """
 
     depth: Array = field(default_factory=lambda: np.zeros(0))
