@@ -210,7 +210,7 @@ class WorkUnit:
             resume=self.arrays,
         )
         start = start_of(self.scene, self.replicate)
-        with on_compiling(lambda seconds: report(math.nan, "compiling")):
+        with on_compiling(lambda: report(math.nan, "compiling")):
             try:
                 run = self.scene.solver.simulate(linkage, start, plan)
             except BaseException as error:

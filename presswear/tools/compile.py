@@ -15,7 +15,6 @@ import inspect
 import os
 import tempfile
 import threading
-import time
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -29,17 +28,15 @@ from llvmlite import binding, ir
 from numba.core import cgutils, config, event, types, typing
 from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
-from numpy.typing import NDArray
 
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
 
-Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 Records = Any  # structured array; kernels read ``records[k].name``, a type checker cannot
 
-_COMPILE = "numba:compile"
 _PACKAGE = Path(__file__).resolve().parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
 
@@ -82,32 +79,24 @@ class _Listener(event.Listener):
         self._start, self._end, self._depth = start, end, 0
 
     def on_start(self, event: Any) -> None:
-        """Note the start of a function."""
         if self._depth == 0:
             self._start()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Note the end of a function."""
         self._depth -= 1
         if self._depth == 0:
             self._end()
 
 
 # Garbage collection would find little while numba compiles: nearly all its objects stay alive.
-event.register(_COMPILE, _Listener(gc.disable, gc.enable))
+event.register("numba:compile", _Listener(gc.disable, gc.enable))
 
 
-def on_compiling(report: Callable[[float], None]) -> AbstractContextManager[Any]:
-    """Report every compilation within the context: 0 at its start, then its duration, s."""
-    started = [0.0]
-
-    def start() -> None:
-        started[0] = time.perf_counter()
-        report(0.0)
-
-    listener = _Listener(start, lambda: report(time.perf_counter() - started[0]))
-    return cast(AbstractContextManager[Any], event.install_listener(_COMPILE, listener))
+def on_compiling(report: Callable[[], object]) -> AbstractContextManager[Any]:
+    """Report the start and the end of every compilation within the context."""
+    listener = _Listener(report, report)
+    return cast(AbstractContextManager[Any], event.install_listener("numba:compile", listener))
 
 
 class Kernel:
@@ -136,36 +125,27 @@ class Kernel:
         return self._from_kernels._numba_type_
 
 
-def compiled(function: F) -> F:
-    """Compile a kernel (numba, nopython).
+def _decorator(**options: Any) -> Callable[[F], F]:
+    def decorate(function: F) -> F:
+        return cast(F, Kernel(function, **options))
 
-    Kernels do not allocate: every array belongs to the caller. The reference counting of numba is
-    switched off because it took half of the time of these small functions. The compiler refuses a
-    kernel that allocates.
-    """
-    return cast(F, Kernel(function))
+    return decorate
 
 
-def inlined(function: F) -> F:
-    """Compile a kernel of every evaluation, inlined: to pass its arrays takes as long as it."""
-    return cast(F, Kernel(function, forceinline=True))
-
-
-def fused(function: F) -> F:
-    """Compile a kernel with fused multiply-add, which rounds once; for long sums."""
-    return cast(F, Kernel(function, fastmath={"contract"}))
-
-
-def fused_inlined(function: F) -> F:
-    """Compile a kernel with fused multiply-add that is inlined in every caller."""
-    return cast(F, Kernel(function, fastmath={"contract"}, forceinline=True))
+# Kernels do not allocate: every array belongs to the caller. The reference counting of numba is
+# switched off because it took half of the time of these small functions. The compiler refuses a
+# kernel that allocates. A kernel of every evaluation is inlined, because to pass its arrays takes
+# as long as its work. A fused multiply-add rounds once; it is for long sums.
+compiled = _decorator()
+inlined = _decorator(forceinline=True)
+fused = _decorator(fastmath={"contract"})
+fused_inlined = _decorator(fastmath={"contract"}, forceinline=True)
 
 
 class _LazyKernel(Kernel):
     """Kernel that is called by its address and compiled at the first call.
 
-    Callers load the address from a named variable; where it is zero they call a named function
-    that compiles the kernel.
+    Callers load the address from a variable; where it is zero they call a function that compiles.
     """
 
     def __init__(
@@ -221,15 +201,10 @@ class _LazyKernel(Kernel):
 
 
 def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
-    """Compile a kernel that few scenes need apart from its callers; see ``compiled``.
+    """Compile a kernel that few scenes need apart from its callers.
 
-    Parameters
-    ----------
-    result
-        Type of the result, described as the parameters; None for none.
-    parameters
-        A structured dtype for a record, the number of axes of an array of numbers, 0 for a number,
-        else an example value.
+    Result and parameters are described by a structured dtype for a record, the number of axes of an
+    array of numbers, 0 for a number, else an example value; a result of None is none.
     """
 
     def numba_type(example: Any) -> Any:
@@ -274,26 +249,23 @@ def _call(typing: Any, address: Any, arguments: Any) -> Any:
 call = cast(Callable[[int, tuple[float, ...]], float], _call)
 
 
-_callbacks: dict[Any, Any] = {}  # machine code that is called by address must stay in memory
+_callbacks: list[Any] = []  # machine code that is called by address must stay in memory
 
 
+@cache
 def address_of(kernel: Callable[..., float], count: int) -> int:
     """Return the address of a compiled function of so many numbers, for ``call``."""
-    if kernel not in _callbacks:
-        signature = types.float64(*(types.float64,) * count)
-        function = getattr(kernel, "py_func", kernel)
-        _callbacks[kernel] = _cached(partial(numba.cfunc, signature), function, **_OPTIONS)
-    return int(_callbacks[kernel].address)
+    signature = types.float64(*(types.float64,) * count)
+    function = getattr(kernel, "py_func", kernel)
+    _callbacks.append(_cached(partial(numba.cfunc, signature), function, **_OPTIONS))
+    return int(_callbacks[-1].address)
 
 
 @cache
 def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Callable[..., float]:
     """Compile a user function as a function of all these parameters, in their order.
 
-    Raises
-    ------
-    InputError
-        For a function that numba cannot compile.
+    InputError for a function that numba cannot compile.
     """
     compiler = numba.njit(**_OPTIONS)
     namespace = function.namespace()
@@ -337,13 +309,12 @@ def all_finite(first: Array, second: Array) -> bool:
     return total == 0.0
 
 
-# Arguments that are unpacked once for a million calls. Numba unpacks every array of a call into
-# address, shape and strides. For three dozen arrays that takes as long as a small kernel. Here the
-# unpacked arguments are stored, and a kernel receives their address.
-
-
 class PackedArguments(int):
-    """Address of unpacked arguments, which it keeps alive; for numba a pointer to their tuple."""
+    """Address of unpacked arguments, which it keeps alive; for numba a pointer to their tuple.
+
+    Numba unpacks every array of a call into address, shape and strides. For three dozen arrays that
+    takes as long as a small kernel. These are unpacked once for a million calls.
+    """
 
     arguments: tuple[Any, ...]
     memory: Any
@@ -404,14 +375,10 @@ unpack = cast(Callable[[PackedArguments], Any], _load)
 
 
 def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> Callable[[float], T]:
-    """Return a kernel as a function of its last argument, a number.
+    """Return a kernel of packed arguments and a number as a function of the number.
 
-    Parameters
-    ----------
-    kernel : compiled function
-        Of ``PackedArguments``, which it reads by ``unpack``, and a number.
-    arguments : arrays, records, or named tuples of such
-        Arrays may change their values but not their memory.
+    The arguments are arrays, records, or named tuples of such. Arrays may change their values but
+    not their memory.
     """
     context = cpu_target.target_context
     size = context.get_abi_sizeof(context.get_value_type(numba.typeof(arguments)))

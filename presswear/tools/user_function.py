@@ -9,7 +9,6 @@ import hashlib
 import inspect
 import math
 import textwrap
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,14 +32,9 @@ def is_stored_function(data: Any) -> bool:
 
 @dataclass(frozen=True)
 class UserFunction:
-    """Function of numbers that returns a number, as source text.
+    """Function of numbers that returns a number, by its name in a Python text.
 
-    Attributes
-    ----------
-    name : str
-        Name of the function in the text.
-    source : str
-        Python text with everything that the function needs; ``math`` is provided.
+    The text has everything that the function needs; ``math`` is provided.
     """
 
     name: str
@@ -76,17 +70,8 @@ class UserFunction:
     def read(key: str, value: Any, parameters: tuple[str, ...] | None = None) -> "UserFunction":
         """Return a function from a function, ``FILE.py:NAME``, or its stored form.
 
-        The first two are trusted; stored text is not.
-
-        Parameters
-        ----------
-        parameters : tuple of str or None
-            Names that the function may use as parameters; None: not checked.
-
-        Raises
-        ------
-        InputError
-            With the key, for a value that is no readable function.
+        The first two are trusted; stored text is not. InputError with the key for a value that is
+        no readable function, or one with a parameter that is not among ``parameters``.
         """
         if isinstance(value, UserFunction):
             function = value
@@ -95,10 +80,23 @@ class UserFunction:
                 raise InputError(f"{key} = {value!r}: must have texts under name and source")
             function = UserFunction(**value)
         elif callable(value):
-            function = _from_callable(key, value)
+            try:
+                source = textwrap.dedent(inspect.getsource(value))
+                function = UserFunction(value.__name__, source).trusted()
+            except (OSError, TypeError, AttributeError):
+                raise InputError(
+                    f"{key}: the source of {value!r} cannot be read: must be a function defined in "
+                    "a file"
+                ) from None
         else:
             key = f"{key} = {value!r}"
-            function = _from_file(key, str(value))
+            file, _, name = str(value).rpartition(":")
+            if not Path(file).is_file():
+                raise InputError(f"{key}: there is no file {file!r}; must be FILE.py:NAME")
+            try:
+                function = UserFunction(name, read_checked(Path(file)).decode()).trusted()
+            except UnicodeDecodeError:
+                raise InputError(f"{key}: this is no text") from None
         if parameters is not None:
             function.parameters(key, parameters)
         return function
@@ -106,10 +104,8 @@ class UserFunction:
     def parameters(self, key: str, allowed: tuple[str, ...]) -> tuple[str, ...]:
         """Return the names of the parameters without executing the text.
 
-        Raises
-        ------
-        InputError
-            For text that does not define the function, and for a parameter that is not allowed.
+        InputError for text that does not define the function, and for a parameter that is not
+        allowed.
         """
         try:
             tree = ast.parse(self.source)
@@ -142,8 +138,8 @@ class UserFunction:
         try:
             result = self.namespace()[self.name](**arguments)
         except (Exception, SystemExit) as error:
-            hint = "; define everything inside it, or pass FILE.py:NAME"
-            hint = hint if isinstance(error, NameError) else ""
+            is_outside = isinstance(error, NameError)
+            hint = "; define everything inside it, or pass FILE.py:NAME" if is_outside else ""
             raise InputError(f"{key}: {self.name} fails at {place}: {error}{hint}") from None
         is_number = isinstance(result, (int, float)) and not isinstance(result, bool)
         if not is_number or not math.isfinite(result):
@@ -153,12 +149,8 @@ class UserFunction:
     def try_in_python(self, key: str, allowed: tuple[str, ...]) -> None:
         """Run the function at twenty points, because compiled code cannot be stopped by Ctrl-C.
 
-        Arithmetic errors are ignored: a point may lie outside of the range of the law.
-
-        Raises
-        ------
-        InputError
-            With the key, for a function that fails otherwise.
+        InputError with the key for a function that fails, but for arithmetic errors: a point may
+        lie outside of the range of the law.
         """
         count = len(self.parameters(key, allowed))
         function = self.namespace()[self.name]
@@ -171,28 +163,6 @@ class UserFunction:
                 continue
             except (Exception, SystemExit) as error:
                 raise InputError(f"{key}: {self.name} fails: {error}") from None
-
-
-def _from_callable(key: str, function: Callable[..., Any]) -> UserFunction:
-    try:
-        source = textwrap.dedent(inspect.getsource(function))
-        return UserFunction(function.__name__, source).trusted()
-    except (OSError, TypeError, AttributeError):
-        raise InputError(
-            f"{key}: the source of {function!r} cannot be read: must be a function defined in a "
-            "file"
-        ) from None
-
-
-def _from_file(key: str, place: str) -> UserFunction:
-    file, _, name = place.rpartition(":")
-    path = Path(file)
-    if not path.is_file():
-        raise InputError(f"{key}: there is no file {file!r}; must be FILE.py:NAME")
-    try:
-        return UserFunction(name, read_checked(path).decode()).trusted()
-    except UnicodeDecodeError:
-        raise InputError(f"{key}: this is no text") from None
 
 
 def _unpickled(name: str, source: str, is_trusted: bool) -> UserFunction:

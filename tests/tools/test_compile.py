@@ -76,19 +76,18 @@ def test_lazy_kernel_is_compiled_at_its_first_call() -> None:
     assert pairs["calls"].tolist() == [1, 1]
 
 
-def test_compiling_is_reported_with_its_duration_and_loading_is_not() -> None:
+def test_compiling_is_reported_and_loading_is_not() -> None:
     @compiled
     def half(x: float) -> float:
         return 0.5 * _leaf(x)
 
-    durations: list[float] = []
-    with on_compiling(durations.append):
+    reports: list[int] = []
+    with on_compiling(lambda: reports.append(1)):
         assert half(1.0) == 1.0
         assert half(3.0) == 5.0
-    start, took = durations
-    assert start == 0.0 < took
+    assert len(reports) == 2  # its start and its end
     specialised(half, 1)
-    assert len(durations) == 2
+    assert len(reports) == 2
 
 
 COUNTED = """
