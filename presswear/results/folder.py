@@ -12,7 +12,7 @@ import os
 import platform
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -42,8 +42,6 @@ FILE = "result.json"
 SCHEMA = 10
 FINISHED = ("completed", "unconverged", "failed")  # statuses of a run that has ended
 INTERVAL = 60.0  # s between two checkpoints within a stage
-MIN_WAIT = 100.0  # times that a checkpoint took to write, before the next: they cost below 1 %
-
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 _SOURCE = Path(__file__).resolve().parents[1]
 
@@ -68,35 +66,33 @@ def provenance() -> Provenance:
         revision = process.stdout.strip()
     except (OSError, subprocess.SubprocessError):
         revision = "unknown"
+    packages = {name: version(name) for name in PACKAGES}
+    packages["exudyn"] += f", {requested()}"  # last digits differ between its modules
+    sha = hashlib.sha256()
+    for path in sorted(_SOURCE.rglob("*.py")):
+        sha.update(path.relative_to(_SOURCE).as_posix().encode())
+        sha.update(path.read_bytes())
     return {
         "python": platform.python_version(),
-        "packages": {name: _version(name) for name in PACKAGES},
+        "packages": packages,
         "revision": revision,
-        "source": source_digest(),
+        "source": sha.hexdigest()[:16],  # distinguishes changes of one revision
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
 
 
-def _version(package: str) -> str:
-    """Return a version; of Exudyn also its module, since last digits differ between modules."""
-    return f"{version(package)}, {requested()}" if package == "exudyn" else version(package)
-
-
-def source_digest() -> str:
-    """Return the digest of the package's modules: it distinguishes changes of one revision."""
-    sha = hashlib.sha256()
-    for path in sorted(_SOURCE.rglob("*.py")):
-        sha.update(path.relative_to(_SOURCE).as_posix().encode())
-        sha.update(path.read_bytes())
-    return sha.hexdigest()[:16]
+def _versions(origin: Provenance) -> dict[str, str]:
+    """Return all on which numbers may depend, by name: source and versions."""
+    packages = {name: number for name, number in origin["packages"].items() if name != "matplotlib"}
+    return {"python": origin["python"], "source": origin["source"], **packages}
 
 
 @cache
 def program_digest() -> str:
     """Return the digest of source and versions, without those that only draw figures."""
-    parts = [platform.python_version(), source_digest(), *map(_version, PACKAGES[:-1])]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+    text = "\n".join(_versions(provenance()).values())
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)
@@ -136,23 +132,19 @@ def files_of(index: int) -> tuple[str, str]:
 def read_stored(path: Path) -> StoredResult:
     """Return the document of a folder; InputError names the first part that is wrong."""
     file, missing = path / FILE, f"{path} is no result folder: it has no {FILE}"
-    if not file.exists():
-        inner = sorted(f"{item.parent}" for d in ("*", "*/*") for item in path.glob(f"{d}/{FILE}"))
-        if inner:
-            more = f" and {len(inner) - 3} more" if len(inner) > 3 else ""
-            missing += f"; name one that it holds: {', '.join(inner[:3])}{more}"
-        elif (path / "sweep.json").exists():
-            missing += "; a sweep holds whole results where it ran with --keep all"
-    document = read_json(file, missing, SCHEMA)
-    stored = typed(document, StoredResult, f"{file}")
+    if (path / "sweep.json").exists():
+        missing += "; a sweep holds whole results where it ran with --keep all"
+    elif inner := sorted(
+        f"{item.parent}" for d in ("*", "*/*") for item in path.glob(f"{d}/{FILE}")
+    ):
+        missing += f"; name one that it holds: {', '.join(inner[:3])}"
+    stored = typed(read_json(file, missing, SCHEMA), StoredResult, f"{file}")
     indices = [stage.index for stage in stored.stages]
-    if indices != list(range(len(indices))):
-        raise InputError(f"{file}: the stages have the indices {indices}; 0, 1, 2 ... is expected")
     files = {name for index in indices for name in files_of(index)}
     files |= {LIFE} if stored.life else set()
-    for name in sorted(files ^ stored.files.keys()):
-        how = "lacks" if name in files else "has"
-        raise InputError(f"{file}: 'files' {how} {name!r}, unlike its stages")
+    if indices != list(range(len(indices))) or files != stored.files.keys():
+        unlike = ", ".join(sorted(files ^ stored.files.keys()))
+        raise InputError(f"{file}: the stages {indices} and 'files' differ: {unlike}")
     return stored
 
 
@@ -191,12 +183,11 @@ class ResultFolder(Observer):
             )
         if not free and not (path / FILE).is_file():
             raise InputError(f"--out {path}: it holds no run to go on with: it has no {FILE}")
-        self.path, self.interval, self._scene = path, interval, scene
+        self.path, self.interval = path, interval
         self.resumed: State | None = None
         self.remarks: list[str] = []
         self.kept = "kept up to its end"
         self._latest: Any = None
-        self._write_time = 0.0
         self._lock = FolderLock(path)
         if self._lock.warning:
             self.remarks.append(self._lock.warning)
@@ -207,9 +198,9 @@ class ResultFolder(Observer):
                     self.remarks.append(f"no run to resume in {path}: the run starts")
             else:
                 self._stored = read_stored(path)
-                self._resume()
-            self._started = self._saved = time.perf_counter()
-            self._earlier = self._stored.wall_s
+                self._resume(scene)
+            self._saved = time.perf_counter()
+            self._started = self._saved - self._stored.wall_s
             if not self.is_finished:
                 self._write()
         except BaseException:
@@ -221,20 +212,29 @@ class ResultFolder(Observer):
         """True if the run in it has ended."""
         return self._stored.status in FINISHED
 
-    def _resume(self) -> None:
-        """Prepare to resume the run in the folder from its checkpoint."""
+    def _resume(self, scene: Scene) -> None:
+        """Prepare to resume the run in the folder from its checkpoint.
+
+        InputError unless the run is of the same scene and program.
+        """
         stored, here = self._stored, provenance()
-        self._check_same(here)
+        start = f"--out {self.path}: it holds a run of another scene: "
+        self._refuse(start, differences(stored.scene, plain(scene.as_dict())))
+        before, now = _versions(stored.provenance), _versions(here)
+        self._refuse(
+            f"--out {self.path}: it was begun by another program, with which its numbers would not "
+            "agree: ",
+            [(name, before.get(name, "missing"), now[name]) for name in now],
+        )
         if self.is_finished:
             return
-        checkpoint = stored.checkpoint
+        checkpoint, first = stored.checkpoint, 0
+        used = "" if checkpoint is None else checkpoint.file
         for item in self.path.iterdir():
-            ours = item.name.startswith((FILE, "checkpoint", "stage-", "film-", "report.html"))
-            is_used = checkpoint is not None and item.name == checkpoint.file
-            is_left = item.name.startswith("checkpoint") and not is_used
-            if ours and (item.name.endswith(PART) or is_left):
+            is_part = item.name.startswith((FILE, "stage-", "film-", "report.html"))
+            is_checkpoint = item.name.startswith("checkpoint") and item.name != used
+            if is_checkpoint or (is_part and item.name.endswith(PART)):
                 item.unlink()
-        first = 0
         if checkpoint is None:
             self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
         else:
@@ -246,40 +246,24 @@ class ResultFolder(Observer):
             for name in files_of(stage.index):
                 del stored.files[name]
         del stored.stages[first:]
-        before = stored.provenance
-        if before["machine"] != here["machine"]:
+        origin = stored.provenance
+        if origin["machine"] != here["machine"]:
             self.remarks.append(
-                f"begun on {before['machine']}, going on on {here['machine']}: from here on last "
+                f"begun on {origin['machine']}, going on on {here['machine']}: from here on last "
                 "digits may differ"
             )
         again = {"started": here["started"], "machine": here["machine"]}
-        before["resumed"] = [*before.get("resumed", []), again]
+        origin["resumed"] = [*origin.get("resumed", []), again]
         stored.status, stored.message = "running", ""
 
-    def _check_same(self, here: Provenance) -> None:
-        """Raise InputError unless the run in the folder is of the same scene and program."""
-        changes = differences(self._stored.scene, plain(self._scene.as_dict()))
-        if changes:
-            text = ", ".join(
-                f"{key} is {there} there and {now} here" for key, there, now in changes
-            )
-            raise InputError(f"--out {self.path}: it holds a run of another scene: {text}")
-        there = self._stored.provenance
-        pairs = {"python": (there["python"], here["python"])}
-        # The same source may be installed in one place and checked out in another.
-        if there["source"] != here["source"]:
-            pairs["revision"] = there["revision"], here["revision"]
-            pairs["source"] = there["source"], here["source"]
-        for name in PACKAGES[:-1]:
-            pairs[name] = there["packages"].get(name, "missing"), here["packages"][name]
-        versions = ", ".join(
-            f"{name} {old} there and {new} here" for name, (old, new) in pairs.items() if old != new
-        )
-        if versions:
-            raise InputError(
-                f"--out {self.path}: it was begun by another program, with which its numbers would "
-                f"not agree: {versions}"
-            )
+    @staticmethod
+    def _refuse(start: str, pairs: Iterable[tuple[str, Any, Any]]) -> None:
+        """Raise InputError if any value there differs from the value here."""
+        items = [
+            f"{key} is {there} there and {now} here" for key, there, now in pairs if there != now
+        ]
+        if items:
+            raise InputError(f"{start}{', '.join(items)}")
 
     def on_stage(self, stage: StageResult) -> None:
         """Store a finished stage."""
@@ -307,19 +291,14 @@ class ResultFolder(Observer):
         """Store a checkpoint at the end of a stage, or when it is due."""
         self._latest = checkpoint
         self._check()
-        waited = time.perf_counter() - self._saved
-        if (
-            is_stage
-            or self.interval == 0.0
-            or waited >= max(self.interval, MIN_WAIT * self._write_time)
-        ):
+        if is_stage or time.perf_counter() - self._saved >= self.interval:
             self._save()
 
     def _save(self) -> None:
         """Write the latest checkpoint; the one before stays until that is done."""
         if self._latest is None:
             return
-        start, before = time.perf_counter(), self._stored.checkpoint
+        before = self._stored.checkpoint
         is_second = before is not None and before.file == "checkpoint-1.npz"
         file: Any = "checkpoint-2.npz" if is_second else "checkpoint-1.npz"
         with self._writing():
@@ -327,7 +306,6 @@ class ResultFolder(Observer):
         words = self._latest.words
         self._replace_checkpoint(StoredCheckpoint(file, digest, words, self._latest.index))
         self._saved = time.perf_counter()
-        self._write_time = self._saved - start
         _LOG.info("checkpoint in %s: %s", self.path, words)
 
     def _replace_checkpoint(self, checkpoint: StoredCheckpoint | None) -> None:
@@ -382,7 +360,7 @@ class ResultFolder(Observer):
             self._lock.release()
 
     def _write(self) -> None:
-        self._stored.wall_s = self._earlier + time.perf_counter() - self._started
+        self._stored.wall_s = time.perf_counter() - self._started
         with self._writing():
             self._stored.write(self.path)
 

@@ -5,20 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from presswear.recording.statistics import Estimate, quantile
-from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, readable
 from presswear.tools.serialize import plain
 
-Array = NDArray[np.float64]
-
 FILE = "life.npz"  # of the curves
-COLUMNS = ("mean", "low", "high")  # of a curve
 WORDS = {
     "depth": "depth",
     "wear_volume": "worn volume",
@@ -28,7 +21,6 @@ WORDS = {
     "bdc_drift": "drift of bottom dead centre",
     "repeatability": "repeatability",
 }
-UNITS = {name: quantity.unit for name, quantity in FOLLOWED.items()}
 _FINE = 0.05  # half width of a logarithm below which a life has three digits
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
@@ -78,33 +70,23 @@ class LifeResult:
     ended : {"limit", "at_most", "worn", "cycles"}
         A limit was exceeded; the strokes reached their maximum; a surface was worn deeper than the
         model allows or a run failed; the cycles reached their maximum.
-    message : str
-        Reason, unless a limit was exceeded.
     strokes : float
         Life; if no limit was exceeded, strokes for which the wear was computed.
-    sampling, step : float or None
-        Half widths of its logarithm: by the scatter of the motion, and by the wear step.
-    scatter : float
-        Half width of its logarithm by the scatter of the wear coefficients.
-    limits : tuple of LimitResult
-    refinements : tuple of RefinementResult
-    phases : tuple of Phase
-    services : tuple of str
-        Maintenance of bushings, with strokes.
     curves : mapping of str to ndarray
-        ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): COLUMNS.
+        ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): mean, and the ends of
+        its interval.
     """
 
     ended: Ended
-    message: str
+    message: str  # reason, unless a limit was exceeded
     strokes: float
-    sampling: float | None
-    step: float | None
-    scatter: float
+    sampling: float | None  # half width of ln(strokes) by the scatter of the motion
+    step: float | None  # half width of ln(strokes) by the wear step
+    scatter: float  # half width of ln(strokes) by the scatter of the wear coefficients
     limits: tuple[LimitResult, ...]
     refinements: tuple[RefinementResult, ...]
     phases: tuple[Phase, ...]
-    services: tuple[str, ...] = ()
+    services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict)
 
     @property
@@ -137,10 +119,6 @@ class LifeResult:
         """Return the hours of the life at the rate of the scene, without a pause."""
         return self.strokes * scene.mechanism.period / 3600.0
 
-    def strokes_at(self, scene: Scene, index: int) -> float:
-        """Return the strokes before a stage: stages divide the life in equal parts."""
-        return self.strokes * index / scene.wear_updates
-
     @property
     def words(self) -> str:
         """Strokes with both ends of their interval, if it is known."""
@@ -170,14 +148,9 @@ class LifeResult:
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     """Return how many times a life is as long as another, and the probability that it is longer.
 
-    The scatter of the wear coefficients is left out, because it changes both lives alike.
-
-    Returns
-    -------
-    str
-        Ratio with its 95 % interval; empty if a life has no interval or ended without a limit.
-    str
-        Probability, of independent lives with normal errors of their logarithms.
+    The ratio has its 95 % interval. The probability is that of independent lives with normal errors
+    of their logarithms. Both are empty if a life has no interval or ended without a limit. The
+    scatter of the wear coefficients is left out, because it changes both lives alike.
     """
     ended = {life.ended, reference.ended}
     if ended != {"limit"} or life.error is None or reference.error is None:
@@ -208,17 +181,3 @@ def words_of(key: str) -> str:
     """Return the words for a key, such as ``depth of A``."""
     joint, _, name = key.rpartition(".")
     return f"{WORDS[name]} of {joint}" if joint else WORDS[name]
-
-
-def check_curves(life: LifeResult, curves: Mapping[str, Array], file: object) -> None:
-    """Raise InputError if curves are missing, misshapen or not finite."""
-    for name in ("strokes", *(limit.key for limit in life.limits)):
-        if name not in curves:
-            raise InputError(f"{file}: the array {name} is missing")
-    count = curves["strokes"].size
-    for name, values in curves.items():
-        shape = (count,) if name == "strokes" else (count, len(COLUMNS))
-        if values.shape != shape:
-            raise InputError(f"{file}: {name} has the shape {values.shape}; {shape} is expected")
-        if not np.all(np.isfinite(values)):
-            raise InputError(f"{file}: {name} holds a value that is not finite")

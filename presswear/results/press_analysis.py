@@ -1,18 +1,17 @@
-"""Press quantities of a stage: strokes on the work, tonnage, drives, energy, bottom dead centre and
-deep contacts.
+"""Press quantities of a stage: strokes on the work, tonnage, drives, bottom dead centre and deep
+contacts.
 
 They are computed from the stored arrays of a stage and from the ideal motion of its scene.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.physics.friction_and_normal import elastic_force, foundation_force, liu_force
 from presswear.physics.ideal import bottom_of
@@ -29,13 +28,12 @@ from presswear.recording.statistics import (
 )
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 from presswear.tools.user_function import UserFunction
 
-Array = NDArray[np.float64]
-
 PHASES = ("approach", "work", "snap-through", "return")  # of a stroke
-APPROACH, WORK, SNAP_THROUGH, RETURN = range(len(PHASES))
+APPROACH, WORK, SNAP_THROUGH, RETURN = PHASES
 SNAP_THROUGH_S = 20e-3  # s after a fracture, in which press builders look for reversed loads
 ENERGY_BOUND = 1e-6  # residual over exchanged energy at the tolerances of a trajectory
 SMALL_CONTACT = 0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
@@ -59,8 +57,7 @@ class Strokes:
     separation: Array  # the output leaves the height of the work again
 
 
-@dataclass(frozen=True)
-class SettledStroke:
+class SettledStroke(NamedTuple):
     """Instants of a stroke after the start-up, s; nan for a missing instant."""
 
     start: float  # upper dead centre of the ideal motion
@@ -70,15 +67,27 @@ class SettledStroke:
     fracture: float = math.nan
     done: float = math.nan  # the force of the work has vanished
 
+    @property
+    def phases(self) -> dict[str, tuple[float, float]]:
+        """Start and end of each phase, s.
 
-def _output(scene: Scene, stage: StageResult) -> Array:
-    start = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
-    return np.asarray(stage.displacement + start)
+        Without work a stroke is approach down to bottom dead centre and return from there. Work
+        lasts from contact to fracture, or until its force has vanished, and after
+        ``SNAP_THROUGH_S`` of snap-through follows the return.
+        """
+        if math.isnan(self.contact):
+            return {APPROACH: (self.start, self.bottom), RETURN: (self.bottom, self.end)}
+        worked = after = self.done
+        if not math.isnan(self.fracture):
+            worked, after = self.fracture, min(self.fracture + SNAP_THROUGH_S, self.end)
+        times = (self.start, self.contact, worked, after, self.end)
+        return dict(zip(PHASES, pairwise(times), strict=True))
 
 
 def height_of(scene: Scene, stage: StageResult) -> Array:
     """Return the height of the output over the ideal bottom dead centre, shape (n,), m."""
-    return np.asarray(_output(scene, stage) - scene.bottom)
+    start = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
+    return np.asarray(stage.displacement + start - scene.bottom)
 
 
 def process_force(scene: Scene, stage: StageResult) -> Array | None:
@@ -88,8 +97,9 @@ def process_force(scene: Scene, stage: StageResult) -> Array | None:
     """
     if scene.process is None:
         return None
-    series = (stage.time, _output(scene, stage), stage.velocity, stage.acceleration)
-    sizes = sizes_over(scene.process_laws.values(), scene.loaded, np.column_stack(series))
+    place = height_of(scene, stage) + scene.bottom
+    motion = np.column_stack([stage.time, place, stage.velocity, stage.acceleration])
+    sizes = sizes_over(scene.process_laws.values(), scene.loaded, motion)
     return np.asarray(sizes.sum(axis=1))
 
 
@@ -102,36 +112,42 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     process = scene.process
     if process is None:
         return None
-    height, rate, time = height_of(scene, stage), stage.velocity, stage.time
+    height, missing, rows = height_of(scene, stage), np.full((1, 2), math.nan), []
+    broken = math.nan if process.fracture is None else process.height - process.fracture
+    contacts, fractures, leavings, turns = (
+        _passes(stage, height, level, sign)
+        for level, sign in (
+            (process.height, -1.0),
+            (broken, -1.0),
+            (process.height, 1.0),
+            (process.height + scene.lift, 1.0),
+        )
+    )
 
-    def crossings(level: float, up: bool) -> list[tuple[float, float]]:
-        """Return instants at which the height crosses a level, and its height then."""
-        sign = 1.0 if up else -1.0
-        off = sign * (height - level)
-        instants = []
-        for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
-            h = time[k + 1] - time[k]
-            ends = off[k], sign * rate[k], off[k + 1], sign * rate[k + 1], h
-            part = min(crossing(*ends), 1.0)
-            instants.append((time[k] + part * h, level + sign * hermite(*ends, part)[0]))
-        return instants
+    def between(instants: Array, start: float, end: float) -> Array:
+        inside = instants[(instants[:, 0] > start) & (instants[:, 0] < end)]
+        return inside if len(inside) else missing
 
-    def first(instants: Any, start: float, end: float) -> tuple[float, float]:
-        inside = (instant for instant in instants if start < instant[0] < end)
-        return next(inside, (math.nan, math.nan))
-
-    contacts, leaving = crossings(process.height, False), crossings(process.height, True)
-    breaks = process.fracture
-    broken = [] if breaks is None else crossings(process.height - breaks, False)
-    turned = [instant for instant, _ in crossings(process.height + scene.lift, True)]
-    rows = []
-    for start, end in pairwise([-np.inf, *turned, np.inf]):
-        contact = first(contacts, start, end)
+    for start, end in pairwise([-math.inf, *turns[:, 0], math.inf]):
+        contact = between(contacts, start, end)[0]
         if not math.isnan(contact[0]):
+            fracture = between(fractures, contact[0], end)[0]
             # If the run ends before the stroke does, the output may only have bounced.
-            last = reversed(leaving) if np.isfinite(end) else ()
-            rows.append((contact, first(broken, contact[0], end), first(last, contact[0], end)))
+            is_whole = math.isfinite(end)
+            left = between(leavings, contact[0], end)[-1] if is_whole else missing[0]
+            rows.append((contact, fracture, left))
     return Strokes(*np.array(rows).reshape(-1, 3, 2).transpose(1, 0, 2))
+
+
+def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Array:
+    """Return times at which the height rises (1.0) or falls (-1.0) to a level, and heights then."""
+    off, rate, time, instants = sign * (height - level), sign * stage.velocity, stage.time, []
+    for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
+        step = time[k + 1] - time[k]
+        ends = off[k], rate[k], off[k + 1], rate[k + 1], step
+        part = min(crossing(*ends), 1.0)
+        instants.append((time[k] + part * step, level + sign * hermite(*ends, part)[0]))
+    return np.array(instants).reshape(-1, 2)
 
 
 def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
@@ -139,51 +155,25 @@ def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
     ideal, time = bottom_of(scene.ideal), stage.time
     if ideal is None or time.size < 2:
         return []
-    period, last = ideal.period, float(time[-1])
+    period, last, noise = ideal.period, float(time[-1]), 1e-9 * ideal.period
     number = np.arange(int((last - scene.run_up) / period) + 2)
-    begins = scene.run_up + ideal.top + period * number
-    noise = 1e-9 * period
-    is_whole = (begins >= scene.run_up - noise) & (begins + period <= last + noise)
-    settled = is_whole & (number >= STARTUP_CYCLES)
-    begins = begins[settled] if settled.any() else begins[is_whole][-1:]
+    starts = scene.run_up + ideal.top + period * number
+    is_whole = (starts >= scene.run_up - noise) & (starts + period <= last + noise)
+    is_settled = is_whole & (number >= STARTUP_CYCLES)
+    starts = starts[is_settled] if is_settled.any() else starts[is_whole][-1:]
     strokes, force = strokes_of(scene, stage), process_force(scene, stage)
     result = []
-    for start in map(float, begins):
+    for start in map(float, starts):
         stroke = SettledStroke(start, start + ideal.time - ideal.top, start + period)
         if strokes is not None and force is not None:
-            inside = (strokes.contact[:, 0] >= start) & (strokes.contact[:, 0] < stroke.end)
-            if inside.any():
-                k = int(inside.argmax())
-                contact, fracture = float(strokes.contact[k, 0]), float(strokes.fracture[k, 0])
+            when = strokes.contact[:, 0]
+            for k in np.flatnonzero((when >= start) & (when < stroke.end))[:1]:
+                contact, fracture = float(when[k]), float(strokes.fracture[k, 0])
                 pressed = time[(time > contact) & (time < stroke.end) & (force > 0.0)]
                 done = float(pressed[-1]) if pressed.size else contact
-                stroke = replace(stroke, contact=contact, fracture=fracture, done=done)
+                stroke = stroke._replace(contact=contact, fracture=fracture, done=done)
         result.append(stroke)
     return result
-
-
-def phases_of(time: Array, strokes: list[SettledStroke]) -> NDArray[np.int64]:
-    """Return the phase of each instant, an index of ``PHASES``, shape (n,); -1 outside strokes.
-
-    Without work a stroke is approach down to bottom dead centre and return from there. Work lasts
-    from contact to fracture, or until its force has vanished, and after ``SNAP_THROUGH_S`` of
-    snap-through follows the return.
-    """
-    phases = np.full(time.size, -1)
-    for item in strokes:
-        intervals = [(item.start, item.bottom, APPROACH), (item.bottom, item.end, RETURN)]
-        if not math.isnan(item.contact):
-            ended = item.done if math.isnan(item.fracture) else item.fracture
-            intervals = [
-                (item.start, item.contact, APPROACH),
-                (item.contact, ended, WORK),
-                (ended, item.end, RETURN),
-            ]
-            if not math.isnan(item.fracture):
-                intervals.append((ended, min(ended + SNAP_THROUGH_S, item.end), SNAP_THROUGH))
-        for start, end, phase in intervals:
-            phases[(time >= start) & (time < end)] = phase
-    return phases
 
 
 # Tonnage ------------------------------------------------------------------------------------------
@@ -191,26 +181,16 @@ def phases_of(time: Array, strokes: list[SettledStroke]) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class JointTonnage:
-    """Forces between pin and bearing of a joint over the settled strokes, N.
+    """Forces between pin and bearing of a joint, means over the settled strokes, N.
 
     From ``working_force`` on, None if nothing breaks.
     """
 
-    peak_by_phase: Mapping[str, Estimate]  # mean over strokes of the greatest force in each phase
-    largest_by_phase: Mapping[str, float]  # greatest of all strokes
-    working_force: Estimate | None = None  # greatest along the impulse from contact to fracture
-    reversed_force: Estimate | None = None  # against it, within SNAP_THROUGH_S of the fracture
-    reversed_fraction: Estimate | None = None  # reversed over working force, stroke by stroke
-    reversal_time: Estimate | None = None  # from the fracture to the first reversed force, s
-
-
-@dataclass(frozen=True)
-class Vibration:
-    """Acceleration of the output minus the ideal one, rms in each stroke, m/s^2."""
-
-    after: Estimate  # over SNAP_THROUGH_S after the fracture
-    before: Estimate  # over SNAP_THROUGH_S before the contact
-    ideal: Estimate  # ideal acceleration itself, after the fracture
+    peak_by_phase: Mapping[str, Estimate]  # greatest force in each phase
+    working_force: Estimate | None  # greatest along the impulse from contact to fracture
+    reversed_force: Estimate | None  # against it, within SNAP_THROUGH_S of the fracture
+    reversed_fraction: Estimate | None  # reversed over working force, stroke by stroke
+    reversal_time: Estimate | None  # from the fracture to the first reversed force, s
 
 
 @dataclass(frozen=True)
@@ -228,7 +208,8 @@ class Tonnage:
     peak_force: Estimate | None  # greatest force of the work in a stroke, N; None: no process
     work: Estimate | None  # work of the process in a stroke, J
     joints: Mapping[str, JointTonnage]
-    vibration: Vibration | None  # None: nothing breaks
+    vibration_before: Estimate | None  # rms acceleration of the output minus the ideal one, m/s^2,
+    vibration_after: Estimate | None  # SNAP_THROUGH_S before contact and after fracture
     most_loaded: str | None  # joint with the greatest mean peak force of all replicates
 
 
@@ -237,53 +218,46 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     strokes = [] if stage.failed else settled_strokes(scene, stage)
     if not strokes:
         return None
-    phase = phases_of(stage.time, strokes)
-    joints = {
-        name: joint_tonnage(stage.time, joint, strokes, phase)
-        for name, joint in (stage.joints if stage.has_joint_series else {}).items()
-    }
-    peaks = {
-        name: item.peak_force_per_cycle.mean
-        for name, item in stage.statistics.joints.items()
-        if name in joints
-    }
-    force = process_force(scene, stage)
-    peak = work = None
+    series = stage.joints if stage.has_joint_series else {}
+    joints = {name: joint_tonnage(stage.time, joint, strokes) for name, joint in series.items()}
+    statistics = stage.statistics.joints
+    peaks = {name: statistics[name].peak_force_per_cycle.mean for name in joints}
+    force, time = process_force(scene, stage), stage.time
+    peak = work = before = after = None
     if force is not None:
         height = height_of(scene, stage)
-        rows = [_rows(stage.time, item.start, item.end) for item in strokes]
-        peak = _mean([float(force[part].max()) for part in rows])
+        rows = [_rows(time, item.start, item.end) for item in strokes]
+        peak = _mean(float(force[part].max()) for part in rows)
         # The force is linear in height between two rows.
-        work = _mean([-float(np.trapezoid(force[part], height[part])) for part in rows])
+        work = _mean(-float(np.trapezoid(force[part], height[part])) for part in rows)
+        deviation = stage.acceleration - scene.ideal_slider(time)[:, 2]
+        window = SNAP_THROUGH_S
+        broken = [item for item in strokes if not math.isnan(item.fracture)]
+        before = _mean(_rms(time, deviation, s.contact - window, s.contact) for s in broken)
+        after = _mean(_rms(time, deviation, s.fracture, s.fracture + window) for s in broken)
     most_loaded = max(peaks, key=lambda name: peaks[name], default=None)
-    vibration = _vibration(scene, stage, strokes)
-    return Tonnage(len(strokes), peak, work, joints, vibration, most_loaded)
+    return Tonnage(len(strokes), peak, work, joints, before, after, most_loaded)
 
 
-def joint_tonnage(
-    time: Array, joint: JointResult, strokes: list[SettledStroke], phase: NDArray[np.int64]
-) -> JointTonnage:
-    """Return the forces of a joint in settled strokes; ``phase`` is that of ``phases_of``."""
+def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke]) -> JointTonnage:
+    """Return the forces of a joint in settled strokes."""
     size = np.hypot(*joint.force.T)
-    peaks: dict[str, list[float]] = {}
+    peaks: dict[str, list[float]] = {name: [] for name in PHASES}
     for stroke in strokes:
-        inside = (time >= stroke.start) & (time < stroke.end)
-        for place, name in enumerate(PHASES):
-            here = size[inside & (phase == place)]
-            if here.size:
-                peaks.setdefault(name, []).append(float(here.max()))
-    reach = np.hypot(*joint.eccentricity.T)
-    normal = joint.eccentricity / np.where(reach > 0.0, reach, 1.0)[:, np.newaxis]
-    across = np.column_stack([-normal[:, 1], normal[:, 0]])
-    pressed = joint.force[:, :1] * normal + joint.force[:, 1:] * across
+        for name, (start, end) in stroke.phases.items():
+            values = size[(time >= start) & (time < end)]
+            peaks[name] += [float(values.max())] if values.size else []
+    # Complex numbers are vectors: the force of the pin on its bearing in global directions.
+    vector = np.array([1.0, 1j])
+    pressed = joint.force @ vector * np.exp(1j * np.angle(joint.eccentricity @ vector))
     reversals = [
-        reversal(time, pressed, stroke) for stroke in strokes if not math.isnan(stroke.fracture)
+        _reversal(time, pressed, stroke) for stroke in strokes if not math.isnan(stroke.fracture)
     ]
     working, back, delay = np.array(reversals).reshape(-1, 3).T
     loaded = working > 0.0
+    means = {name: _mean(values) for name, values in peaks.items()}
     return JointTonnage(
-        {name: _estimate(values) for name, values in peaks.items()},
-        {name: max(values) for name, values in peaks.items()},
+        {name: mean for name, mean in means.items() if mean is not None},
         _mean(working),
         _mean(back),
         _mean(back[loaded] / working[loaded]),
@@ -291,53 +265,30 @@ def joint_tonnage(
     )
 
 
-def reversal(time: Array, force: Array, stroke: SettledStroke) -> tuple[float, float, float]:
+def _reversal(time: Array, force: Array, stroke: SettledStroke) -> tuple[float, float, float]:
     """Return the greatest working force and, after the fracture, the greatest reversed one, N.
 
     The third number is the time from the fracture to the first reversed force, s; nan if there is
-    none within ``SNAP_THROUGH_S``.
-
-    Parameters
-    ----------
-    force : ndarray, shape (n, 2)
-        Force of the pin on its bearing, N.
+    none within ``SNAP_THROUGH_S``. ``force`` are vectors as complex numbers.
     """
     into = _rows(time, stroke.contact, stroke.fracture)
     after = _rows(time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end))
-    impulse = [float(np.trapezoid(values, time[into])) for values in force[into].T]
-    size = math.hypot(*impulse)
-    if size == 0.0:
+    impulse = complex(np.trapezoid(force[into], time[into]))
+    if impulse == 0.0:
         return 0.0, 0.0, math.nan
-    along = force @ np.array(impulse) / size
-    against = -along[after]
-    delay = math.nan
-    if (against > 0.0).any():
-        delay = float(time[after][int((against > 0.0).argmax())]) - stroke.fracture
-    return float(along[into].max()), max(float(against.max(initial=0.0)), 0.0), delay
+    along = (force * impulse.conjugate()).real / abs(impulse)
+    against = np.maximum(-along[after], 0.0)
+    delay = float(time[after][int((against > 0.0).argmax())]) - stroke.fracture
+    back = float(against.max(initial=0.0))
+    return float(along[into].max()), back, delay if back > 0.0 else math.nan
 
 
-def _vibration(scene: Scene, stage: StageResult, strokes: list[SettledStroke]) -> Vibration | None:
-    time, samples = stage.time, []
-    for stroke in strokes:
-        if math.isnan(stroke.fracture):
-            continue
-        after = _rows(time, stroke.fracture, stroke.fracture + SNAP_THROUGH_S)
-        before = _rows(time, stroke.contact - SNAP_THROUGH_S, stroke.contact)
-        if time[after].size < 2 or time[before].size < 2:
-            continue
-        ideal, calm = (scene.ideal_slider(time[part])[:, 2] for part in (after, before))
-        windows = (
-            (after, stage.acceleration[after] - ideal),
-            (before, stage.acceleration[before] - calm),
-            (after, ideal),
-        )
-        samples.append(
-            [
-                math.sqrt(float(np.trapezoid(values**2, time[rows]) / np.ptp(time[rows])))
-                for rows, values in windows
-            ]
-        )
-    return Vibration(*map(_estimate, np.transpose(samples))) if samples else None
+def _rms(time: Array, values: Array, start: float, end: float) -> float:
+    """Return the root mean square of a series between two instants; nan for fewer than two rows."""
+    rows = _rows(time, start, end)
+    if time[rows].size < 2:
+        return math.nan
+    return math.sqrt(float(np.trapezoid(values[rows] ** 2, time[rows]) / np.ptp(time[rows])))
 
 
 def _rows(time: Array, start: float, end: float) -> slice:
@@ -347,36 +298,23 @@ def _rows(time: Array, start: float, end: float) -> slice:
     return slice(int(ends[0]), int(ends[1]))
 
 
-def _estimate(values: Array | Sequence[float]) -> Estimate:
-    samples = np.asarray(values)
+def _mean(values: Iterable[float]) -> Estimate | None:
+    """Return the mean over the values that are numbers; None if there is none."""
+    samples = np.array([float(value) for value in values if not math.isnan(value)])
+    if not samples.size:
+        return None
     return Estimate.symmetric(float(samples.mean()), half_width(batched(samples)), samples.size)
 
 
-def _mean(values: Array | Sequence[float]) -> Estimate | None:
-    """Return the mean over the values that are numbers; None if there is none."""
-    numbers = [float(value) for value in values if not math.isnan(value)]
-    return _estimate(numbers) if numbers else None
+# Drives -------------------------------------------------------------------------------------------
 
 
-# Drives and energy --------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Duty:
+class Duty(NamedTuple):
     """Mean, root mean square and peak (farthest from zero, signed) of a quantity of a drive."""
 
     mean: float
     rms: float
     peak: float
-
-
-@dataclass(frozen=True)
-class Share:
-    """Fractions of one drive in the sums over all drives; 0 if the sum is 0."""
-
-    rms_torque: float
-    peak_power: float
-    energy: float
 
 
 @dataclass(frozen=True)
@@ -387,7 +325,7 @@ class DriveDuty:
     power: Duty  # W
     supplied: float  # energy that the drive supplies in a cycle, J
     returned: float  # energy that the linkage returns to it
-    share: Share = Share(0.0, 0.0, 0.0)
+    share: tuple[float, ...] = ()  # of rms torque, peak power and supplied energy of all drives
 
     @property
     def work(self) -> float:
@@ -395,8 +333,7 @@ class DriveDuty:
         return self.supplied - self.returned
 
 
-@dataclass(frozen=True)
-class DriveCurve:
+class DriveCurve(NamedTuple):
     """Drive over time, shape (n,) each; torque and power are empty if they were not stored."""
 
     time: Array  # s
@@ -405,24 +342,11 @@ class DriveCurve:
     power: Array  # W
 
 
-@dataclass(frozen=True)
-class DriveResult:
+class DriveResult(NamedTuple):
     """Drive in a stage."""
 
-    recorded: DriveCurve  # at the times of the series
     duty: DriveDuty  # of the run, integrated over all steps
     ideal: DriveDuty  # of the linkage without clearance
-
-
-@dataclass(frozen=True)
-class Energy:
-    """Energy for one manufactured part, which takes one stroke or cycle, J."""
-
-    process_work: Estimate | None  # that the process absorbs in the recorded settled strokes
-    ideal_process_work: float | None  # without clearance, and without a cushion
-    drive_work: Estimate  # net work of all drives over the settled cycles of all replicates
-    ideal_drive_work: float  # without clearance
-    residual_fraction: float  # residual of the energy balance over energy that the drives exchanged
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
@@ -435,47 +359,71 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     """
     if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}
-    start, period = stage.arrays["cycle_start"], scene.mechanism.period
+    start, ideal = stage.arrays["cycle_start"], ideal_drives(scene)
     # The cycles of the second set of replicates are not used.
     replicates = [stage.drive_cycles[start == k] for k in range(scene.replicate_count)]
     cycles = np.concatenate([after_startup(rows) for rows in replicates])
-    recorded, ideal = curves_of(scene, stage), ideal_drives(scene)
-    duties = _with_shares(
-        {body: _duty_of_cycles(cycles[:, k], period) for k, body in enumerate(recorded)}
-    )
-    return {body: DriveResult(item, duties[body], ideal[body]) for body, item in recorded.items()}
+    numbers = {}
+    for k, body in enumerate(ideal):
+        columns = dict(zip(CYCLE_DRIVE, cycles[:, k].T, strict=True))
+        numbers[body] = {
+            name: _farthest(values) if name.endswith("peak") else float(values.mean())
+            for name, values in columns.items()
+        }
+    duties = _duties(numbers, scene.mechanism.period)
+    return {body: DriveResult(duties[body], ideal[body]) for body in ideal}
 
 
 def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
     """Return the duties of the drives of the linkage without clearance by their bodies."""
     curves, weights = _ideal_curves(scene)
-    return _with_shares({body: _duty(curve, weights) for body, curve in curves.items()})
+    numbers = {
+        body: {
+            "torque_integral": float(weights @ curve.torque),
+            "torque_square_integral": float(weights @ curve.torque**2),
+            "power_square_integral": float(weights @ curve.power**2),
+            "work_given": float(weights @ np.maximum(curve.power, 0.0)),
+            "work_returned": float(weights @ np.maximum(-curve.power, 0.0)),
+            "torque_peak": _farthest(curve.torque),
+            "power_peak": _farthest(curve.power),
+        }
+        for body, curve in curves.items()
+    }
+    return _duties(numbers, float(weights.sum()))
 
 
-def ideal_curves(scene: Scene) -> dict[str, DriveCurve]:
-    """Return the drives without clearance over a cycle after the run-up, by their bodies."""
-    return _ideal_curves(scene)[0]
+def _farthest(values: Array) -> float:
+    return float(values[np.abs(values).argmax()])
 
 
-def energy_of(scene: Scene, stage: StageResult) -> Energy | None:
-    """Return the energy of a part; None if the stage failed before a cycle was complete."""
-    statistics = stage.statistics
-    if statistics.drive_work_per_cycle is None:
-        return None
-    residual, exchanged = abs(statistics.energy_residual), statistics.energy_exchanged
-    tonnage = tonnage_of(scene, stage)
-    return Energy(
-        None if tonnage is None else tonnage.work,
-        None if scene.process is None else scene.process.work,
-        statistics.drive_work_per_cycle,
-        sum(duty.work for duty in ideal_drives(scene).values()),
-        residual / exchanged if exchanged > 0.0 else 0.0,
-    )
+def _duties(numbers: Mapping[str, Mapping[str, float]], period: float) -> dict[str, DriveDuty]:
+    """Return duties of drives from the numbers of a cycle, which are named in ``CYCLE_DRIVE``."""
+    duties = {}
+    for body, item in numbers.items():
+        supplied, returned = item["work_given"], item["work_returned"]
+        means = item["torque_integral"] / period, (supplied - returned) / period
+        torque, power = (
+            Duty(mean, math.sqrt(item[f"{name}_square_integral"] / period), item[f"{name}_peak"])
+            for name, mean in zip(("torque", "power"), means, strict=True)
+        )
+        duties[body] = DriveDuty(torque, power, supplied, returned)
+    sizes = np.abs([(duty.torque.rms, duty.power.peak, duty.supplied) for duty in duties.values()])
+    totals = sizes.sum(axis=0)
+    shares = (sizes / np.where(totals > 0.0, totals, 1.0)).tolist()
+    return {
+        body: replace(duty, share=tuple(share))
+        for (body, duty), share in zip(duties.items(), shares, strict=True)
+    }
 
 
 def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
     """Return the drives over the series by their bodies."""
     return _curves(scene, stage.time, stage.arrays.get("drive_torque"))
+
+
+def ideal_curves(scene: Scene) -> dict[str, DriveCurve]:
+    """Return the drives without clearance over a cycle after the run-up, by their bodies."""
+    return _ideal_curves(scene)[0]
 
 
 def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:
@@ -497,12 +445,14 @@ def _ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
     edges = start + np.concatenate([before, period + cycle[1:]])
-    edges = np.unique(np.concatenate([edges, _kinks(scene, edges)]))
-    curves, _ = _integrated(scene, edges)
+    edges = np.union1d(edges, _kinks(scene, edges))
     # Supplied and returned energy have a kink where the power of a drive changes its sign.
-    cycle = edges[-1 - next(iter(curves.values())).time.size // _NODES.size :]
-    turns = [_zeros(cycle, curve.power) for curve in curves.values()]
-    return _integrated(scene, np.unique(np.concatenate([edges, *turns])))
+    for _ in range(2):
+        for time, _, _, power in _integrated(scene, edges)[0].values():
+            k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
+            turns = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
+            edges = np.union1d(edges, turns)
+    return _integrated(scene, edges)
 
 
 def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Array]:
@@ -512,16 +462,6 @@ def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Arra
     torque = needed_torques(scene.loaded, scene.ideal, time)
     last = time > edges[-1] - scene.mechanism.period
     return _curves(scene, time[last], torque[last]), np.outer(half, _WEIGHTS).ravel()[last]
-
-
-def _zeros(edges: Array, values: Array) -> Array:
-    """Return the instants, s, at which parabolas through the values in each piece are zero."""
-    a, b, c = np.linalg.solve(np.vander(_NODES), values.reshape(-1, _NODES.size).T)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        far = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
-        roots = [far / a, c / far]
-    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-    return np.concatenate([(middle + half * root)[np.abs(root) < 1.0] for root in roots])
 
 
 def _kinks(scene: Scene, time: Array) -> Array:
@@ -535,51 +475,6 @@ def _kinks(scene: Scene, time: Array) -> Array:
     depth = CubicHermiteSpline(time, process.height - (place - scene.bottom), -speed)
     kinks = np.concatenate([depth.solve(level, False, False) for level, _ in process.curve])
     return np.asarray(kinks[np.isfinite(kinks)])
-
-
-def _duty_of_cycles(cycles: Array, period: float) -> DriveDuty:
-    """Return the duty of a drive from its cycles, shape (n, columns CYCLE_DRIVE)."""
-    column = dict(zip(CYCLE_DRIVE, cycles.T, strict=True))
-    mean = {name: float(values.mean()) for name, values in column.items()}
-    peak = {name: float(values[np.abs(values).argmax()]) for name, values in column.items()}
-    rms = {
-        name: math.sqrt(mean[f"{name}_square_integral"] / period) for name in ("torque", "power")
-    }
-    supplied, returned = mean["work_given"], mean["work_returned"]
-    return DriveDuty(
-        Duty(mean["torque_integral"] / period, rms["torque"], peak["torque_peak"]),
-        Duty((supplied - returned) / period, rms["power"], peak["power_peak"]),
-        supplied,
-        returned,
-    )
-
-
-def _duty(curve: DriveCurve, weights: Array) -> DriveDuty:
-    """Return the duty of a drive over a cycle from the weights, s, of its instants."""
-    duration = float(weights.sum())
-    torque, power = (
-        Duty(
-            float(weights @ values) / duration,
-            math.sqrt(float(weights @ values**2) / duration),
-            float(values[np.abs(values).argmax()]),
-        )
-        for values in (curve.torque, curve.power)
-    )
-    supplied, returned = (
-        float(weights @ np.maximum(sign * curve.power, 0.0)) for sign in (1.0, -1.0)
-    )
-    return DriveDuty(torque, power, supplied, returned)
-
-
-def _with_shares(duties: Mapping[str, DriveDuty]) -> dict[str, DriveDuty]:
-    numbers = [(duty.torque.rms, duty.power.peak, duty.supplied) for duty in duties.values()]
-    sizes = np.abs(numbers)
-    totals = sizes.sum(axis=0)
-    shares = (sizes / np.where(totals > 0.0, totals, 1.0)).tolist()
-    return {
-        body: replace(duty, share=Share(*row))
-        for (body, duty), row in zip(duties.items(), shares, strict=True)
-    }
 
 
 # Bottom dead centre -------------------------------------------------------------------------------
@@ -615,14 +510,6 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
 # Deep contacts ------------------------------------------------------------------------------------
 
 
-def deepest_penetrations(stage: StageResult) -> dict[str, float]:
-    """Return the deepest recorded penetration of each pin, m."""
-    return {
-        name: float(np.max(joint.arrays.get("penetration", 0.0), initial=0.0))
-        for name, joint in stage.joints.items()
-    }
-
-
 def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on joints whose penetration is too large for a law of a small contact.
 
@@ -632,17 +519,18 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """
     sentences = []
     for name in scene.clearance_joints:
-        bearing = scene.bearing(name)
-        depths = [deepest_penetrations(stage).get(name, 0.0) for stage in stages]
-        depth = max(depths, default=0.0)
-        ratio = depth / bearing.clearance
+        bearing, deepest = scene.bearing(name), (0.0, False)
+        for stage in stages:
+            depth = stage.arrays.get(f"{name}_penetration", np.zeros(1)).max(initial=0.0)
+            deepest = max(deepest, (float(depth), stage.is_worn))
+        ratio = deepest[0] / bearing.clearance
         if ratio <= SMALL_CONTACT:
             continue
         arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
         text = (
-            f"joint {name}: the penetration of {readable(1e6 * depth)} µm is {readable(ratio)} of "
-            f"the clearance, and the contact extends over {arc:.0f} degrees, too wide for a law of "
-            "a small contact"
+            f"joint {name}: the penetration of {readable(1e6 * deepest[0])} µm is "
+            f"{readable(ratio)} of the clearance, and the contact extends over {arc:.0f} degrees, "
+            "too wide for a law of a small contact"
         )
         if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
             law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
@@ -652,8 +540,7 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
                 f"; K delta^1.5 then has {power:.2f} and Liu's law {liu:.2f} of the force of an "
                 "elastic foundation"
             )
-            is_worn = stages[depths.index(depth)].is_worn
-            on_foundation = scene.conventions.contact == "foundation" and is_worn
+            on_foundation = scene.conventions.contact == "foundation" and deepest[1]
             if bearing.elasticity == "power" and not on_foundation:
                 text += "; use elasticity = liu or foundation"
         sentences.append(text)

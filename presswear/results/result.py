@@ -11,32 +11,27 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from presswear.recording.film import Film
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
-from presswear.results.life import LifeResult, check_curves
+from presswear.results.life import LifeResult
 from presswear.results.press_analysis import (
     DriveResult,
-    Energy,
     Strokes,
     Tonnage,
     deep_contacts,
     drives_of,
-    energy_of,
     height_of,
     process_force,
     strokes_of,
     tonnage_of,
 )
-from presswear.results.stage import StageResult, angle_names, check_arrays
+from presswear.results.stage import StageResult, angle_names
 from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
 from presswear.scene.scene import Scene, stage_name
-from presswear.tools.arrays import read_numbers
+from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder, holder, read_checked
 from presswear.tools.numbers import large
@@ -45,8 +40,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -82,20 +75,16 @@ class Result:
 
     def stage(self, index: int) -> StageResult:
         """Return the stage after a number of wear updates; InputError names the stored ones."""
-        for stage in self.stages:
-            if stage.index == index:
-                return stage
-        indices = [stage.index for stage in self.stages]
-        stored = ", ".join(map(str, indices)) or "none"
-        if indices:
-            stored += f"; did you mean {min(indices, key=lambda stage: abs(stage - index))}?"
+        if 0 <= index < len(self.stages):
+            return self.stages[index]
+        stored = f"0 to {len(self.stages) - 1}" if self.stages else "none"
         raise InputError(f"{self.path or self.scene.name} has no stage {index}; it has {stored}")
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage: its wear updates, or its strokes in a service life."""
         if self.life is None or index == 0:
             return stage_name(index, bool(self.stages) and self.stages[0].is_worn)
-        return f"after {large(self.life.strokes_at(self.scene, index))} strokes"
+        return f"after {large(self.life.strokes * index / self.scene.wear_updates)} strokes"
 
     def strokes(self, index: int) -> Strokes | None:
         """Return the recorded strokes of a stage on the work; None without a process."""
@@ -117,10 +106,6 @@ class Result:
         """Return the drives in a stage by their bodies; empty if torques were not stored."""
         return drives_of(self.scene, self.stage(index))
 
-    def energy(self, index: int) -> Energy | None:
-        """Return the energy of a part; None if the stage failed before a cycle was complete."""
-        return energy_of(self.scene, self.stage(index))
-
     @property
     def grew_in_steps(self) -> bool:
         """True if any wear update was applied in more than one step."""
@@ -129,45 +114,34 @@ class Result:
     def __str__(self) -> str:
         """Return a table of the stages, and sentences on deep contacts."""
         names = self.scene.clearance_joints
-        titles = [(f"peak force {name} (N)", f"one wear {name} (mm³)") for name in names]
-        rows = [["stage", "cycles", *(title for pair in titles for title in pair), "ended"]]
+        rows = [["stage", "cycles", "ended"]]
+        for name in names:
+            rows[0][-1:-1] = [f"peak force {name} (N)", f"one wear {name} (mm³)"]
         for stage in self.stages:
             row = [self.stage_name(stage.index) if names else "computed"]
             row.append(str(stage.statistics.cycles))
             for name in names:
                 joint = stage.statistics.joints.get(name)
-                row += (
-                    [f"{joint.peak_force:.3g}", f"{1e9 * joint.wear_volume.mean:.3g}"]
-                    if joint
-                    else ["–", "–"]
-                )
+                row.append(f"{joint.peak_force:.3g}" if joint else "–")
+                row.append(f"{1e9 * joint.wear_volume.mean:.3g}" if joint else "–")
             rows.append([*row, stage.message or stage.status])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = [
             "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
             for row in rows
         ]
-        where = f", in {self.path}" if self.path else ""
         ending = f": {self.message}" if self.message else ""
-        life = [] if self.life is None else [f"{self.life}"]
-        first = f"{name_of(self.scene)}, {self.status}{ending}{where}"
-        return "\n".join([first, *life, *lines, *deep_contacts(self.scene, self.stages)])
+        where = f", in {self.path}" if self.path else ""
+        first = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
+        first += [] if self.life is None else [f"{self.life}"]
+        return "\n".join([*first, *lines, *deep_contacts(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.
 
-        Parameters
-        ----------
-        names : str
-            As ``presswear.show.figures.NAMES`` lists them, such as ``wear``, ``force``,
-            ``path``; none: all that have data.
-        stage : int or None
-            The only stage to draw; None: all.
-
-        Raises
-        ------
-        InputError
-            For an unknown name or stage, and for a figure without data.
+        Names are those of ``presswear.show.figures.NAMES``, such as ``wear``, ``force``, ``path``;
+        without a name all figures that have data are drawn. ``stage`` is the only stage to draw.
+        InputError for an unknown name or stage, and for a figure without data.
         """
         # Imported here, because results are on a lower floor.
         axes: list[Axes] = import_module("presswear.show.figures").plot(self, names, stage)
@@ -195,16 +169,15 @@ class Result:
         import xarray
 
         data = self.stage(stage)
-        lengths = {"time": data.time.size}
         bins = {name: joint.angle.size for name, joint in data.joints.items()}
+        lengths = {"time": data.time.size}
         lengths |= {angle: bins[name] for name, angle in angle_names(bins).items()}
         variables = {}
         for name, array in data.arrays.items():
-            along = next((axis for axis, n in lengths.items() if array.shape[:1] == (n,)), None)
-            if along is None or name in lengths:
-                continue
-            across = [f"{name}_{axis}" for axis in range(1, array.ndim)]
-            variables[name] = ([along, *across], array)
+            along = [axis for axis, size in lengths.items() if array.shape[:1] == (size,)]
+            if along and name not in lengths:
+                across = [f"{name}_{axis}" for axis in range(1, array.ndim)]
+                variables[name] = ([along[0], *across], array)
         return xarray.Dataset(variables, coords={axis: data.arrays[axis] for axis in lengths})
 
 
@@ -233,30 +206,18 @@ def load(path: str | Path, trust: bool = False) -> Result:
     if trust:
         scene.trust()
     linkage = scene.linkage()
-    bins = {joint.name: joint.bins for joint in linkage.clearances}
-    stages = []
+    stages, joints = [], tuple(joint.name for joint in linkage.clearances)
     for stage in stored.stages:
         name, film = files_of(stage.index)
         arrays = read_numbers(path / name, stored.files[name])
-        check_arrays(arrays, bins, path / name)
         read_checked(path / film, stored.files[film])
-        read = partial(_film, path / film, stored.files[film], len(linkage.bodies), tuple(bins))
-        stages.append(replace(stage, arrays=arrays, joint_names=tuple(bins), read_film=read))
+        read = partial(_film, path / film, stored.files[film], len(linkage.bodies), joints)
+        stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
     life = stored.life
     if life is not None:
-        curves = read_numbers(path / LIFE, stored.files[LIFE])
-        check_curves(life, curves, path / LIFE)
-        life = replace(life, curves=curves)
-    return Result(
-        scene,
-        tuple(stages),
-        stored.status,
-        stored.message,
-        stored.provenance,
-        stored.wall_s,
-        path,
-        life,
-    )
+        life = replace(life, curves=read_numbers(path / LIFE, stored.files[LIFE]))
+    ended = stored.status, stored.message, stored.provenance, stored.wall_s
+    return Result(scene, tuple(stages), *ended, path, life)
 
 
 def _film(file: Path, digest: str, bodies: int, joints: tuple[str, ...]) -> Film:
@@ -291,11 +252,6 @@ def read_surfaces(source: str | Path) -> Surfaces:
         ``DIR:STAGE``: surfaces that the stage ran on, the mean of its replicates, such as 1 for
         the surfaces after the first wear update; ``DIR``: those of its last stage; ``FILE.csv``: a
         table of profiles, see ``presswear.scene.surfaces``.
-
-    Raises
-    ------
-    InputError
-        If the source is missing or cannot be read.
     """
     text = f"{source}"
     if text.lower().endswith(TABLE):

@@ -2,11 +2,9 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
-from pathlib import Path
 from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Status
 from presswear.linkage.surface import SIDES, Surface, bin_centres
@@ -22,13 +20,11 @@ from presswear.recording.observe import (
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import plain
 
-Array = NDArray[np.float64]
-
 JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
-MAX_ENTRY = 1e100  # of an array: a state that diverges is ended at 1e30
 _NOT_STORED = ("arrays", "joint_names", "read_film")  # fields that result.json does not hold
 
 
@@ -124,6 +120,13 @@ class StageStatistics:
     energy_exchanged: float = 0.0  # by the drives, J
     energy_made_fraction: float = 0.0  # made by contacts over dissipated by contacts and friction
 
+    @property
+    def energy_residual_fraction(self) -> float | None:
+        """Absolute residual over the energy that drives exchanged; None if they exchanged none."""
+        if not self.energy_exchanged:
+            return None
+        return abs(self.energy_residual) / self.energy_exchanged
+
 
 @dataclass(frozen=True)
 class WearStep:
@@ -140,20 +143,11 @@ class WearStep:
 
 @dataclass(frozen=True)
 class JointResult:
-    """One clearance joint in a stage.
-
-    Attributes
-    ----------
-    name : str
-    stored : JointStatistics or None
-        None if the stage failed before a cycle was complete.
-    arrays : mapping
-        Its arrays by their names in the file, without the name of the joint.
-    """
+    """One clearance joint in a stage."""
 
     name: str
-    stored: JointStatistics | None
-    arrays: Mapping[str, Array]
+    stored: JointStatistics | None  # None if the stage failed before a cycle was complete
+    arrays: Mapping[str, Array]  # by their names in the file, without the name of the joint
 
     @property
     def statistics(self) -> JointStatistics:
@@ -221,37 +215,26 @@ class StageResult:
         ``enough``: its wear maps were accurate before all cycles had run.
     message : str
         Reason of a failure.
-    finding : Finding or None
-        Cause that ended the stage, or the wear after it.
     amplification : float
         Multiplier of the depth of the simulated cycles.
     wear_steps : tuple of WearStep
         Steps of the wear after it; empty after the last stage.
-    simulated_s, wall_s : float
-        Simulated time of all replicates, and wall time, s.
-    diagnostics : mapping
-        Numbers and words of the solver, by name.
-    statistics : StageStatistics
     arrays : mapping
         Arrays by their names in ``stage-K.npz``.
-    joint_names : tuple of str
-        Joints with clearance.
-    read_film : callable or None
-        Returns the film.
     """
 
     index: int
     status: Status
     message: str
-    finding: Finding | None
+    finding: Finding | None  # cause that ended the stage, or the wear after it
     amplification: float
     wear_steps: tuple[WearStep, ...]
-    simulated_s: float
+    simulated_s: float  # of all replicates
     wall_s: float
-    diagnostics: Mapping[str, str | int | float | None]
+    diagnostics: Mapping[str, str | int | float | None]  # of the solver
     statistics: StageStatistics
     arrays: Mapping[str, Array] = field(default_factory=dict)
-    joint_names: tuple[str, ...] = ()
+    joint_names: tuple[str, ...] = ()  # with clearance
     read_film: Callable[[], Film] | None = None
 
     @property
@@ -343,21 +326,10 @@ class StageResult:
         return joints
 
     def section(self, name: str, joint: str = "") -> Array:
-        """Return a number in the Poincare sections of the first replicate; SI.
+        """Return a number in the Poincaré sections of the first replicate; SI.
 
-        Parameters
-        ----------
-        name : str
-            Of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` for a joint.
-
-        Returns
-        -------
-        ndarray, shape (cycles, sections)
-
-        Raises
-        ------
-        InputError
-            If no sections were stored.
+        Its name is of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` for a joint. The result has
+        the shape (cycles, sections).
         """
         if "sections" not in self.arrays:
             raise InputError(f"{self.name}: no sections were kept; --set sections=1 keeps some")
@@ -381,43 +353,3 @@ class StageResult:
         """Return the stage as ``result.json`` holds it."""
         names = [item.name for item in fields(self) if item.name not in _NOT_STORED]
         return {name: plain(getattr(self, name)) for name in names}
-
-
-_ARRAYS = [
-    "time",
-    "slider",
-    "cycles",
-    "cycle_start",
-    "wear_batch_cycles",
-    "deviation",
-    "deviation_start",
-]
-_JOINT_ARRAYS = [
-    "flight",
-    "contacts",
-    "wear_batches",
-    "depth_bearing",
-    "depth_pin",
-    "wear_bearing",
-    "wear_pin",
-]
-
-
-def check_arrays(arrays: Mapping[str, Array], joints: Mapping[str, int], file: Path) -> None:
-    """Raise InputError naming the first array of a stage that is missing or not finite.
-
-    ``joints`` are the joints with clearance, with the bins of their wear maps.
-    """
-    names = [*_ARRAYS, *angle_names(joints).values()]
-    names += (f"{joint}_{name}" for joint in joints for name in _JOINT_ARRAYS)
-    for name in names:
-        if name not in arrays:
-            raise InputError(f"{file}: the array {name} is missing")
-    for name, values in arrays.items():
-        if not np.all(np.abs(values) <= MAX_ENTRY):
-            raise InputError(
-                f"{file}: {name} holds a value that is not finite, or beyond {MAX_ENTRY:g}"
-            )
-    for joint, bins in joints.items():
-        if arrays[f"{joint}_depth_pin"].shape != (bins,):
-            raise InputError(f"{file}: the wear maps of {joint} do not have {bins} bins")

@@ -369,9 +369,9 @@ def _work_phase(scene: Scene, stage: StageResult, row: int) -> str | None:
     for contact, fracture in zip(strokes.contact[:, 0], strokes.fracture[:, 0], strict=True):
         is_pressed = force[row] > 0.0 if np.isnan(fracture) else now < fracture
         if contact <= now and is_pressed:
-            return press.PHASES[press.WORK]
+            return press.WORK
         if fracture <= now < fracture + press.SNAP_THROUGH_S:
-            return press.PHASES[press.SNAP_THROUGH]
+            return press.SNAP_THROUGH
     return None
 
 
@@ -410,11 +410,11 @@ def drive_table(result: Result) -> Table | None:
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
         if drives := press.drives_of(scene, stage):
             duty = {body: drive.duty for body, drive in drives.items()}
-            records.append({"name": name, "duty": duty, "energy": press.energy_of(scene, stage)})
+            records.append({"name": name, "duty": duty, "energy": stage.statistics})
     if not records:
         return None
     ideal = press.ideal_drives(scene)
-    energy = {"drive_work": sum(drive.work for drive in ideal.values())}
+    energy = {"drive_work_per_cycle": sum(drive.work for drive in ideal.values())}
     records.append({"name": "ideal joints", "duty": ideal, "energy": energy})
     return _result_table("drives", result, records)
 

@@ -152,10 +152,9 @@ def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"revision": "0123456789ab", "source": "x"}, "revision 0123456789ab there.*source x"),
-        ({"source": "x"}, "source x there"),
-        ({"python": "2.7.18"}, r"python 2\.7\.18 there"),
-        ({"packages": {}}, "exudyn missing there"),
+        ({"source": "x"}, "source is x there"),
+        ({"python": "2.7.18"}, r"python is 2\.7\.18 there"),
+        ({"packages": {}}, "exudyn is missing there"),
     ],
 )
 def test_another_program_is_refused(change: dict[str, Any], words: str, halted: Path) -> None:

@@ -12,7 +12,6 @@ from hypothesis.extra.numpy import arrays
 from presswear.__main__ import main
 from presswear.campaign.campaign import run
 from presswear.results.export import (
-    MOMENT_UNITS,
     compare_tables,
     life_table,
     read_table,
@@ -70,32 +69,23 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "word"),
     [
-        ("", ("lacks time",)),
-        ("velocity\n1\n", ("lacks time",)),
-        ("time\n1\n", ("beside time",)),
-        ("time,colour\n0,1\n", ("colour", "J_penetration")),
-        ("time,_sliding\n0,1\n", ("_sliding",)),
-        ("time,velocity,velocity\n0,1,1\n", ("named twice",)),
-        ("time,velocity\n", ("no rows",)),
-        ("time,velocity\n0,1\n1\n", ("columns changed from 2 to 1 at row 2",)),
-        ("time,velocity\n0\n1\n", ("1 values in a row for 2 columns",)),
-        ("time,velocity\n0,1\n# note\n1,fast\n", ("'fast'", "row 2, column 2")),
-        ("time,velocity\n0,1\n1,nan\n", ("velocity", "nan", "row 2")),
-        ("time,velocity\n0,1\n1,inf\n", ("velocity", "inf")),
-        ("time,velocity\n0,1\n2,1\n2,1\n", ("time does not increase from row 2 to 3",)),
+        ("", "lacks time"),
+        ("time\n1\n", "beside time"),
+        ("time,velocity\n", "no rows"),
+        ("time,velocity\n0,1\n1\n", "columns changed from 2 to 1 at row 2"),
+        ("time,velocity\n0\n1\n", "1 values in a row for 2 columns"),
+        ("time,velocity\n0,1\n# note\n1,fast\n", "'fast'"),
+        ("time,velocity\n0,1\n1,nan\n", "velocity is no column of 2 finite numbers"),
+        ("time,velocity\n0,1\n2,1\n2,1\n", "time does not increase from row 2 to 3"),
     ],
 )
-def test_a_wrong_table_is_refused_in_one_line(
-    text: str, words: tuple[str, ...], tmp_path: Path
-) -> None:
+def test_a_wrong_table_is_refused_in_one_line(text: str, word: str, tmp_path: Path) -> None:
     path = tmp_path / "theirs.csv"
     path.write_text(text)
-    with pytest.raises(InputError) as refused:
+    with pytest.raises(InputError, match=f"theirs.csv.*{word}") as refused:
         read_table(path)
-    for word in ("theirs.csv", *words):
-        assert word in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -190,7 +180,8 @@ def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
     scene = press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
     result = run(scene)
     table = strokes_table(result, 0)
-    assert list(table) == list(MOMENT_UNITS)
+    moments = ("contact", "fracture", "separation")
+    assert list(table) == [f"{name}_{end}" for name in moments for end in ("time", "height")]
     process = scene.process
     assert process is not None
     assert process.fracture is not None
@@ -223,7 +214,5 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     write_table(tmp_path / "life.csv", table)
     assert f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
     assert unit_of("rod 3_wear_volume_low") == "m^3"
-    with pytest.raises(InputError, match="unknown column"):
-        unit_of("_depth")
     with pytest.raises(InputError, match="has no life to write"):
         life_table(replace(result, life=None))

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from presswear.results.life import UNITS, LifeResult, LimitResult, words_of
+from presswear.results.life import LifeResult, LimitResult, words_of
 from presswear.results.result import Result
-from presswear.scene.options import Service
+from presswear.scene.options import FOLLOWED, Service
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
@@ -82,7 +82,7 @@ def _draw_quantity(axes: Axes, key: str, scale: _Scale) -> None:
     top = float(values[:, 2].max())
     near = [limit for limit in limits if limit.value <= _FAR * top or top == 0.0]
     largest = max([top, *(limit.value for limit in near)])
-    factor, unit = unit_scale(UNITS[name], largest)
+    factor, unit = unit_scale(FOLLOWED[name].unit, largest)
     x = scale.factor * life.curves["strokes"]
     mean, low, high = factor * values.T
     # None of these quantities is negative.
