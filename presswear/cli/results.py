@@ -67,9 +67,8 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
         return _still(arguments, console, clips)
     if arguments.movie is not None:
         return _movie(arguments, console, clips)
-    from presswear.show.replay.output import check_display, play
+    from presswear.show.replay.output import play
 
-    check_display()
     start = _time("--from", arguments.start, clips[0], clips[0].default_start)
     play(clips, arguments.size, start, arguments.slow or clips[0].default_slow)
     return 0
@@ -152,11 +151,9 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
     frames = frames_between(clips, start, end, slow, rate)
     count, note = len(frames), speed_text(slow)
     with terminal.progress_bar(console) as bar:
-        task = bar.add_task(f"{count} pictures", total=1.0)
         images = pictures(clips, frames, note, arguments.size)
-        write_movie(
-            arguments.movie, images, count, rate, lambda part: bar.update(task, completed=part)
-        )
+        tracked = bar.track(images, total=count, description=f"{count} pictures")
+        write_movie(arguments.movie, iter(tracked), rate)
     seconds = count / rate
     terminal.print_lines(
         console, f"film in {arguments.movie}: {count} pictures, {seconds:.1f} s, {note}"

@@ -2,18 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
 from presswear.scene.catalog import short_name_of
+from presswear.show.replay.shapes import Array
 from presswear.tools.errors import InputError
-
-Array = NDArray[np.float64]
 
 PATH_FRAMES = 60  # frames in the path of a pin centre
 CYCLE_SECONDS = 10.0  # default duration of a cycle on the screen, s
@@ -24,52 +22,34 @@ NORMAL, TANGENTIAL, X, Y, PEAK = (
 )
 
 
-@dataclass(frozen=True)
-class Chapter:
+class Chapter(NamedTuple):
     """Name of a stage and the linkage with its surfaces."""
 
     stage: str
     linkage: Linkage
 
 
-@dataclass(frozen=True)
-class Snapshot:
-    """State of a mechanism at one time, s.
-
-    Positions of the last frames, the present one last, have shape (n, 3 bodies); joints have the
-    columns ``FILM_JOINT``; peaks are the largest normal forces, N, since the previous picture.
-    """
+class Snapshot(NamedTuple):
+    """State of a mechanism at one time, s."""
 
     time: float
-    positions: Array
-    joints: Array
-    peaks: Array
+    positions: Array  # of the last frames, the present one last, shape (n, 3 bodies)
+    joints: Array  # columns ``FILM_JOINT``
+    peaks: Array  # largest normal forces since the previous picture, N
     chapter: int = 0
 
 
 @dataclass(frozen=True)
 class Clip:
-    """Frames of one stage, or of successive stages, and limits for drawing them.
-
-    Attributes
-    ----------
-    chapters : tuple of Chapter
-        Stages; more than one for a service life.
-    period : float
-        Duration of a cycle, s.
-    max_depth, max_force : mapping
-        Wear depth, m, and force, N, by joint that the drawing must hold.
-    firsts : tuple of int
-        First frame of each chapter.
-    """
+    """Frames of one stage, or of successive stages, and limits for drawing them."""
 
     title: str
-    chapters: tuple[Chapter, ...]
-    period: float
-    max_depth: Mapping[str, float]
-    max_force: Mapping[str, float]
+    chapters: tuple[Chapter, ...]  # stages; more than one for a service life
+    period: float  # duration of a cycle, s
+    max_depth: Mapping[str, float]  # wear depth by joint that the drawing must hold, m
+    max_force: Mapping[str, float]  # N
     film: Film
-    firsts: tuple[int, ...] = (0,)
+    firsts: tuple[int, ...] = (0,)  # first frame of each chapter
 
     @property
     def linkage(self) -> Linkage:
@@ -97,53 +77,33 @@ class Clip:
         """Factor of two digits for which a cycle takes ``CYCLE_SECONDS``."""
         return float(f"{CYCLE_SECONDS / self.period:.1e}")
 
-    def frame_at(self, time: float) -> int:
-        """Return the frame nearest to a time, s."""
-        return int(np.abs(self.film.time - time).argmin())
-
     def snapshot(self, frame: int, previous: int) -> Snapshot:
         """Return the state at a frame; ``previous`` is the frame of the previous picture."""
         chapter = int(np.searchsorted(self.firsts, frame, side="right")) - 1
         first = self.firsts[chapter]
         recent = self.film.joints[max(min(previous + 1, frame), first) : frame + 1]
-        return Snapshot(
-            time=float(self.film.time[frame]),
-            positions=self.film.position[max(frame - PATH_FRAMES, first) : frame + 1],
-            joints=self.film.joints[frame],
-            peaks=recent[:, :, PEAK].max(axis=0),
-            chapter=chapter,
-        )
-
-
-def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
-    """Return the coordinates, m, of a point and the angle of its body, rad; shape (n, 3)."""
-    if point.body == GROUND:
-        return np.tile([point.x, point.y, 0.0], (len(positions), 1))
-    base = 3 * linkage.index(point.body)
-    x, y, angle = positions[:, base : base + 3].T
-    c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
+        positions = self.film.position[max(frame - PATH_FRAMES, first) : frame + 1]
+        peaks = recent[:, :, PEAK].max(axis=0)
+        time = float(self.film.time[frame])
+        return Snapshot(time, positions, self.film.joints[frame], peaks, chapter)
 
 
 def stage_clip(result: Result, index: int) -> Clip:
     """Return the clip of a stored stage; raises InputError if it has no film."""
     scene, stage = result.scene, result.stage(index)
-    film = stage.film
+    film, name = stage.film, short_name_of(scene)
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
-    name = short_name_of(scene)
     folder = result.path.resolve().name if result.path else scene.name
-    joints = scene.clearance_joints
-    clip = Clip(
+    depths = [max_depths(scene.linkage(each.surfaces)) for each in result.stages]
+    return Clip(
         title=name if folder == scene.name else f"{folder}: {name}",
         chapters=(Chapter(result.stage_name(index), scene.linkage(stage.surfaces)),),
         period=scene.mechanism.period,
-        max_depth={},
-        max_force=dict(zip(joints, largest, strict=True)),
+        max_depth={joint: max(d[joint] for d in depths) for joint in scene.clearance_joints},
+        max_force=dict(zip(scene.clearance_joints, largest, strict=True)),
         film=film,
     )
-    depths = [max_depths(scene.linkage(each.surfaces)) for each in result.stages]
-    return replace(clip, max_depth={joint: max(d[joint] for d in depths) for joint in joints})
 
 
 def life_clip(result: Result) -> Clip:
@@ -179,21 +139,23 @@ def _last_cycle(clip: Clip, place: int) -> Film:
 
 def max_depths(linkage: Linkage) -> dict[str, float]:
     """Return the largest wear depth of each joint, m."""
-    depths = {}
-    for joint in linkage.clearances:
-        surfaces = joint.bearing_surface, joint.pin_surface
-        depths[joint.name] = max(float(each.depth.max(initial=0.0)) for each in surfaces)
-    return depths
+    pairs = {each.name: (each.bearing_surface, each.pin_surface) for each in linkage.clearances}
+    return {
+        name: max(float(surface.depth.max(initial=0.0)) for surface in pair)
+        for name, pair in pairs.items()
+    }
 
 
 def equal_limits(clips: Sequence[Clip]) -> list[Clip]:
     """Return the clips with the same limits of depth and force, so that they can be compared."""
-    largest: list[dict[str, float]] = [{}, {}]
-    for clip in clips:
-        for limits, common in zip((clip.max_depth, clip.max_force), largest, strict=True):
-            for joint, value in limits.items():
-                common[joint] = max(common.get(joint, 0.0), value)
-    return [replace(clip, max_depth=largest[0], max_force=largest[1]) for clip in clips]
+
+    def largest(name: str) -> dict[str, float]:
+        limits: list[Mapping[str, float]] = [getattr(clip, name) for clip in clips]
+        joints = {joint for each in limits for joint in each}
+        return {joint: max(each.get(joint, 0.0) for each in limits) for joint in joints}
+
+    depths, forces = largest("max_depth"), largest("max_force")
+    return [replace(clip, max_depth=depths, max_force=forces) for clip in clips]
 
 
 def speed_text(slow: float) -> str:
@@ -215,7 +177,7 @@ def frames_at(clips: Sequence[Clip], time: float) -> tuple[int, ...]:
                 f"time {t:g} s: the film of {clip.title}, {clip.chapters[0].stage}, "
                 f"goes from {first:g} s to {last:g} s"
             )
-        frames.append(clip.frame_at(t))
+        frames.append(int(np.abs(clip.film.time - t).argmin()))
     return tuple(frames)
 
 

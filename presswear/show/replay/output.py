@@ -1,12 +1,9 @@
 """Stills and films without a display, and windows in a process of their own."""
 
-import ctypes
-import ctypes.util
 import multiprocessing
 import os
 import shutil
 import subprocess
-import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -25,19 +22,9 @@ from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.recording.observer import Observer, Progress
 from presswear.scene.catalog import short_name_of
 from presswear.scene.scene import Scene
-from presswear.show.replay.clip import (
-    PATH_FRAMES,
-    PEAK,
-    Chapter,
-    Clip,
-    Snapshot,
-    frames_at,
-    max_depths,
-    snapshots,
-    speed_text,
-)
-from presswear.show.replay.picture import Picture
-from presswear.show.replay.shapes import exu
+from presswear.show.replay import clip as clip_module
+from presswear.show.replay.clip import Chapter, Clip, Snapshot, frames_at, snapshots
+from presswear.show.replay.picture import Picture, exu
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
 from presswear.tools.processes import cores, end_with_parent
@@ -118,25 +105,10 @@ def check_movie(file: Path) -> None:
         raise InputError(f"--movie {file}: .mp4 needs ffmpeg; install it or write a .gif")
 
 
-def write_movie(
-    file: Path,
-    images: Iterator[Pixels],
-    count: int,
-    rate: float,
-    on_progress: Callable[[float], None] = lambda part: None,
-) -> None:
-    """Write pictures as a film; an existing file is replaced only by a complete film.
-
-    ``rate`` are pictures per second; ``on_progress`` receives the share of the pictures written.
-    """
-
-    def counted() -> Iterator[Pixels]:
-        for number, image in enumerate(images):
-            yield image
-            on_progress((number + 1) / count)
-
+def write_movie(file: Path, images: Iterator[Pixels], rate: float) -> None:
+    """Write pictures as a film of ``rate`` pictures per second; replace a file by a whole one."""
     encode = _gif if file.suffix.lower() == ".gif" else _mp4
-    write_whole(file, lambda part: encode(part, counted(), rate))
+    write_whole(file, lambda part: encode(part, images, rate))
 
 
 def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
@@ -176,33 +148,6 @@ def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
         raise RunFailed(f"ffmpeg could not write the film: {errors[-1] if errors else 'no reason'}")
 
 
-def check_display() -> None:
-    """Raise RunFailed if no window can be opened."""
-    reason = missing_display()
-    if reason:
-        raise RunFailed(f"no window can be opened here: {reason}; {NO_WINDOW}")
-
-
-def missing_display() -> str:
-    """Return why no X display is available, or an empty text; Exudyn aborts without a display."""
-    if not sys.platform.startswith("linux"):
-        return ""
-    name = os.environ.get("DISPLAY", "")
-    if not name:
-        return "DISPLAY is not set"
-    library = ctypes.util.find_library("X11")
-    if library is None:
-        return "libX11 is missing"
-    x11 = ctypes.CDLL(library)
-    x11.XOpenDisplay.restype = ctypes.c_void_p
-    x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
-    display = x11.XOpenDisplay(name.encode())
-    if not display:
-        return f"DISPLAY={name} does not answer"
-    x11.XCloseDisplay(display)
-    return ""
-
-
 def _start_window(target: Callable[..., None], *arguments: Any) -> tuple[Any, Connection]:
     """Return a process with an open window and a connection to it."""
     context = multiprocessing.get_context("spawn")
@@ -215,9 +160,10 @@ def _start_window(target: Callable[..., None], *arguments: Any) -> tuple[Any, Co
         if ours.poll(MAX_START):
             ours.recv()
             return process, ours
-    except EOFError:
+    except EOFError:  # Exudyn ends the process if there is no display
         process.join(1.0)
-        reason = f"Exudyn's renderer could not start (exit code {process.exitcode})"
+        display = f"DISPLAY is {os.environ.get('DISPLAY') or 'not set'}"
+        reason = f"Exudyn's renderer could not start (exit code {process.exitcode}; {display})"
     except BaseException:
         process.kill()
         raise
@@ -242,6 +188,7 @@ class Window:
         settings.interactive.keyPressUserFunction = self._key
         self._press = press
         self._quits = False
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for the messages of Exudyn's renderer
         self._renderer.Start()
         picture.set_view()
 
@@ -257,11 +204,8 @@ class Window:
         """Draw the picture and process input; return False once the window is closed."""
         self._renderer.SendRedrawSignal()
         self._renderer.DoIdleTasks(IDLE_TIME, False)
-        return bool(
-            not self._quits
-            and self._renderer.IsActive()
-            and not self.picture.system.GetRenderEngineStopFlag()
-        )
+        is_stopped = self.picture.system.GetRenderEngineStopFlag()
+        return bool(not self._quits and self._renderer.IsActive() and not is_stopped)
 
     def clicked_part(self) -> float | None:
         """Return the position, 0 to 1, of a click on the time bar, if any."""
@@ -271,7 +215,7 @@ class Window:
         start, end = self.picture.layout.bar
         if abs(y - start[1]) > BAR_REACH * self.picture.layout.height:
             return None
-        return float(min(max((x - start[0]) / (end[0] - start[0]), 0.0), 1.0))
+        return float(np.clip((x - start[0]) / (end[0] - start[0]), 0.0, 1.0))
 
     def close(self) -> None:
         """Close the window."""
@@ -281,15 +225,12 @@ class Window:
 
 @dataclass
 class Player:
-    """Time that advances, with its limits and the duration of a frame, s.
-
-    ``slow`` is time on the screen over time of the clip.
-    """
+    """Time that advances, with its limits and the duration of a frame, s."""
 
     first: float
     last: float
     time: float
-    slow: float
+    slow: float  # time on the screen over time of the clip
     step: float
     plays: bool = True
 
@@ -310,7 +251,7 @@ class Player:
         elif key in (UP, DOWN):
             self.slow *= SPEED_STEP if key == DOWN else 1.0 / SPEED_STEP
         elif key in (HOME, END):
-            self.jump(self.first if key == HOME else self.last)
+            self.time = self.first if key == HOME else self.last
         else:
             return False
         return True
@@ -327,13 +268,11 @@ class Player:
 
 def play(clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float) -> None:
     """Play clips in a window until it is closed; raises RunFailed if it cannot be opened."""
-    check_display()
     process, _ = _start_window(_play, clips, size, start, slow)
     try:
         process.join()
     finally:
-        if process.is_alive():
-            process.kill()
+        process.kill()
     if process.exitcode != 0:
         raise RunFailed(f"the window ended unexpectedly (exit code {process.exitcode})")
 
@@ -350,7 +289,7 @@ def _play(
     previous, shown, is_open = frames_at(clips, player.time), clock.perf_counter(), True
     while is_open:
         frames = frames_at(clips, player.time)
-        note = speed_text(player.slow) if player.plays else "paused"
+        note = clip_module.speed_text(player.slow) if player.plays else "paused"
         window.picture.show(snapshots(clips, previous, frames), player.part, note)
         previous, is_open = frames, window.idle()
         part = window.clicked_part()
@@ -368,13 +307,11 @@ class Live(Observer):
     A frame is sent only after the window has shown the previous one, so that the run never waits.
     """
 
-    frames = PATH_FRAMES
+    frames = clip_module.PATH_FRAMES
 
     def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
-        check_display()
-        self._scene = scene
+        self._scene, self._linkage = scene, scene.linkage()
         times = np.linspace(0.0, scene.mechanism.period, 181)
-        self._linkage = scene.linkage()
         joints = np.zeros((len(times), len(self._linkage.clearances), len(FILM_JOINT)))
         self._film = Film(times, scene.ideal.at(times).position, joints)
         self._process, self._window = _start_window(_show_live, size, self._clip(0))
@@ -383,7 +320,7 @@ class Live(Observer):
     def _clip(self, stage: int) -> Clip:
         chapter = Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage)
         forces = {joint.name: LIVE_FORCE for joint in self._linkage.clearances}
-        period, depths = self._scene.mechanism.period, max_depths(self._linkage)
+        period, depths = self._scene.mechanism.period, clip_module.max_depths(self._linkage)
         return Clip(short_name_of(self._scene), (chapter,), period, depths, forces, self._film)
 
     def on_progress(self, progress: Progress) -> None:
@@ -401,7 +338,7 @@ class Live(Observer):
                 self._linkage = progress.linkage
                 self._window.send(self._clip(progress.stage))
             time = float(film.time[-1])
-            peaks = film.joints[-LIVE_PEAK_FRAMES:, :, PEAK].max(axis=0)
+            peaks = film.joints[-LIVE_PEAK_FRAMES:, :, clip_module.PEAK].max(axis=0)
             part = time / self._scene.mechanism.period % 1.0
             self._window.send((Snapshot(time, film.position, film.joints[-1], peaks), part))
             self._is_ready, self._sent = False, now
@@ -412,30 +349,28 @@ class Live(Observer):
         """Close the window."""
         self._window.close()
         self._process.join(2.0)
-        if self._process.is_alive():
-            self._process.kill()
+        self._process.kill()
 
 
 def _show_live(run: Connection, size: tuple[int, int], clip: Clip) -> None:
-    window: Window | None = None
-    message: Any = clip
+    """Show snapshots, and clips with other surfaces, until the run ends or the window is closed."""
+
+    def opened(clip: Clip) -> Window:
+        picture = Picture([clip], size)
+        picture.show([clip.snapshot(0, 0)], 0.0, "")
+        return Window(picture)
+
+    window = opened(clip)
+    run.send("open")
     try:
-        while True:
+        while window.idle():
+            message = run.recv() if run.poll() else None
             if isinstance(message, Clip):
-                if window is not None:
-                    window.close()
-                picture = Picture([message], size)
-                picture.show([message.snapshot(0, 0)], 0.0, "")
-                window = Window(picture)
-                if message is clip:
-                    run.send("open")
-            elif message is not None and window is not None:
+                window.close()
+                window = opened(message)
+            elif message is not None:
                 window.picture.show([message[0]], message[1], "")
                 run.send("shown")
-            if window is None or not window.idle():
-                break
-            message = run.recv() if run.poll() else None
     except (EOFError, OSError):
         pass  # the run has ended
-    if window is not None:
-        window.close()
+    window.close()

@@ -4,40 +4,29 @@ Bodies, bearings and pins are rigid bodies with the stored coordinates. Shapes t
 paths, text) are replaced in every picture.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from itertools import chain
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.drives import run_up_motion
-from presswear.linkage.linkage import Linkage
-from presswear.show.replay.clip import NORMAL, Clip, Snapshot, points_of
-from presswear.show.replay.mechanism import (
-    BODIES_PER_JOINT,
-    FORCE,
-    INK,
-    JOINT_COLOURS,
-    STEEL,
-    EnlargedJoint,
-    Scale,
-    body_graphics,
-    bounding_box,
-    frame_graphics,
-)
-from presswear.show.replay.shapes import Shape, exu, graphics, line, text
+from presswear.show.replay import mechanism
+from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
+from presswear.show.replay.mechanism import FORCE, INK, JOINT_COLOURS, STEEL, EnlargedJoint
+from presswear.show.replay.shapes import Array, Colour, Point, Shape, attachments, line, points_of
+from presswear.tools.exudyn import exudyn_module
 
-Array = NDArray[np.float64]
+exu = exudyn_module()
+from exudyn.graphics import FromPointsAndTrigs  # noqa: E402  (after the choice of the module)
 
 HEAD, FOOT, MARGIN = 0.11, 0.09, 0.02  # title, time bar and margin over the height of the picture
 HIDDEN = 10.0  # position of the joints of a hidden stage over the height of the picture
 FONT = 13.0  # letters in a picture of 640 pixels height, pixels
 
 
-@dataclass(frozen=True)
-class Panel:
+class Panel(NamedTuple):
     """Positions of one clip in the plane of the picture, m: origin, title and enlarged joints."""
 
     offset: Array
@@ -46,8 +35,7 @@ class Panel:
     radius: float
 
 
-@dataclass(frozen=True)
-class Layout:
+class Layout(NamedTuple):
     """Picture with its centre at the origin: height, panels and ends of the time bar, m."""
 
     height: float
@@ -85,26 +73,23 @@ def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspec
         middle = np.array([left + MARGIN, top]) + 0.5 * room * (1.0, -1.0)
         offset = height * middle - 0.5 * (low + high)
         title = height * np.array([left + MARGIN, 0.5 - 0.045])
-        panels.append(
-            Panel(offset, title, tuple(height * np.column_stack([x, y])), height * radius)
-        )
+        places = tuple(height * np.column_stack([x, y]))
+        panels.append(Panel(offset, title, places, height * radius))
     end = height * np.array([0.5 * aspect - 2.0 * MARGIN, -0.5 + 0.4 * FOOT])
     return Layout(height, tuple(panels), (end * (-1.0, 1.0), end))
 
 
-def _enlarged_joints(clip: Clip, panel: Panel, linkage: Linkage) -> list[EnlargedJoint]:
-    paints = [JOINT_COLOURS[k % len(JOINT_COLOURS)] for k in range(len(panel.joints))]
-    return [
-        EnlargedJoint(
-            joint,
-            clip.max_depth[joint.name],
-            clip.max_force[joint.name],
-            centre,
-            panel.radius,
-            paint,
-        )
-        for joint, centre, paint in zip(linkage.clearances, panel.joints, paints, strict=True)
-    ]
+def graphics(shapes: Iterable[Shape]) -> dict[str, Any]:
+    """Return shapes as one triangle list of Exudyn."""
+    each = list(shapes)
+    counts = [len(shape.points) for shape in each]
+    starts = np.cumsum([0, *counts[:-1]])
+    points = np.vstack([np.insert(shape.points, 2, shape.z, axis=1) for shape in each])
+    triangles = [shape.triangles + start for shape, start in zip(each, starts, strict=True)]
+    colours = np.repeat([shape.colour for shape in each], counts, axis=0)
+    normals = np.tile([0.0, 0.0, 1.0], len(points))
+    data: dict[str, Any] = FromPointsAndTrigs(points, np.vstack(triangles), colours, normals)
+    return data
 
 
 class Picture:
@@ -112,24 +97,17 @@ class Picture:
 
     def __init__(self, clips: Sequence[Clip], size: tuple[int, int]) -> None:
         self.clips = tuple(clips)
-        boxes = [bounding_box(clip.linkage, clip.film.position) for clip in clips]
+        boxes = [mechanism.bounding_box(clip.linkage, clip.film.position) for clip in clips]
         counts = [len(clip.linkage.clearances) for clip in clips]
         self.layout = layout_of(boxes, counts, size[0] / size[1])
-        diagonal = max(float(np.hypot(*(high - low))) for low, high in boxes)
-        self._scale = Scale(diagonal, FONT * size[1] / 640.0)
+        self._size = max(float(np.hypot(*(high - low))) for low, high in boxes)  # m
+        self._bar = mechanism.BAR * self._size
+        self._font = FONT * size[1] / 640.0
         self._joints: list[list[list[EnlargedJoint]]] = []  # of each chapter of each clip
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
         for clip, panel in zip(clips, self.layout.panels, strict=True):
-            ground = frame_graphics(clip.linkage, clip.film.position, self._scale)
-            self._add_ground([*panel.offset, 0.0], ground)
-            for body in clip.linkage.bodies:
-                self._add_body(panel.offset, body_graphics(clip.linkage, body.name, self._scale))
-            chapters = [_enlarged_joints(clip, panel, each.linkage) for each in clip.chapters]
-            self._joints.append(chapters)
-            for joint in chain(*chapters):
-                for shapes in joint.bodies(self._scale.layer):
-                    self._add_body(joint.centre, [graphics(shapes)])
+            self._add_clip(clip, panel)
         self._changing = self._add_ground([0.0, 0.0, 0.0], [])
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
@@ -146,6 +124,28 @@ class Picture:
         settings.raytracer.multiSampling = 2
         self.container.renderer.ResetState()  # otherwise the view set before an image is lost
         self.set_view()
+
+    def _layer(self, number: int) -> float:
+        """Return the height of a layer, m."""
+        return number * mechanism.LAYER_STEP * self._size
+
+    def _add_clip(self, clip: Clip, panel: Panel) -> None:
+        linkage = clip.linkage
+        frame = mechanism.frame_shapes(linkage, clip.film.position, self._bar, self._layer)
+        self._add_ground([*panel.offset, 0.0], [graphics(frame)] if frame else [])
+        bearings = {joint.bearing for joint in linkage.clearances}
+        for body in (each.name for each in linkage.bodies):
+            drawn = [graphics(mechanism.body_shapes(linkage, body, self._bar, self._layer))]
+            for name, end in attachments(linkage, body):
+                if end in bearings:
+                    label = self._text((end.x, end.y), name, 1.4, z=60)
+                    drawn.append({**label, "offset": [0.8, 0.5]})
+            self._add_body(panel.offset, drawn)
+        chapters = [_enlarged_joints(clip, panel, chapter) for chapter in clip.chapters]
+        self._joints.append(chapters)
+        for joint in chain(*chapters):
+            for shapes in joint.bodies(self._layer):
+                self._add_body(joint.centre, [graphics(shapes)])
 
     def _add_ground(self, position: list[float], drawn: list[dict[str, Any]]) -> Any:
         return self.system.AddObject(
@@ -169,54 +169,53 @@ class Picture:
 
         ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the playing speed.
         """
-        coordinates, shapes, words = [], self._time_bar(part), []
+        coordinates, shapes, texts = [], self._time_bar(part), []
         parts = zip(self.clips, self.layout.panels, self._joints, states, strict=True)
         for clip, panel, chapters, state in parts:
             coordinates.append(state.positions[-1])
-            words += self._title(clip, panel, state, note)
+            texts += self._title(clip, panel, state, note)
             for spring in clip.linkage.springs:
-                start, end = (
-                    points_of(clip.linkage, state.positions[-1:], point)[0, :2] + panel.offset
-                    for point in spring.ends
-                )
-                z = self._scale.layer(38)
-                shapes.append(line(start, end, 0.5 * self._scale.bar, z, STEEL))
+                poses = (points_of(clip.linkage, state.positions[-1:], end) for end in spring.ends)
+                start, end = (panel.offset + pose[0, :2] for pose in poses)
+                shapes.append(line(start, end, 0.5 * self._bar, self._layer(38), STEEL))
             for chapter, joints in enumerate(chapters):
                 if chapter != state.chapter:
                     hidden = np.array([HIDDEN * self.layout.height, 0.0, 0.0])
-                    coordinates += [hidden] * (BODIES_PER_JOINT * len(joints))
+                    coordinates += [hidden] * (mechanism.BODIES_PER_JOINT * len(joints))
                     continue
                 for joint, row, peak in zip(joints, state.joints, state.peaks, strict=True):
-                    bearing, pin = (
-                        points_of(clip.linkage, state.positions, end)
-                        for end in (joint.joint.bearing, joint.joint.pin)
-                    )
+                    ends = joint.joint.bearing, joint.joint.pin
+                    bearing, pin = (points_of(clip.linkage, state.positions, end) for end in ends)
                     coordinates += joint.coordinates(bearing[-1], pin[-1])
-                    shapes += joint.moving(bearing, pin, row, self._scale.layer)
-                    words += self._joint_text(joint, row, peak)
+                    shapes += joint.moving(bearing, pin, row, self._layer)
+                    texts += self._joint_text(joint, row, peak)
         data = self.system.systemData
         for kind in (exu.ConfigurationType.Current, exu.ConfigurationType.Visualization):
             data.SetODE2Coordinates(np.concatenate(coordinates), kind)
             data.SetTime(states[0].time, kind)
-        drawn = [graphics(shapes), *words]
+        drawn = [graphics(shapes), *texts]
         self.system.SetObjectParameter(self._changing, "VgraphicsData", drawn)
 
-    def _joint_text(self, joint: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
-        font, z = self._scale.font, self._scale.layer(95)
-        force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
-        above, below = (joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19))
-        words = [text(above, force, z, font, joint.paint)]
-        for k, label in enumerate(joint.labels()):
-            point = below - [0.0, k * self._line_height(0.8)]
-            words.append(text(point, label, z, 0.75 * font, INK))
-        return words
+    def _text(
+        self, point: Point, words: str, size: float, paint: Colour = INK, z: int = 95
+    ) -> dict[str, Any]:
+        """Return a text that starts at a point, with letters of a size relative to the font."""
+        position = [float(point[0]), float(point[1]), self._layer(z)]
+        look = {"position": position, "color": list(paint), "fontSize": size * self._font}
+        return {"type": "Text", "text": words, **look}
 
     def _line_height(self, size: float) -> float:
         """Return the height of a line of text, m, from its size relative to the font."""
         return 1.5 * size * FONT / 640.0 * self.layout.height
 
+    def _joint_text(self, joint: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
+        force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
+        above, below = (joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19))
+        lines = [below - [0.0, k * self._line_height(0.8)] for k in range(len(joint.labels()))]
+        factors = [self._text(*line, 0.75) for line in zip(lines, joint.labels(), strict=True)]
+        return [self._text(above, force, 1.0, joint.paint), *factors]
+
     def _title(self, clip: Clip, panel: Panel, state: Snapshot, note: str) -> list[dict[str, Any]]:
-        font, z = self._scale.font, self._scale.layer(95)
         linkage = clip.linkage
         elapsed = float(run_up_motion(np.array(state.time), linkage.run_up_time)[0])
         angle = 360.0 * elapsed / clip.period
@@ -226,20 +225,17 @@ class Picture:
             status = f"t = {state.time:.4f} s   {status} of cycle {cycle}"
         title = f"{clip.title}, {clip.chapters[state.chapter].stage}"
         below = panel.title - [0.0, self._line_height(1.2)]
-        return [
-            text(panel.title, title, z, 1.15 * font, INK),
-            text(below, f"{status}   {note}", z, font, INK),
-        ]
+        return [self._text(panel.title, title, 1.15), self._text(below, f"{status}   {note}", 1.0)]
 
     def _time_bar(self, part: float) -> list[Shape]:
         start, end = self.layout.bar
-        width, layer = 0.006 * self.layout.height, self._scale.layer
+        width = 0.006 * self.layout.height
         now = start + part * (end - start)
         mark = np.array([0.0, 1.6 * width])
         return [
-            line(start, end, width, layer(90), STEEL),
-            line(start, now, width, layer(91), INK),
-            line(now - mark, now + mark, 1.2 * width, layer(92), FORCE),
+            line(start, end, width, self._layer(90), STEEL),
+            line(start, now, width, self._layer(91), INK),
+            line(now - mark, now + mark, 1.2 * width, self._layer(92), FORCE),
         ]
 
     def image(self) -> NDArray[np.uint8]:
@@ -250,3 +246,12 @@ class Picture:
     def close(self) -> None:
         """Release the container."""
         self.container.Reset()
+
+
+def _enlarged_joints(clip: Clip, panel: Panel, chapter: Chapter) -> list[EnlargedJoint]:
+    joints = []
+    for k, (joint, centre) in enumerate(zip(chapter.linkage.clearances, panel.joints, strict=True)):
+        limits = clip.max_depth[joint.name], clip.max_force[joint.name]
+        paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
+        joints.append(EnlargedJoint(joint, *limits, centre, panel.radius, paint))
+    return joints

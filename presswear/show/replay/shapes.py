@@ -1,22 +1,20 @@
-"""Plane shapes as triangles for Exudyn's renderer; z only decides which shape covers another."""
+"""Plane shapes: outlines of bodies, and triangles whose height z decides which covers another."""
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
-from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from presswear.tools.exudyn import exudyn_module
-
-exu = exudyn_module()
-from exudyn.graphics import FromPointsAndTrigs  # noqa: E402  (after the choice of the module)
+from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.linkage import Linkage
 
 Array = NDArray[np.float64]
 Point = Sequence[float] | Array
-Colour = tuple[float, float, float, float]
+Colour = tuple[float, ...]  # red, green, blue, alpha, 0 to 1
 
 SEGMENTS = 48  # of a full circle
 
@@ -30,34 +28,62 @@ class Shape(NamedTuple):
     colour: Colour
 
 
-def colour(code: str) -> Colour:
-    """Return a colour, red, green, blue, alpha, 0 to 1, from its code ``#rrggbb``."""
-    return to_rgba(code)
-
-
 def mix(first: Colour, second: Colour, share: float) -> Colour:
     """Return ``first`` with a share, 0 to 1, of ``second``."""
-    r, g, b, a = ((1.0 - share) * x + share * y for x, y in zip(first, second, strict=True))
-    return r, g, b, a
+    return tuple((1.0 - share) * x + share * y for x, y in zip(first, second, strict=True))
+
+
+def direction(angle: float) -> Array:
+    """Return the unit vector at an angle, rad."""
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
+    """Return the coordinates, m, of a point and the angle of its body, rad; shape (n, 3)."""
+    if point.body == GROUND:
+        return np.tile([point.x, point.y, 0.0], (len(positions), 1))
+    base = 3 * linkage.index(point.body)
+    x, y, angle = positions[:, base : base + 3].T
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
+
+
+def attachments(linkage: Linkage, body: str) -> list[tuple[str, Attachment]]:
+    """Return joint names and points at which a body, or the ground, is connected."""
+    pairs = chain(
+        ((joint.name, joint.first, joint.second) for joint in linkage.revolutes),
+        ((joint.name, joint.bearing, joint.pin) for joint in linkage.clearances),
+        ((spring.name, *spring.ends) for spring in linkage.springs),
+    )
+    return [(name, end) for name, *ends in pairs for end in ends if end.body == body]
+
+
+def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) -> Array:
+    """Return the outline of a body in its own frame, m, shape (n, 2).
+
+    It is a block in a guide, otherwise a bar or a plate around the joints, or around one joint and
+    the mass centre. ``bar`` is the half width of a bar.
+    """
+    guide = next((guide for guide in linkage.guides if guide.body == body), None)
+    if guide is not None:
+        half = 0.5 * np.array([5.6 * bar, 4.4 * bar]) - inset
+        along = direction(guide.direction - guide.angle)
+        return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ [along, across(along)]
+    points = [(end.x, end.y) for _, end in attachments(linkage, body)]
+    points += [(0.0, 0.0)] * (len(points) < 2)
+    discs = np.vstack([circle(point, bar - inset) for point in points])
+    return discs[ConvexHull(discs).vertices]
+
+
+def across(vector: Array) -> Array:
+    """Return a vector turned left by a right angle."""
+    return np.array([-vector[1], vector[0]])
 
 
 def circle(centre: Point, radius: float, segments: int = SEGMENTS) -> Array:
     """Return points on a circle, shape (segments, 2)."""
     angle = np.linspace(0.0, 2.0 * math.pi, segments, endpoint=False)
     return np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-def rectangle(size: Point, angle: float) -> Array:
-    """Return the corners of a rectangle about the origin, turned by an angle, rad."""
-    corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.asarray(size)
-    c, s = math.cos(angle), math.sin(angle)
-    return corners @ np.array([[c, s], [-s, c]])
-
-
-def rounded_hull(points: Array, radius: float) -> Array:
-    """Return the outline of the convex hull of discs about points: a disc, a bar, a plate."""
-    discs = np.vstack([circle(point, radius) for point in points])
-    return discs[ConvexHull(discs).vertices]
 
 
 def filled(outline: Array, z: float, paint: Colour) -> Shape:
@@ -69,12 +95,10 @@ def filled(outline: Array, z: float, paint: Colour) -> Shape:
 
 def band(inner: Array, outer: Array, z: float, paint: Colour) -> Shape:
     """Return the area between two closed lines, shape (n, 2) each."""
-    count = len(inner)
-    k = np.arange(count)
+    k, count = np.arange(len(inner)), len(inner)
     following = (k + 1) % count
-    triangles = [[k, count + k, count + following], [k, count + following, following]]
-    corners = np.moveaxis(np.array(triangles), 1, 2).reshape(-1, 3)
-    return Shape(np.vstack([inner, outer]), corners, z, paint)
+    quarters = [(k, count + k, count + following), (k, count + following, following)]
+    return Shape(np.vstack([inner, outer]), np.hstack(quarters).T, z, paint)
 
 
 def ring(centre: Point, radius: float, width: float, z: float, paint: Colour) -> Shape:
@@ -104,30 +128,20 @@ def arrow(start: Array, vector: Array, width: float, z: float, paint: Colour) ->
     """Return an arrow from a point along a vector that is not zero."""
     length = float(np.hypot(*vector))
     head = min(4.0 * width, length)
-    direction = vector / length
-    wings = 0.45 * head * np.array([-direction[1], direction[0]])
-    neck, tip = start + (length - head) * direction, start + vector
-    return [
-        line(start, neck, width, z, paint),
-        filled(np.array([neck - wings, tip, neck + wings]), z, paint),
-    ]
+    neck, tip = start + (1.0 - head / length) * vector, start + vector
+    wings = 0.45 * head / length * across(vector)
+    outline = np.array([neck - wings, tip, neck + wings])
+    return [line(start, neck, width, z, paint), filled(outline, z, paint)]
 
 
-def graphics(shapes: Iterable[Shape]) -> dict[str, Any]:
-    """Return shapes as one triangle list of Exudyn."""
-    each = list(shapes)
-    counts = [len(shape.points) for shape in each]
-    starts = np.cumsum([0, *counts[:-1]])
-    points = np.vstack([np.insert(shape.points, 2, shape.z, axis=1) for shape in each])
-    triangles = [shape.triangles + start for shape, start in zip(each, starts, strict=True)]
-    colours = np.repeat([shape.colour for shape in each], counts, axis=0)
-    normals = np.tile([0.0, 0.0, 1.0], len(points))
-    data: dict[str, Any] = FromPointsAndTrigs(points, np.vstack(triangles), colours, normals)
-    return data
-
-
-def text(point: Point, words: str, z: float, size: float, paint: Colour) -> dict[str, Any]:
-    """Return a text that starts at a point, with letters of a size in pixels."""
-    position = [float(point[0]), float(point[1]), z]
-    look = {"position": position, "color": list(paint), "fontSize": size}
-    return {"type": "Text", "text": words, **look}
+def hatched(ends: Array, side: float, bar: float, z: float, paint: Colour) -> list[Shape]:
+    """Return a fixed edge, hatched on the left for side = 1 and on the right for -1."""
+    start, end = ends
+    vector = end - start
+    length = float(np.hypot(*vector))
+    along = vector / length
+    slant = 0.9 * bar * (side * across(along) - along)
+    marks = np.linspace(0.0, 1.0, max(int(length / (0.9 * bar)), 2))
+    feet = start + np.outer(marks, vector)
+    lines = [line(foot, foot + slant, 0.132 * bar, z, paint) for foot in feet]
+    return [line(start, end, 0.22 * bar, z, paint), *lines]

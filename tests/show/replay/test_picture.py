@@ -6,20 +6,16 @@ from dataclasses import replace
 import exudyn as exu
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from synthetic_clip import FRAMES, synthetic_clip
 
 from presswear.linkage.elements import Attachment
 from presswear.linkage.loads import Spring
-from presswear.show.replay.clip import Chapter, equal_limits, points_of
-from presswear.show.replay.mechanism import (
-    BODY_COLOURS,
-    FORCE,
-    EnlargedJoint,
-    attachments,
-)
+from presswear.show.replay.clip import Chapter, equal_limits
+from presswear.show.replay.mechanism import BODY_COLOURS, FORCE, EnlargedJoint
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.shapes import colour
+from presswear.show.replay.shapes import attachments, points_of
 
 Array = NDArray[np.float64]
 
@@ -62,7 +58,7 @@ def test_bodies_are_drawn_at_their_stored_positions(picture: Picture, frame: int
         positions = state.positions.copy()
         positions[:, 0::3] -= (centre + offset)[0]
         positions[:, 1::3] -= (centre + offset)[1]
-        picture.show([replace(state, positions=positions)], 0.0, "")
+        picture.show([state._replace(positions=positions)], 0.0, "")
         points = drawn(picture, 1 + number)[0][:, :2]  # the frame is object 0
         assert np.hypot(*points.T).min() < 1e-9
         for _, end in attachments(LINKAGE, body.name):
@@ -137,7 +133,7 @@ def test_image_and_text(picture: Picture) -> None:
     assert first.shape == (320, 480, 3)
     colours = {tuple(pixel) for pixel in first.reshape(-1, 3).tolist()}
     for code in BODY_COLOURS:
-        assert tuple(round(255 * part) for part in colour(code)[:3]) in colours
+        assert tuple(round(255 * part) for part in to_rgb(code)) in colours
 
 
 def test_two_clips_have_one_scale() -> None:
