@@ -13,11 +13,9 @@ from presswear.tools.files import digest, read_checked, write_bytes
 
 Array = NDArray[np.float64]
 
+# Arrays of numbers or of records by name, from which a computation resumes. They may be views, so
+# that they cost little: copy or write them before their owner changes.
 State = Mapping[str, NDArray[Any]]
-"""Arrays of numbers or of records by name, from which a computation resumes.
-
-They may be views, so that they cost little; copy or write them before their owner changes.
-"""
 
 
 def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:

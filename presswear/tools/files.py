@@ -54,12 +54,6 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(part, path)
-        if os.name == "posix":  # elsewhere a folder cannot be synchronized
-            descriptor = os.open(path.parent, os.O_RDONLY)
-            try:
-                os.fsync(descriptor)
-            finally:
-                os.close(descriptor)
     except OSError as error:
         if error.errno is None:
             raise
@@ -149,19 +143,12 @@ class FolderLock:
     """Exclusive right to write into a folder, until it is released or the process ends.
 
     The folder is made where it is not there. InputError where nothing can be written there, with
-    the holder of the lock, or where the lock is a link.
-
-    Attributes
-    ----------
-    path : Path
-        Folder.
-    warning : str
-        Text where this file system has no locks, or nothing.
+    the holder of the lock, or where the lock is a link. ``warning`` is a text where this file
+    system has no locks.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self.warning = ""
+        self.path, self.warning = path, ""
         _check_link(path / LOCK)
         self._made = tuple(folder for folder in (path, *path.parents) if not folder.exists())
         try:

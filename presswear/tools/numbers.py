@@ -6,6 +6,26 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
 _MIN_VALUE = 1e-300  # below it the powers of ten that a number is divided by have no digits left
 
+# SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display unit.
+DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
+    "m": ("m", 1.0, 1.0),
+    "mm": ("m", 1e3, 1e-3),
+    "µm": ("m", 1e6, 1e-6),
+    "nm": ("m", 1e9, 1e-9),
+    "pm": ("m", 1e12, 0.0),
+    "mm³": ("m^3", 1e9, 1e-12),
+    "µm³": ("m^3", 1e18, 0.0),
+    "kN": ("N", 1e-3, 1e4),
+    "N": ("N", 1.0, 0.0),
+    "ms": ("s", 1e3, math.inf),
+    "µs": ("s", 1e6, math.inf),
+    "mJ": ("J", 1e3, math.inf),
+    "degrees": ("rad", 180.0 / math.pi, math.inf),
+    "°": ("rad", 180.0 / math.pi, math.inf),
+    "%": ("", 100.0, math.inf),
+    "million": ("", 1e-6, math.inf),
+}
+
 
 def _decimals(value: float, digits: int) -> int:
     """Return the decimals of some significant digits; negative left of the point."""
@@ -15,14 +35,7 @@ def _decimals(value: float, digits: int) -> int:
 def _written(number: str, power: int = 0) -> str:
     """Return the text of a number with narrow spaces, a minus sign and a power of ten."""
     text = number.replace(",", "\u202f").replace("-", "−")
-    if power == 0:
-        return text
-    return f"{text}·10{superscript(power)}"
-
-
-def superscript(power: int) -> str:
-    """Return a power in superscript digits."""
-    return str(power).translate(_SUPERSCRIPT)
+    return f"{text}·10{str(power).translate(_SUPERSCRIPT)}" if power else text
 
 
 def readable(value: float | None, digits: int = 3) -> str:
@@ -62,12 +75,10 @@ def large(*values: float, digits: int = 3) -> str:
         return "0"
     largest = round(largest, _decimals(largest, digits))
     factor, word = count_scale(largest)
-    decimals = max(_decimals(factor * largest, digits), 0)
-    texts = []
-    for value in values:
-        text = f"{round(factor * value, _decimals(factor * largest, digits)):,.{decimals}f}"
-        texts.append(_written(text.rstrip("0").rstrip(".") if "." in text else text))
-    return f"{' to '.join(texts)} {word}".rstrip()
+    decimals = _decimals(factor * largest, digits)
+    texts = (f"{round(factor * v, decimals):,.{max(decimals, 0)}f}" for v in values)
+    texts = (text.rstrip("0").rstrip(".") if "." in text else text for text in texts)
+    return f"{' to '.join(map(_written, texts))} {word}".rstrip()
 
 
 def short_number(value: float) -> str:
@@ -90,30 +101,8 @@ def with_interval(mean: float | None, half_width: float | None) -> str:
     decimals = _decimals(half_width, 2) if half_width > 0.0 else _MAX_DECIMALS + 1
     if decimals > _MAX_DECIMALS:
         return f"{readable(mean, 4)}\u00a0± {readable(half_width, 2)}"
-    places = max(decimals, 0)
-    pair = (f"{round(number, decimals):,.{places}f}" for number in (mean, half_width))
+    pair = (f"{round(n, decimals):,.{max(decimals, 0)}f}" for n in (mean, half_width))
     return "\u00a0± ".join(map(_written, pair))
-
-
-DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
-    "m": ("m", 1.0, 1.0),
-    "mm": ("m", 1e3, 1e-3),
-    "µm": ("m", 1e6, 1e-6),
-    "nm": ("m", 1e9, 1e-9),
-    "pm": ("m", 1e12, 0.0),
-    "mm³": ("m^3", 1e9, 1e-12),
-    "µm³": ("m^3", 1e18, 0.0),
-    "kN": ("N", 1e-3, 1e4),
-    "N": ("N", 1.0, 0.0),
-    "ms": ("s", 1e3, math.inf),
-    "µs": ("s", 1e6, math.inf),
-    "mJ": ("J", 1e3, math.inf),
-    "degrees": ("rad", 180.0 / math.pi, math.inf),
-    "°": ("rad", 180.0 / math.pi, math.inf),
-    "%": ("", 100.0, math.inf),
-    "million": ("", 1e-6, math.inf),
-}
-"""SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display unit."""
 
 
 def unit_factor(unit: str) -> float:
@@ -122,15 +111,7 @@ def unit_factor(unit: str) -> float:
 
 
 def unit_scale(unit: str, largest: float) -> tuple[float, str]:
-    """Return the factor and the display unit in which values of an SI unit read well.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit.
-    largest : float
-        Largest of the values, in the SI unit.
-    """
+    """Return factor and display unit in which values of an SI unit up to the largest read well."""
     for display, (si, factor, smallest) in DISPLAY_UNITS.items():
         if si == unit and largest >= smallest:
             return factor, display
