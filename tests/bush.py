@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -21,8 +20,7 @@ from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.options import Numerics
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 CLEARANCE, WIDTH, FRICTION, COEFFICIENT = 1e-3, 0.02, 0.05, 1e-15
 SPEED = 100.0 * math.pi
@@ -44,17 +42,10 @@ def bush(
     turns: Literal["pin", "bush", "load"] = "pin",
     **settings: Any,
 ) -> pw.Scene:
-    """Return the scene.
+    """Return the scene, with radius, m, load, N, stiffness, N/m^1.5, and wear share of the bushing.
 
-    Parameters
-    ----------
-    radius, load, stiffness : float
-        Radius of the bushing, m, load, N, and stiffness of the contact, N/m^1.5.
-    share : float
-        Part of the wear that the bushing loses.
-    turns : {"pin", "bush", "load"}
-        The pin turns in the bushing or the bushing about the pin, while the load presses the loose
-        part down; or the load turns with the pin.
+    The pin turns in the bushing or the bushing about the pin, while the load presses the loose part
+    down; or the load turns with the pin.
     """
     loads: list[pw.Load | pw.Force] = [pw.Load("arm", y=-load)]
     damping = 100.0
@@ -121,26 +112,14 @@ class History(Observer):
 
 @dataclass(frozen=True)
 class Worn:
-    """Run of a bushing.
-
-    Attributes
-    ----------
-    bush, pin : ndarray, shape (cycles, bins)
-        Depth after each cycle, m.
-    load_distance : ndarray, shape (cycles,)
-        Normal force times sliding distance in each cycle, N m.
-    strokes : ndarray, shape (cycles,)
-        Real cycles that each cycle stands for.
-    area : float
-        Area of a bin, m^2.
-    """
+    """Run of a bushing."""
 
     run: Run
-    bush: Array
+    bush: Array  # (cycles, bins), depth after each cycle, m
     pin: Array
-    load_distance: Array
-    strokes: Array
-    area: float
+    load_distance: Array  # (cycles,), normal force times sliding distance in each cycle, N m
+    strokes: Array  # (cycles,), real cycles that each cycle stands for
+    area: float  # of a bin, m^2
 
 
 def worn(
@@ -148,10 +127,8 @@ def worn(
 ) -> Worn:
     """Run until about a volume, m^3, is worn, which grows as a power of the cycles."""
     joint = scene.linkage().clearances[0]
-    load = 100.0
-    for part in scene.mechanism.linkage().loads:
-        load = abs(part.y) if isinstance(part, pw.Load) else load
-    whole = volume / (COEFFICIENT * load * 2.0 * math.pi * joint.pin_radius)
+    loads = [abs(part.y) for part in scene.linkage().loads if isinstance(part, pw.Load)]
+    whole = volume / (COEFFICIENT * (loads or [100.0])[0] * 2.0 * math.pi * joint.pin_radius)
     ends = whole * (np.arange(cycles + 1) / cycles) ** power
     strokes = np.diff(ends)
     history = History()
@@ -164,7 +141,7 @@ def worn(
     plan = Plan(CYCLE, count, recorded, torques=False, observers=(history,), wear=wear)
     run = scene.solver.simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
-    depth = np.array(history.depth)
+    bearing, pin = np.array(history.depth).swapaxes(0, 1)
     load_distance = run.recorder.each_cycle("load_distance", 0)[STARTUP_CYCLES:]
     area = WIDTH * joint.bearing_radius * 2.0 * math.pi / joint.bins
-    return Worn(run, depth[:, 0], depth[:, 1], load_distance, strokes, area)
+    return Worn(run, bearing, pin, load_distance, strokes, area)

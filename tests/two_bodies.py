@@ -4,16 +4,15 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.linkage.elements import GROUND, MapFrame
 from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
 from presswear.physics.forces import JointLoad, load_of
+from presswear.physics.friction_and_normal import elastic_of, normal_force, normal_record
 from presswear.physics.packed import Packed, pack
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
-
-Array = NDArray[np.float64]
 
 JOINT = pw.ClearanceJoint(
     "J",
@@ -25,6 +24,17 @@ JOINT = pw.ClearanceJoint(
     normal=pw.NormalLaw(1.25e10, 1.5, 0.1425),
     friction=pw.FrictionLaw(0.1, 1e-4, 1e-3),
 )
+
+
+def normal_law(stiffness: float, exponent: float, damping: float) -> Records:
+    """Return K delta^n with a damping factor, as a record of NORMAL."""
+    return normal_record(pw.NormalLaw(stiffness, exponent, damping), 1e-3)
+
+
+def force_of(law: Records, penetration: float, rate: float, onset_speed: float) -> float:
+    """Return the normal force, N, as the kernels put it together."""
+    elastic, _ = elastic_of(law, penetration)
+    return float(normal_force(law, elastic, penetration, rate, onset_speed))
 
 
 def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> pw.ClearanceJoint:

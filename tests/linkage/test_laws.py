@@ -5,9 +5,9 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from force_of import force_of, plain
 from hypothesis import example, given
 from hypothesis import strategies as st
+from two_bodies import force_of, normal_law
 
 from presswear.linkage.laws import (
     FrictionLaw,
@@ -28,7 +28,7 @@ from presswear.physics.friction_and_normal import friction_force, friction_recor
 def test_normal_force_is_equation_8_and_never_pulls(
     depth: float, rate: float, onset: float, exponent: float, damping: float
 ) -> None:
-    force = force_of(plain(1.25e10, exponent, damping), depth, rate, onset)
+    force = force_of(normal_law(1.25e10, exponent, damping), depth, rate, onset)
     elastic = 1.25e10 * max(depth, 0.0) ** exponent
     damped = elastic * damping * rate / onset
     # A power costs a few ulp, and the two parts may cancel.
@@ -83,29 +83,21 @@ def test_stiffness_as_printed_and_of_a_pin_in_a_hole(
     assert stiffness == pytest.approx(expected, rel=1e-7)
 
 
-def _restitution_to_fifty_digits(damping: float) -> float:
-    """Root of (1 + e') chi = ln[(1 + chi) / (1 - chi e')] by bisection in y = 1 - chi e'.
-
-    There the equation reads ln y - y = ln(1 + chi) - (1 + chi), whose left side rises
-    from y = 0 to 1.
-    """
-    with localcontext() as context:
-        context.prec = 50
-        whole = 1 + Decimal(damping)
-        wanted = whole.ln() - whole
-        # Without the small term y, y = exp(wanted): the root lies between this and e times it.
-        low, high = wanted.exp(), min(Decimal(1), (wanted + 1).exp())
-        for _ in range(120):
-            middle = (low + high) / 2
-            low, high = (middle, high) if middle.ln() - middle < wanted else (low, middle)
-        return float((1 - low) / Decimal(damping))
-
-
 @given(
     st.floats(1e-10, 100.0)
     | st.floats(1e-10, 1e-3)
     | st.sampled_from([1e-10, 1e-7, 1e-5, 0.0999, 0.1425, 8.0, 38.4, 100.0])
 )
 def test_delivered_restitution_for_any_damping(damping: float) -> None:
-    exact = _restitution_to_fifty_digits(damping)
-    assert delivered_restitution(damping) == pytest.approx(exact, rel=1e-8)
+    """It solves (1 + e') chi = ln[(1 + chi) / (1 - chi e')], to fifty digits, within 1e-8."""
+    with localcontext() as context:
+        context.prec = 50
+        chi, delivered = Decimal(damping), Decimal(delivered_restitution(damping))
+
+        def excess(restitution: Decimal) -> Decimal:
+            # Beyond the pole of the logarithm there is no force.
+            rest = 1 - chi * restitution
+            return (1 + restitution) * chi - ((1 + chi) / rest).ln() if rest > 0 else Decimal(-1)
+
+        assert excess(delivered * (1 - Decimal("1e-8"))) > 0
+        assert excess(delivered * (1 + Decimal("1e-8"))) < 0

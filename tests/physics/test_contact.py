@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from force_of import force_of, plain
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
+from two_bodies import JOINT, Pair, force_of, gap_of, normal_law, placed, worn_joint
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
@@ -75,7 +74,7 @@ def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
     """Linear and angular momentum stay to round-off."""
     contact = pair.contact()
     load = pair.load(0.5)
-    law = plain(1.25e10, 1.5, pair.joint.normal.damping)
+    law = normal_law(1.25e10, 1.5, pair.joint.normal.damping)
     assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
     assert load.tangential == friction_force(
         contact.sliding, load.normal, friction_record(FrictionLaw(0.1))

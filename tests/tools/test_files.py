@@ -90,24 +90,17 @@ def test_documents_hold_finite_numbers_of_one_schema(tmp_path: Path) -> None:
             read_json(file, "none", 3)
 
 
-def test_a_new_and_an_empty_folder_are_free_and_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "empty").mkdir()
-    for name in ("empty", "new", "a/b/c", "ü µ"):
-        assert is_free(tmp_path / name)
-    assert [path.name for path in tmp_path.iterdir()] == ["empty"]
-    (tmp_path / "empty" / LOCK).touch()
-    assert is_free(tmp_path / "empty")
-
-
-@pytest.mark.parametrize("name", ["full", "file"])
-def test_what_holds_something_is_not_free(tmp_path: Path, name: str) -> None:
+def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
     (tmp_path / "full").mkdir()
-    for file in ("file", "full/file", f"full/{LOCK}"):
+    (tmp_path / "empty").mkdir()
+    for file in ("file", "full/file", f"full/{LOCK}", f"empty/{LOCK}"):
         (tmp_path / file).write_text("somebody's")
     before = sorted(tmp_path.rglob("*"))
-    assert not is_free(tmp_path / name)
-    with pytest.raises(InputError, match="not empty"), only_writer(tmp_path / name):
-        pass
+    assert all(is_free(tmp_path / name) for name in ("empty", "new", "a/b/c", "ü µ"))
+    for name in ("full", "file"):
+        assert not is_free(tmp_path / name)
+        with pytest.raises(InputError, match="not empty"), only_writer(tmp_path / name):
+            pass
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -164,13 +157,14 @@ def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
     with only_writer(tmp_path / "new" / "below"):
         assert holder(tmp_path / "new" / "below") is not None
     assert not (tmp_path / "new").exists()
-    with only_writer(tmp_path / "kept"):
-        (tmp_path / "kept" / "result").touch()
-    assert [item.name for item in (tmp_path / "kept").iterdir()] == ["result"]
-    (tmp_path / "own").mkdir()
-    with only_writer(tmp_path / "own"):
+    with only_writer(tmp_path / "full"):
+        (tmp_path / "full" / "result").touch()
+    (tmp_path / "before").mkdir()
+    with only_writer(tmp_path / "before"):
         pass
-    assert (tmp_path / "own").is_dir()
+    assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")} == {
+        *("full", "full/result", "before")
+    }
 
 
 def test_a_file_system_without_locks_is_reported(

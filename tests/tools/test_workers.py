@@ -190,68 +190,16 @@ import test_workers
 print("start", flush=True)
 test_workers.forever()
 """
-
-
-def forever() -> None:
-    def on_progress(key: int, done: float, word: str, rows: object) -> None:
-        print(f"{done:.0f}", flush=True)
-
-    with Workers(2) as pool:
-        pool.run({0: Waits(), 1: Waits()}, nothing, on_progress)
-
-
-def start_script(tmp_path: Path) -> tuple["subprocess.Popen[str]", list[int]]:
-    """Start the script in a session of its own; return it and its workers once they work."""
-    (tmp_path / "script.py").write_text(_SCRIPT)
-    places = Path(presswear.__path__[0]).parent, Path(__file__).parent
-    path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
-    process = subprocess.Popen(
-        [sys.executable, str(tmp_path / "script.py")],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, "PYTHONPATH": path},
-    )
-    assert process.stdout is not None
-    lines: list[str] = []
-    while len(set(lines)) < 3:
-        lines.append(process.stdout.readline().strip())
-        assert lines[-1], "it has ended"
-    assert lines.count("start") == 1
-    return process, [int(word) for word in set(lines) - {"start"}]
-
-
-def is_running(pid: int) -> bool:
-    """Return whether a process exists and has not ended."""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from Linux's /proc")
-def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
-    process, pids = start_script(tmp_path)
-    assert all(map(is_running, pids))
-    process.kill()
-    process.communicate()
-    last = time.monotonic() + PATIENCE
-    while any(map(is_running, pids)):
-        assert time.monotonic() < last
-        time.sleep(0.05)
-
-
-def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
-    """Ctrl-C reaches every process of a terminal; only the parent reports it."""
-    process, _ = start_script(tmp_path)
-    os.killpg(process.pid, signal.SIGINT)
-    errors = process.communicate(timeout=PATIENCE)[1]
-    assert errors.count("Traceback") == 1
-    assert errors.strip().endswith("KeyboardInterrupt")
-
-
+_SIGNALLED = """
+import os, signal, threading
+from presswear.tools.processes import Workers, stoppable
+try:
+    with stoppable(), Workers(2, ["presswear.campaign.campaign"]) as workers:
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        workers.run({0: str, 1: str}, lambda key, outcome: {0: str, 1: str}, print)
+except KeyboardInterrupt:
+    print("stopped")
+"""
 _SPAWNED = """
 import multiprocessing, sys
 for name in ("fcntl", "resource", "multiprocessing.forkserver"):
@@ -265,30 +213,75 @@ if __name__ == "__main__":
 """
 
 
-def run_script(file: Path, text: str) -> "subprocess.CompletedProcess[str]":
-    file.write_text(text)
-    source = str(Path(presswear.__path__[0]).parent)
-    command, env = [sys.executable, str(file)], {**os.environ, "PYTHONPATH": source}
-    return subprocess.run(command, env=env, capture_output=True, text=True, timeout=5 * PATIENCE)
+def forever() -> None:
+    def on_progress(key: int, done: float, word: str, rows: object) -> None:
+        print(f"{done:.0f}", flush=True)
+
+    with Workers(2) as workers:
+        workers.run({0: Waits(), 1: Waits()}, nothing, on_progress)
 
 
-def test_a_run_works_where_processes_can_only_be_spawned(tmp_path: Path) -> None:
-    done = run_script(tmp_path / "script.py", _SPAWNED)
-    assert done.stdout == "completed\n", done.stderr
+def started(tmp_path: Path, text: str) -> "subprocess.Popen[str]":
+    """Start a script in a session of its own."""
+    (tmp_path / "script.py").write_text(text)
+    places = Path(presswear.__path__[0]).parent, Path(__file__).parent
+    path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
+    return subprocess.Popen(
+        [sys.executable, str(tmp_path / "script.py")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
-def test_a_signal_while_workers_start_leaves_no_traceback(tmp_path: Path) -> None:
-    script = """
-import os, signal, threading
-from presswear.tools.processes import Workers, stoppable
-try:
-    with stoppable(), Workers(2, ["presswear.campaign.campaign"]) as pool:
-        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGTERM)).start()
-        pool.run({0: str, 1: str}, lambda key, outcome: {0: str, 1: str}, print)
-except KeyboardInterrupt:
-    print("stopped")
-"""
-    done = run_script(tmp_path / "script.py", script)
-    assert done.stdout.endswith("stopped\n")
-    assert done.stderr == ""
+def workers_of(process: "subprocess.Popen[str]") -> list[int]:
+    """Return the processes of the workers once they work."""
+    assert process.stdout is not None
+    lines: list[str] = []
+    while len(set(lines)) < 3:
+        lines.append(process.stdout.readline().strip())
+        assert lines[-1], "it has ended"
+    assert lines.count("start") == 1
+    return [int(word) for word in set(lines) - {"start"}]
+
+
+def is_running(pid: int) -> bool:
+    """Return whether a process exists and has not ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from Linux's /proc")
+def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
+    process = started(tmp_path, _SCRIPT)
+    pids = workers_of(process)
+    assert all(map(is_running, pids))
+    process.kill()
+    process.communicate()
+    last = time.monotonic() + PATIENCE
+    while any(map(is_running, pids)):
+        assert time.monotonic() < last
+        time.sleep(0.05)
+
+
+def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
+    """Ctrl-C reaches every process of a terminal; only the parent reports it."""
+    process = started(tmp_path, _SCRIPT)
+    workers_of(process)
+    os.killpg(process.pid, signal.SIGINT)
+    errors = process.communicate(timeout=PATIENCE)[1]
+    assert errors.count("Traceback") == 1
+    assert errors.strip().endswith("KeyboardInterrupt")
+
+
+@pytest.mark.parametrize(("text", "end"), [(_SPAWNED, "completed\n"), (_SIGNALLED, "stopped\n")])
+def test_a_script_ends_without_an_error(tmp_path: Path, text: str, end: str) -> None:
+    """Where processes can only be spawned, and where a signal comes while workers start."""
+    process = started(tmp_path, text)
+    out, errors = process.communicate(timeout=5 * PATIENCE)
+    assert out.endswith(end)
+    assert errors == ""
