@@ -25,7 +25,6 @@ from presswear.tools.quantities import Choice, Quantity, meaning_of, plain_numbe
 T = TypeVar("T")
 
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
-MAX_NUMBER = 1e300  # in a document: beyond it sums and units would overflow
 _NAMES = ("name", "body")  # first fields by which messages tell the owner
 _WORDS: dict[Any, str] = {
     float: "finite number",
@@ -295,22 +294,15 @@ def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
 
     InputError with the message ``missing`` where there is no such file.
     """
+    import msgspec  # only where something is read
+
     if not file.is_file():
         raise InputError(missing)
-
-    def finite(text: str) -> float:
-        value = float(text)
-        if not abs(value) <= MAX_NUMBER:
-            raise ValueError(f"{text[:40]} is no finite number up to {MAX_NUMBER:g}")
-        return value
-
+    data = read_checked(file)
     try:
-        text = read_checked(file).decode()
-        document = json.loads(text, parse_float=finite, parse_constant=finite)
+        document: dict[str, Any] = msgspec.json.decode(data, type=dict[str, Any])
     except (ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
-    if not isinstance(document, dict):
-        raise InputError(f"{file} is no document of presswear: it holds no names and values")
     # JSON's true equals 1 and 2.0 equals 2, but neither is a schema.
     if type(document.get("schema")) is not int or document["schema"] != schema:
         raise InputError(
