@@ -13,7 +13,6 @@ import pytest
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
-from presswear.physics.packed import JOINT, Packed
 from presswear.tools.compile import (
     PackedArguments,
     bind,
@@ -135,39 +134,35 @@ def test_a_fused_kernel_rounds_once_or_as_others_do() -> None:
         assert quick(a, b, c) in (once, a * b + c)
 
 
-# A named tuple of the package: the cache of compiled code outlives those of a test.
+# Plain tuples: the cache of the package would outlive a named tuple of this test.
 
 
 @compiled
-def _gather(run: PackedArguments, x: float) -> float:
+def _gather(packed: PackedArguments, x: float) -> float:
     """Add up the arguments, and store the sum."""
-    part, out = unpack(run)
+    (pairs, rows, _nothing, single), out = unpack(packed)
     total = x
-    for i in range(part.joints.shape[0]):
-        total += part.mass[i]
-        if part.joints[i].over_arc:
-            total += part.joints[i].clearance
-        for j in range(part.surfaces.shape[1]):
-            for k in range(part.surfaces.shape[2]):
-                total += part.surfaces[i, j, k]
+    for i in range(single.shape[0]):
+        total += single[i]
+        if pairs[i].calls:
+            total += pairs[i].factor
+        for j in range(rows.shape[1]):
+            total += rows[i, j]
     out[0] = total
     return total
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
-    numbers = np.random.default_rng(count)
-    joints = np.zeros(count, JOINT)
-    joints["over_arc"] = numbers.random(count) < 0.5
-    joints["clearance"] = numbers.random(count)
-    mass, surfaces, out = numbers.random(count), numbers.random((count, 2, 3)), np.zeros(1)
-    drives = np.zeros(0, np.int64)
-    part = Packed(joints, surfaces, joints[:0], None, mass, mass[:0], drives)
-    call = bind(_gather, part, out)
-    expected = mass.sum() + surfaces.sum() + joints["clearance"][joints["over_arc"]].sum()
+    random = np.random.default_rng(count)
+    pairs, single, rows = np.zeros(count, PAIR), random.random(count), random.random((count, 2))
+    pairs["calls"], pairs["factor"] = random.random(count) < 0.5, random.random(count)
+    out = np.zeros(1)
+    call = bind(_gather, (pairs, rows, None, single), out)
+    expected = single.sum() + rows.sum() + pairs["factor"][pairs["calls"] > 0].sum()
     assert call(0.5) == pytest.approx(0.5 + expected, abs=1e-12)
-    mass += 1.0
-    del part, mass, surfaces, joints
+    single += 1.0
+    del single, rows, pairs
     gc.collect()
     others = [np.full(2, 1e9) for _ in range(1000)]  # would take the place of what is freed
     assert call(0.0) == out[0] == pytest.approx(expected + count, abs=1e-12)

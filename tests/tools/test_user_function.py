@@ -41,6 +41,11 @@ def test_compiled_function_is_called_by_address(a: float, b: float) -> None:
     assert _through(address, a, b, 7.0) == spring(b, a)
 
 
+def law(body: str) -> UserFunction:
+    """Return a law of one parameter with an expression as its value."""
+    return UserFunction("law", f"def law(a):\n    return {body}\n").trusted()
+
+
 @pytest.mark.parametrize(
     ("source", "words"),
     [
@@ -69,9 +74,8 @@ def test_text_without_law_is_refused_without_execution(source: str, words: str) 
     ],
 )
 def test_message_names_the_place_without_number(body: str, words: str) -> None:
-    function = UserFunction("law", f"def law(a):\n    return {body}\n").trusted()
     with pytest.raises(InputError, match=words) as refusal:
-        function.number("normal_law", KNOWN, {"a": 2.5})
+        law(body).number("normal_law", KNOWN, {"a": 2.5})
     assert "a = 2.5" in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
@@ -113,7 +117,6 @@ def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
     ],
 )
 def test_a_law_that_cannot_be_compiled_is_refused_by_name(body: str, message: str) -> None:
-    function = UserFunction("law", f"def law(a):\n    return {body}\n").trusted()
     with pytest.raises(InputError, match=message) as refusal:
-        check_compiles(function, "F1", KNOWN)
+        check_compiles(law(body), "F1", KNOWN)
     assert len(str(refusal.value).splitlines()) == 1
