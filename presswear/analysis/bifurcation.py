@@ -22,22 +22,19 @@ from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.packed import pack
+from presswear.physics.statics import closed
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, values_of
-from presswear.tools.arrays import read_arrays, write_arrays
+from presswear.tools.arrays import Array, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import FolderLock
 from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
-Array = NDArray[np.float64]
-Branch = np.recarray[Any, Any]
-"""Rows of ``run_value`` in the order of the runs, with attributes."""
+Branch = np.recarray[Any, Any]  # rows of ``run_value`` in the order of the runs, with attributes
 InitialState = Callable[[Scene], Start]
 
 ENGINE = InHouse("dopri5", 1e-6)  # periodic pins within 6e-4 of the clearance of those at 1e-9
@@ -60,13 +57,7 @@ class Parameter:
 
     @staticmethod
     def parse(text: str, scene: Scene) -> "Parameter":
-        """Return the parameter from text such as ``speed=2pi:12pi:200 rad/s``.
-
-        Raises
-        ------
-        InputError
-            If the text is incomplete, the name or unit unknown, or a value out of range.
-        """
+        """Return the parameter from text such as ``speed=2pi:12pi:200 rad/s``."""
         key, _, values_text = (part.strip() for part in text.partition("="))
         if not values_text:
             raise InputError(f"--over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
@@ -102,52 +93,30 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
 
     Pins keep their positions relative to the clearance, except that contacts open. Velocities are
     scaled with the speed of the first drive. Positions and velocities are then projected on the
-    constraints and drives.
-
-    Parameters
-    ----------
-    linkage, previous : Linkage
-        New linkage and linkage of the run.
-    ideal : Start
-        Initial state of the ideal linkage; full turns of bodies are counted from it.
+    constraints and drives. Full turns of bodies are counted from ``ideal``, the initial state of
+    the ideal linkage.
     """
-    ratios = [
-        new.clearance / old.clearance
-        for new, old in zip(linkage.clearances, previous.clearances, strict=True)
-    ]
-    constraints = constraints_of(linkage)
     position = end.position.copy()
     turns = np.round((position[2::3] - ideal.position[2::3]) / (2.0 * math.pi))
     position[2::3] -= 2.0 * math.pi * turns
-    pins = _pin_positions(linkage)
-    target = pins(position).reshape(-1, 2) * np.array(ratios)[:, None]
+    rows, rest = constraints_of(closed(linkage)), np.zeros_like(position)
+    pins = slice(2 * len(linkage.revolutes), 2 * len(closed(linkage).revolutes))
+    clearance, before = (
+        np.array([joint.clearance for joint in each.clearances]) for each in (linkage, previous)
+    )
+    gap = rows.evaluate(0.0, position, rest)[0][pins].reshape(-1, 2)
+    target = gap * (clearance / before)[:, np.newaxis]
     # A pin that starts in contact at rest would latch a closing speed near zero, for which the
     # damping is unbounded. All pins therefore start with a gap.
-    clearance = np.array([joint.clearance for joint in linkage.clearances])
     excess = np.hypot(*target.T) / ((1.0 - CONTACT_GAP) * clearance)
-    target = (target / np.maximum(excess, 1.0)[:, None]).ravel()
-    rest = np.zeros_like(position)
+    target /= np.maximum(excess, 1.0)[:, np.newaxis]
     for _ in range(NEWTON_STEPS):
-        phi, _, _, jacobian = constraints.evaluate(0.0, position, rest)
-        residual = np.concatenate([phi, pins(position) - target])
-        shifts = 1e-6 * np.eye(position.size)
-        slopes = [(pins(position + shift) - pins(position - shift)) / 2e-6 for shift in shifts]
-        matrix = np.concatenate([jacobian, np.transpose(slopes)])
-        position -= np.linalg.lstsq(matrix, residual, rcond=None)[0]
+        phi, _, _, jacobian = rows.evaluate(0.0, position, rest)
+        phi[pins] -= target.ravel()
+        position -= np.linalg.lstsq(jacobian, phi, rcond=None)[0]
     velocity = end.velocity * (linkage.drives[0].speed / previous.drives[0].speed)
-    _, error, _, jacobian = constraints.evaluate(0.0, position, velocity)
+    _, error, _, jacobian = constraints_of(linkage).evaluate(0.0, position, velocity)
     return Start(position, velocity - np.linalg.pinv(jacobian) @ error)
-
-
-def _pin_positions(linkage: Linkage) -> Callable[[Array], Array]:
-    """Return the function from positions of bodies to pin eccentricities, shape (2 joints,)."""
-    packed, contacts = pack(linkage, False), np.zeros(len(linkage.clearances), CONTACT)
-
-    def pins(position: Array) -> Array:
-        note_contacts(packed, contacts, position, np.zeros_like(position))
-        return np.column_stack([contacts["eccentricity_x"], contacts["eccentricity_y"]]).ravel()
-
-    return pins
 
 
 def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArray[Any]:
@@ -159,25 +128,24 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     the run fails, all numbers are NaN and the end is ``ideal``. So are numbers without cycles.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
-    joints, coordinates = len(linkage.clearances), len(start.position)
+    joints = len(linkage.clearances)
     fields: list[Any] = [
         ("value", float),
         ("pins", float, (cycles.stored, len(PHASES), joints, 2)),
         ("exponent", float, 2),
         ("amplitude", float, (1 + joints, MAX_ORDER if cycles.orders else 0)),
         ("resonance", float, joints),
-        ("end", float, (2, coordinates)),
+        ("end", float, (2, len(start.position))),
     ]
     row = np.zeros(1, fields)
     for name in ("pins", "exponent", "amplitude", "resonance"):
         row[name] = math.nan
-    run = ENGINE.simulate(
-        linkage, start, Plan(period, cycles.total, 1, sections=PHASES, torques=False)
-    )
-    last = ideal if run.status == "failed" else run.end
-    row["end"] = last.position, last.velocity
+    plan = Plan(period, cycles.total, 1, sections=PHASES, torques=False)
+    run = ENGINE.simulate(linkage, start, plan)
     if run.status == "failed":
+        row["end"] = ideal.position, ideal.velocity
         return row
+    row["end"] = run.end.position, run.end.velocity
     columns = [
         len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint + SECTION_JOINT_NAMES.index(name)
         for joint in range(joints)
@@ -202,12 +170,7 @@ def order_amplitudes(
 ) -> tuple[Array, Array]:
     """Return amplitudes at the orders of the crank and the orders of contact resonance.
 
-    Parameters
-    ----------
-    period : float
-        Duration of a cycle, s.
-    cycles : int
-        Cycles of the spectra.
+    ``period`` is the duration of a cycle, s, and ``cycles`` the number of cycles of the spectra.
 
     Returns
     -------
@@ -231,11 +194,10 @@ def order_amplitudes(
     for k, values in enumerate(series):
         spectrum = power_spectrum(time[rows], values[rows], period, (MAX_ORDER + 1) / period)
         amplitude[k] = [spectrum.amplitude(order) for order in range(1, MAX_ORDER + 1)]
-    names = ("touchdown", "separation", "closing_speed")
-    columns = [CONTACT_COLUMNS.index(name) for name in names]
     for k in range(joints):
-        touchdown, separation, closing = recorder.stored_contacts(k)[:, columns].T
-        frequency = resonance_frequency(separation - touchdown, closing)
+        contacts = dict(zip(CONTACT_COLUMNS, recorder.stored_contacts(k).T, strict=True))
+        duration = contacts["separation"] - contacts["touchdown"]
+        frequency = resonance_frequency(duration, contacts["closing_speed"])
         resonance[k] = math.nan if frequency is None else frequency * period
     return amplitude, resonance
 
@@ -284,15 +246,15 @@ class Diagram:
     def periods(self, direction: str) -> list[Periodicity | None]:
         """Return the period of the pin positions at each value; None where a run failed."""
         periods: list[Periodicity | None] = []
+        key, joints = self.parameter.key, self.scene.clearance_joints
         for row in self.branches[direction]:
             scales = [
                 row.value
-                if self.parameter.key in ("clearance", f"{name}.clearance")
+                if key in ("clearance", f"{name}.clearance")
                 else self.scene.bearing(name).clearance
-                for name in self.scene.clearance_joints
+                for name in joints
             ]
-            relative = row.pins / np.array(scales)[:, np.newaxis]
-            states = relative.reshape(len(relative), -1)
+            states = (row.pins / np.array(scales)[:, np.newaxis]).reshape(len(row.pins), -1)
             is_failed = np.isnan(states).any()
             periods.append(None if is_failed else periodicity(states, np.ones(states.shape[1])))
         return periods
@@ -339,11 +301,6 @@ def compute(
         Processes; None for as many as there are cores.
     on_progress : callable
         Receives the direction of a branch and its completed share.
-
-    Raises
-    ------
-    InputError
-        If the folder holds another diagram or the scene has no clearance.
     """
     if not scene.clearance_joints:
         raise InputError("a bifurcation diagram needs a joint with clearance")
@@ -355,6 +312,10 @@ def compute(
         "parameter": parameter,
         "cycles": cycles,
     }
+    work: dict[int, Any] = {}
+    for k, values in enumerate((parameter.values, parameter.values[::-1])):
+        file = folder / f"{DIRECTIONS[k]}.npz"
+        work[k] = partial(run_branch, scene, parameter.key, values, cycles, initial_state, file)
     lock = FolderLock(folder)
     try:
         if (folder / FILE).exists():
@@ -364,19 +325,6 @@ def compute(
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
             write_json(folder / FILE, document)
-        chains = zip(DIRECTIONS, (parameter.values, parameter.values[::-1]), strict=True)
-        work: dict[int, Any] = {
-            k: partial(
-                run_branch,
-                scene,
-                parameter.key,
-                values,
-                cycles,
-                initial_state,
-                folder / f"{direction}.npz",
-            )
-            for k, (direction, values) in enumerate(chains)
-        }
         with Workers(min(jobs or cores(), len(work)), (__name__,)) as workers:
             workers.run(
                 work,

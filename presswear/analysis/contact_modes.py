@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from presswear.results.press_analysis import settled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 
-Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 MODES = ("free flight", "impact", "sustained contact", "sticking")
@@ -76,14 +76,9 @@ class Timeline:
 def impact_limits(duration: Array, closing_speed: Array) -> Array:
     """Return the longest duration, s, that each contact may have as an impact, shape (n,).
 
-    A typical impact is the median of the quarter of the contacts with the largest closing speeds.
-    By Hertz's law the duration scales with the speed to the power of -1/5 (Johnson, Contact
+    A typical impact is the median of the quarter of the contacts with the largest closing speeds,
+    m/s. By Hertz's law the duration scales with the speed to the power of -1/5 (Johnson, Contact
     Mechanics, section 11.4.1).
-
-    Parameters
-    ----------
-    duration, closing_speed : ndarray, shape (n,)
-        s and m/s.
     """
     if not duration.size:
         return np.zeros(0)
@@ -125,45 +120,30 @@ def timeline(
     sticking_speed : float
         Sliding speed below which a contact sticks, m/s.
     """
-    start, end = span
     time, speed = sliding
-    duration = contacts[:, 1] - contacts[:, 0]
-    is_impact = duration <= impact_limits(duration, closing_speed)
-    edges: list[float] = [start]
-    modes: list[int] = []
-
-    def extend(moment: float, mode: int) -> None:
-        moment = min(moment, end)
-        if moment <= edges[-1]:
-            return
-        if modes and modes[-1] == mode:
-            edges[-1] = moment
-            return
-        edges.append(moment)
-        modes.append(mode)
-
-    for (touchdown, separation), is_short in zip(contacts, is_impact, strict=True):
-        extend(touchdown, FREE)
-        if is_short:
-            extend(separation, IMPACT)
-            continue
-        excess = np.abs(speed) - sticking_speed
-        for moment in [*_crossings(time, excess, max(touchdown, start), separation), separation]:
-            middle = 0.5 * (edges[-1] + moment)
-            sticks = abs(float(np.interp(middle, time, speed))) < sticking_speed
-            extend(moment, STICKING if sticks else SUSTAINED)
-    extend(end, FREE)
-    return Timeline(np.array(edges), np.array(modes, np.int64))
+    touchdown, separation = contacts.T
+    excess = np.abs(speed) - sticking_speed
+    k = np.flatnonzero((excess[:-1] < 0.0) != (excess[1:] < 0.0))
+    changes = time[k] - excess[k] * np.diff(time)[k] / np.diff(excess)[k]
+    moments = np.unique(np.concatenate([span, touchdown, separation, changes]))
+    edges = moments[(moments >= span[0]) & (moments <= span[1])]
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    sticks = np.abs(np.interp(middle, time, speed)) < sticking_speed
+    mode = np.full(middle.size, FREE)
+    if len(contacts):
+        contact = np.searchsorted(touchdown, middle) - 1
+        is_closed = (contact >= 0) & (middle < separation[contact])
+        duration = separation - touchdown
+        is_impact = (duration <= impact_limits(duration, closing_speed))[contact]
+        mode[is_closed] = np.where(sticks, STICKING, SUSTAINED)[is_closed]
+        mode[is_closed & is_impact] = IMPACT
+    return _merged(edges, mode, MODES)
 
 
-def _crossings(time: Array, values: Array, start: float, end: float) -> list[float]:
-    """Return the times between ``start`` and ``end``, s, at which a series changes its sign."""
-    first, last = np.searchsorted(time, [start, end])
-    rows = slice(max(int(first) - 1, 0), min(int(last) + 1, time.size))
-    t, v = time[rows], values[rows]
-    k = np.flatnonzero((v[:-1] < 0.0) != (v[1:] < 0.0))
-    moments = t[k] - v[k] * (t[k + 1] - t[k]) / (v[k + 1] - v[k])
-    return [float(moment) for moment in moments[(moments > start) & (moments < end)]]
+def _merged(edges: Array, mode: IntArray, names: tuple[str, ...]) -> Timeline:
+    """Return a timeline whose successive modes differ."""
+    is_new = np.append(True, np.diff(mode) != 0)
+    return Timeline(np.append(edges[:-1][is_new], edges[-1]), mode[is_new], names)
 
 
 def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
@@ -199,5 +179,4 @@ def combine(timelines: Sequence[Timeline]) -> Timeline:
     for each in timelines:
         codes = codes * len(each.names) + each.at(middle)
         names = tuple(f"{a} + {b}" if a else b for a in names for b in each.names)
-    is_new = np.append(True, np.diff(codes) != 0)
-    return Timeline(np.append(edges[:-1][is_new], edges[-1]), codes[is_new], names)
+    return _merged(edges, codes, names)

@@ -20,9 +20,9 @@ from presswear.linkage.linkage import Linkage
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.statistics import Estimate, batched, half_width
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 
-Array = NDArray[np.float64]
 Context = TypeVar("Context")
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -54,7 +54,6 @@ def growth_logarithms(
     context
         Quantities that belong to a state but are not perturbed, such as time and active contacts.
         The neighbour takes those of the reference after each interval.
-    intervals : int
     distance : ndarray, shape (d,)
         Initial distance in each component, in its unit; also the scale of distances.
 
@@ -63,10 +62,6 @@ def growth_logarithms(
     InputError
         If a pair coincides or its distance is not finite after an interval.
     """
-    if intervals < 1:
-        raise InputError(f"intervals = {intervals}: must be at least 1")
-    if not np.all(distance > 0.0):
-        raise InputError(f"distance = {distance.tolist()}: must be positive")
 
     def scaled(neighbour: Array) -> Array:
         difference = (neighbour - state) / distance
@@ -94,14 +89,8 @@ def growth_logarithms(
 def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1) -> Estimate:
     """Return the exponent from ``growth_logarithms``; its samples are the averaged intervals.
 
-    Parameters
-    ----------
-    logarithms : ndarray, shape (intervals,)
-    duration : float
-        Duration of an interval; the exponent is per unit of it.
-    per_cycle : int
-        Intervals in a cycle. The confidence interval uses means over whole cycles, because growth
-        varies within a cycle.
+    ``duration`` is that of an interval. The confidence interval uses means over whole cycles of
+    ``per_cycle`` intervals, because growth varies within a cycle.
     """
     rates = logarithms[math.ceil(DISCARDED * len(logarithms)) :] / duration
     if not rates.size:
@@ -117,19 +106,9 @@ class Flow:
 
     The components of a state are coordinates, rates, bristle deflections, and the closing speed at
     touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
-    is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``.
-
-    Attributes
-    ----------
-    distance : ndarray, shape (n,)
-        Initial distance of a pair in each component.
-    interval : float
-        s.
-
-    Raises
-    ------
-    InputError
-        If the linkage has closed loops, whose coordinates cannot be perturbed one by one.
+    is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``. ``distance`` is the
+    initial distance of a pair in each component. InputError if the linkage has closed loops, whose
+    coordinates cannot be perturbed one by one.
     """
 
     def __init__(self, linkage: Linkage, start: Start, period: float, per_cycle: int) -> None:
@@ -154,14 +133,11 @@ class Flow:
         self.keeps_onset = np.array([_depends_on_onset(joint["normal"]) for joint in joints])
         self.distance = np.concatenate([coordinates, DISTANCE * slip, onsets])
         self.interval = period / per_cycle
-
-    @property
-    def _arrays(self) -> Arrays:
-        """Arrays of the integrator and the recorder that determine the further motion."""
+        # Arrays of the integrator and the recorder that determine the further motion.
         records, loads = self.records, self.records.packed.loads
         contact = {"contacts": records.contacts, "onset": records.onset, "memory": records.memory}
         modes = {} if loads is None else {"modes": loads.modes}
-        return {**self.simulation.arrays, **contact, **modes}
+        self._arrays: Arrays = {**self.simulation.arrays, **contact, **modes}
 
     def state(self) -> tuple[Array, Arrays]:
         """Return copies of the present state and its context."""

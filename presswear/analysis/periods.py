@@ -3,40 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.press_analysis import settled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 TOLERANCE = 1e-2  # relative to a scale: largest difference of states of a periodic motion
-
-
-def times_at_phase(start: float, end: float, period: float, phase: float) -> Array:
-    """Return the times between ``start`` and ``end``, s, at which a cycle has a phase, 0 to 1."""
-    roundoff = 1e-9
-    first = int(np.ceil(start / period - phase - roundoff))
-    last = int(np.floor(end / period - phase + roundoff))
-    return np.asarray((np.arange(first, last + 1) + phase) * period)
-
-
-def section(time: Array, values: Array, times: Array) -> Array:
-    """Return the values at ``times``, linear between rows; times outside the series are omitted.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Increasing, s.
-    values : ndarray, shape (n, d)
-    times : ndarray, shape (m,)
-        s.
-    """
-    inside = times[(times >= time[0]) & (times <= time[-1])]
-    return np.column_stack([np.interp(inside, time, column) for column in values.T])
 
 
 @dataclass(frozen=True)
@@ -64,14 +38,11 @@ def periodicity(states: Array, scales: Array, tolerance: float = TOLERANCE) -> P
     states : ndarray, shape (cycles, d)
         Without the states of the start-up.
     scales : ndarray, shape (d,)
-        Positive size of each component, in the unit of the component.
+        Size of each component, in the unit of the component.
     tolerance : float
         Largest difference of a periodic motion, relative to the scales.
     """
-    if not np.all(scales > 0.0):
-        raise InputError(f"scales = {scales.tolist()}: must be positive")
-    scaled = states / scales
-    smallest = np.inf
+    scaled, smallest = states / scales, np.inf
     for period in range(1, len(scaled) // 2 + 1):
         error = float(np.abs(scaled[period:] - scaled[:-period]).max())
         if error <= tolerance:
@@ -84,26 +55,23 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
     """Return the positions of a pin once a cycle after the start-up, m, and the phase, 0 to 1.
 
     They are of the first Poincaré section of every cycle, if sections were stored, else of the ends
-    of the recorded cycles.
+    of the recorded cycles, linear between rows.
     """
     if "sections" in stage.arrays:
         both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
         rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
         return rows, scene.recording.phases[0]
-    start, end = (instant - scene.run_up for instant in settled_span(scene, stage))
-    at = times_at_phase(start, end, scene.mechanism.period, 0.0)
-    return section(stage.time - scene.run_up, stage.joints[joint].eccentricity, at), 1.0
+    start, end = settled_span(scene, stage)
+    period = scene.mechanism.period
+    ends = start + period * np.arange(int((end - start) / period + 1e-9) + 1)
+    columns = stage.joints[joint].eccentricity.T
+    return np.transpose([np.interp(ends, stage.time, column) for column in columns]), 1.0
 
 
 def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
-    """Return the touchdowns of a joint in the recorded settled cycles.
+    """Return the touchdowns of a joint in the recorded settled cycles, shape (n,) each.
 
-    Returns
-    -------
-    phase : ndarray, shape (n,)
-        Fraction of the cycle, from 0 to 1.
-    closing_speed : ndarray, shape (n,)
-        Rate of penetration, m/s.
+    The first array is the fraction of the cycle, 0 to 1, the second the closing speed, m/s.
     """
     start, end = settled_span(scene, stage)
     item = stage.joints[joint]

@@ -3,15 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from presswear.results.press_analysis import settled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-
-Array = NDArray[np.float64]
 
 MAX_ORDER = 1000  # highest frequency of a spectrum in turns of the crank
 
@@ -23,7 +20,6 @@ class Spectrum:
     frequency: Array  # Hz
     density: Array  # square of the unit of the values per Hz
     period: float  # of a cycle, s
-    segments: int  # number of averaged segments
 
     @property
     def order(self) -> Array:
@@ -52,11 +48,10 @@ class Spectrum:
         return float(powers[is_harmonic[1:]].sum() / powers.sum())
 
 
-def resample(time: Array, values: Array, interval: float) -> tuple[Array, Array]:
-    """Return the centres of equal intervals, s, and the mean of a series in each of them.
+def resample(time: Array, values: Array, interval: float) -> Array:
+    """Return the mean of a series, linear between its rows, in each of equal intervals, s.
 
-    The series is linear between its rows. A mean keeps the impulse of peaks that are shorter than
-    the interval and limits aliasing.
+    A mean keeps the impulse of peaks that are shorter than the interval and limits aliasing.
     """
     count = int((time[-1] - time[0]) / interval * (1.0 + 1e-12))
     edges = time[0] + interval * np.arange(count + 1)
@@ -67,7 +62,7 @@ def resample(time: Array, values: Array, interval: float) -> tuple[Array, Array]
     elapsed = edges - time[row]
     slope = (values[row + 1] - values[row]) / steps[row]
     area = areas[row] + elapsed * (values[row] + 0.5 * slope * elapsed)
-    return 0.5 * (edges[1:] + edges[:-1]), np.asarray(np.diff(area) / interval)
+    return np.asarray(np.diff(area) / interval)
 
 
 def power_spectrum(
@@ -89,30 +84,18 @@ def power_spectrum(
         Hz.
     cycles : int
         Largest number of cycles in a segment; lines lie at multiples of 1 / cycles of an order.
-
-    Raises
-    ------
-    InputError
-        If the series is shorter than one cycle.
     """
+    from scipy.signal import welch  # slow to import
+
     available = int((time[-1] - time[0]) / period + 0.02)  # rows end slightly before a cycle does
     if available < 1:
         raise InputError("a spectrum needs at least one recorded cycle; increase recorded_cycles")
-    length = min(cycles, available)
     rows_per_cycle = int(np.ceil(2.0 * max_frequency * period))
     interval = period / rows_per_cycle
-    _, means = resample(time, values, interval)
-    size = min(length * rows_per_cycle, len(means))
-    segments = sliding_window_view(means, size)[:: size - size // 2]
-    # scipy.signal.welch gives the same, but takes half a second to import.
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi / size * np.arange(size))
-    centred = segments - segments.mean(axis=1, keepdims=True)
-    power = (np.abs(np.fft.rfft(window * centred)) ** 2).mean(axis=0)
-    # One-sided: every line counts twice, except the mean and the Nyquist line of an even size.
-    power[1 : (size + 1) // 2] *= 2.0
-    density = power * interval / (window**2).sum()
-    frequency = np.asarray(np.fft.rfftfreq(size, interval), dtype=np.float64)
-    return Spectrum(frequency, density, period, len(segments))
+    means = resample(time, values, interval)
+    size = min(min(cycles, available) * rows_per_cycle, len(means))
+    frequency, density = welch(means, 1.0 / interval, "hann", size, size // 2)
+    return Spectrum(frequency, density, period)
 
 
 def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:

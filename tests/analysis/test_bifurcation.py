@@ -26,6 +26,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.physics.constraints import constraints_of
+from presswear.physics.statics import closed
 from presswear.scene.settings import changed
 from presswear.show.figures.dynamics import draw_diagram
 
@@ -71,8 +72,12 @@ def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
     phi, phi_t, *_ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
     assert np.abs(phi).max() < 1e-12
     assert np.abs(phi_t).max() < 1e-9
-    before = bifurcation._pin_positions(previous)(run.end.position)
-    after = bifurcation._pin_positions(linkage)(start.position)
+    # The rows of the closed joint are the last but those of guide and drive.
+    rows = slice(2 * len(linkage.revolutes), 2 * len(linkage.revolutes) + 2)
+    before, after = (
+        constraints_of(closed(each)).evaluate(0.0, end.position, end.velocity)[0][rows]
+        for each, end in ((previous, run.end), (linkage, start))
+    )
     cap = min(1.0, (1.0 - CONTACT_GAP) * 5e-4 / np.hypot(*before))
     np.testing.assert_allclose(after, 0.8 * cap * before, rtol=1e-6)
     scaled = 500.0 / previous.drives[0].speed * run.end.velocity

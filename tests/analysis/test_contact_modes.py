@@ -36,23 +36,19 @@ def test_modes_follow_each_other() -> None:
     assert line.mode.tolist() == [*hits, *hits, FREE, *rest, *hits, *hits, FREE]
 
 
-def test_shares_sum_to_one() -> None:
-    shares = made().shares
+def test_shares_transitions_and_visits() -> None:
+    line = made()
+    shares, counts = line.shares, line.transitions
     assert sum(shares.values()) == pytest.approx(1.0, rel=1e-12)
     assert shares["impact"] == pytest.approx(0.04 / 8.0, rel=1e-9)
     assert shares["sustained contact"] == pytest.approx(1.0 / 8.0, rel=1e-9)
     assert shares["sticking"] == pytest.approx(1.0 / 8.0, rel=1e-9)
-
-
-def test_transitions_and_visits() -> None:
-    line = made()
-    counts = line.transitions
     assert counts.sum() == line.mode.size - 1
     assert counts[FREE, IMPACT] == 4
     assert counts[SUSTAINED, STICKING] == counts[STICKING, SUSTAINED] == 1
     assert np.trace(counts) == 0
     np.testing.assert_allclose(line.visits("impact"), 0.01, rtol=1e-9)
-    # The first and the last flight go on beyond what is knline.
+    # The first and the last flight go on beyond what is known.
     np.testing.assert_allclose(line.visits("free flight"), [0.99, 0.99, 1.0, 0.99], rtol=1e-9)
 
 

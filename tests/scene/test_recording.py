@@ -9,7 +9,6 @@ import pytest
 from listeners import Keeps
 
 import presswear as pw
-from presswear.analysis.periods import section
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.results.export import table_of
@@ -31,11 +30,11 @@ def test_sections_are_states_of_the_series(engine: str) -> None:
     assert stage.section("place").shape == stage.section("normal", "B").shape == (3, 4)
     # Straight between rows: a turn of 0.1 m errs by 0.1 (2 pi / 2000)^2 / 8 m, more at impacts, and
     # the last row lies before the end.
-    place = section(stage.time, stage.displacement[:, None], at.ravel()[:-1])[:, 0]
+    place = np.interp(at.ravel()[:-1], stage.time, stage.displacement)
     seen = stage.section("place").ravel()[:-1]
     np.testing.assert_allclose(np.diff(seen), np.diff(place), rtol=0.0, atol=1e-6)
-    eccentricity = section(stage.time, stage.joints["B"].eccentricity, at.ravel()[:-1])
-    for name, expected in zip("xy", eccentricity.T, strict=True):
+    for name, column in zip("xy", stage.joints["B"].eccentricity.T, strict=True):
+        expected = np.interp(at.ravel()[:-1], stage.time, column)
         seen = stage.section(f"eccentricity_{name}", "B").ravel()[:-1]
         np.testing.assert_allclose(seen, expected, rtol=0.0, atol=1e-6)
 
