@@ -69,7 +69,8 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         settings = setting_tables(first)
         runs.append(("Conventions", settings["conventions"]))
         runs.append(("Parameters of the first setting", settings["parameters"]))
-        runs.append(("Provenance", provenance_table(first)))
+        if origin := provenance_table(first):
+            runs.append(("Provenance", origin))
     assumptions = [
         ("Geometries", geometry_table(evidence)),
         ("Wear coefficient", fit_table(evidence)),

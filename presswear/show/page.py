@@ -18,7 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, save
 from presswear.show.figures.style import TEMPLATES
-from presswear.tools.numbers import readable, short_number, unit_factor, whole, with_interval
+from presswear.tools.numbers import readable, unit_factor, whole, with_interval
 from presswear.tools.processes import Report, Workers, cores, outcomes
 
 NOTHING = "–"
@@ -203,8 +203,7 @@ def render_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    filters: dict[str, Any] = {"text": text_of, "short": short_number, "whole": whole}
-    environment.filters |= TEMPLATES.filters | filters
+    environment.filters |= {**TEMPLATES.filters, "text": text_of, "whole": whole}
     page = environment.get_template(template)
     return page.render(title=title, sections=sections, figures=figures, **content)
 

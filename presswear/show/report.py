@@ -6,11 +6,10 @@ A table has a column per stage, or a line per record; a record holds the values 
 
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from functools import partial
 from importlib.resources import files
-from itertools import groupby, permutations
 from pathlib import Path
 from typing import Any
 
@@ -34,21 +33,11 @@ from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
+from presswear.show import page
 from presswear.show.figures import NAMES, drawn
 from presswear.show.figures.life import limit_text, services_done
-from presswear.show.figures.style import maps_turn, stage_names
-from presswear.show.page import (
-    NOTHING,
-    Illustration,
-    Line,
-    Row,
-    Table,
-    column_table,
-    illustrated,
-    render_page,
-    row_table,
-    text_of,
-)
+from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
+from presswear.show.page import NOTHING, Illustration, Line, Row, Table, text_of
 from presswear.tools import numbers
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
@@ -57,7 +46,7 @@ from presswear.tools.quantities import Choice, Quantity
 
 Record = dict[str, Any]
 
-_TABLES = tomllib.loads(
+_TABLES = TEMPLATES.from_string(
     files("presswear.show").joinpath("templates/tables.toml").read_text("utf-8")
 )
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
@@ -65,13 +54,6 @@ _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power
 _ENDINGS = {
     "completed": "all cycles completed",
     "enough": "stopped when the wear maps reached the tolerance",
-}
-_TEXTS = {  # names in braces that are the same for all results
-    "snap": f"{numbers.short_number(1e3 * press.SNAP_THROUGH_S)} ms",
-    "residual": numbers.short_number(press.ENERGY_BOUND),
-    "residual_of_wear": numbers.short_number(10.0 * press.ENERGY_BOUND),
-    "residual_of_failure": numbers.short_number(RESIDUAL),
-    "orders": ", ".join(map(str, _HARMONICS)),
 }
 
 
@@ -88,10 +70,10 @@ def write_report(result: Result) -> Path:
     drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
     # An ideal motion has few figures: starting processes would take longer than drawing.
     processes = None if result.scene.clearance_joints else 1
-    figures = illustrated(drawers, inside(result.path, "figures"), processes)
-    path = result.path / "report.html"
-    write_bytes(path, render_report(result, figures).encode())
-    return path
+    figures = page.illustrated(drawers, inside(result.path, "figures"), processes)
+    file = result.path / "report.html"
+    write_bytes(file, render_report(result, figures).encode())
+    return file
 
 
 def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
@@ -103,10 +85,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "scene": scene,
         "style": result.status if result.status in FINISHED else "unfinished",
         "base": named_scene(scene),
-        "untrusted": [key for key, law in scene.user_laws.items() if not law.is_trusted],
         "stages": stages,
-        "wear_error": _largest(result, "wear_error"),
-        "step_error": _largest(result, "peak_force_step_error"),
         "moves": bottom_of(scene.ideal) is not None,
         "chosen": [
             setting.key
@@ -122,13 +101,12 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
             if surface.is_worn
         ],
         "laws": _normal_laws(scene),
-        "created": [one.statistics.energy_made_fraction for _, one in stages if one.is_worn],
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
         "presets": CONVENTIONS,
         "tables": {
             **stage_tables(result),
             **setting_tables(result),
-            "changes": _line_table("changes", changes) if changes else None,
+            "changes": _line_table("changes", result, changes) if changes else None,
             "drives": drive_table(result),
             "growth": growth_table(result),
             "motion": motion_table(result),
@@ -139,12 +117,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "limit_text": limit_text,
         "span_of": span_of,
     }
-    return render_page(title_of(scene), (), figures, "report.html", **content)
-
-
-def _largest(result: Result, name: str) -> float | None:
-    values = (getattr(stage.statistics, name) for stage in result.stages)
-    return max((value for value in values if value is not None), default=None)
+    return page.render_page(title_of(scene), (), figures, "report.html", **content)
 
 
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
@@ -166,68 +139,46 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
     return list(groups.values())
 
 
-def _result_table(
-    name: str, result: Result, records: Sequence[Record], **more: Sequence[str]
-) -> Table | None:
-    """Return a table of ``tables.toml`` with a column per record; ``more`` are repeated names."""
-    scene, joints = result.scene, result.scene.clearance_joints
+def _tables(result: Result, **names: Any) -> Record:
+    """Return ``tables.toml`` filled with the names of a result, and with ``names``."""
+    scene = result.scene
     linkage = scene.mechanism.linkage()
-    texts = {
-        **_TEXTS,
-        "phase": linkage.phase,
-        "pull": numbers.quantity_text(pull_of(scene.linkage()), "N"),
-        "output": scene.output,
-        "Output": scene.output.capitalize(),
-        "joints": " and ".join(joints),
-    }
-    repeated: dict[str, Sequence[str]] = {
-        "joint": joints,
-        "body": [drive.body for drive in linkage.drives],
-        "part_of_stroke": press.PHASES,
-        "mode": MODES,
-        "change": [f"{a} to {b}" for a, b in permutations(MODES, 2)],
-        **more,
-    }
-    names = {key: [{key: value} for value in values] for key, values in repeated.items()}
     # Maps that are fixed in space have one angle for both surfaces.
     sides = {side: side for side in SIDES} if maps_turn(result) else {"both": "bearing + pin"}
-    names["side"] = [{"side": side, "part": part} for side, part in sides.items()]
-    rows = {heading: [Row(*row) for row in lines] for heading, lines in _TABLES[name].items()}
+    diagnostics = dict.fromkeys(key for stage in result.stages for key in stage.diagnostics)
+    content = {
+        "scene": scene,
+        "linkage": linkage,
+        "joints": scene.clearance_joints,
+        "drives": [drive.body for drive in linkage.drives],
+        "pull": pull_of(scene.linkage()),
+        "press": press,
+        "residual": RESIDUAL,
+        "orders": _HARMONICS,
+        "sides": sides,
+        "modes": MODES,
+        "diagnostics": [key for key in diagnostics if key != "model"],
+    }
+    return tomllib.loads(_TABLES.render(content | names))
+
+
+def _result_table(
+    name: str, result: Result, records: Sequence[Record], numeric: bool = True, **names: Any
+) -> Table | None:
+    """Return a table of ``tables.toml`` with a column per record."""
+    content = _tables(result, **names)
+    rows = {heading: [Row(*row) for row in lines] for heading, lines in content[name].items()}
     columns = [record["name"] for record in records]
-    corner = _TABLES["corners"].get(name, "")
-    return column_table(corner, columns, records, _expanded(rows, texts, names))
+    corner = content["corners"].get(name, "")
+    return page.column_table(corner, columns, records, rows, numeric)
 
 
-def _expanded(
-    groups: Mapping[str, Sequence[Row]],
-    texts: Mapping[str, str],
-    names: Mapping[str, Sequence[Mapping[str, str]]],
-) -> dict[str, list[Row]]:
-    """Return rows by heading with all names in braces replaced.
-
-    ``texts`` are names with one value. A heading or a sequence of adjacent rows is repeated for
-    the values of ``names``.
-    """
-
-    def name_in(text: str, used: Mapping[str, str]) -> str:
-        return next((key for key in names if key not in used and f"{{{key}}}" in text), "")
-
-    result = {}
-    for heading, rows in groups.items():
-        for outer in names.get(name_in(heading, {}), [{}]):
-            lines: list[Row] = []
-            for key, adjacent in groupby(rows, lambda row: name_in(row.label + row.path, outer)):  # noqa: B023
-                block = list(adjacent)
-                inner = names.get(key, [{}])
-                lines += [row.of(**texts, **outer, **each) for each in inner for row in block]
-            result[heading.format(**texts, **outer)] = lines
-    return result
-
-
-def _line_table(name: str, records: Iterable[Any], numeric: bool = False, **texts: str) -> Table:
+def _line_table(
+    name: str, result: Result, records: Iterable[Any], numeric: bool = False, **names: str
+) -> Table:
     """Return a table of ``tables.toml`` with a line per record."""
-    columns = [Row(*row).of(**texts) for row in _TABLES["columns"][name]]
-    return row_table(columns, list(records), numeric)
+    columns = [Row(*row) for row in _tables(result, **names)["columns"][name]]
+    return page.row_table(columns, list(records), numeric)
 
 
 def stage_tables(result: Result) -> dict[str, Table | None]:
@@ -241,21 +192,9 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
         name: _result_table(name, result, sound if name in ("overview", "moments") else records)
         for name in ("overview", "moments", "key", "means", "bottom", "tonnage")
     }
-    diagnostics = [
-        Row(
-            key.removesuffix("_s").replace("_", " "),
-            f"stage.diagnostics.{key}",
-            "s" if key.endswith("_s") else "",
-        )
-        for key in dict.fromkeys(key for stage in result.stages for key in stage.diagnostics)
-        if key != "model"
-    ]
-    names = [record["name"] for record in records]
-    return {
-        **tables,
-        "endings": _line_table("endings", records),
-        "diagnostics": column_table("", names, records, {"": diagnostics}),
-    }
+    diagnostics = _result_table("diagnostics", result, records)
+    endings = _line_table("endings", result, records)
+    return {**tables, "endings": endings, "diagnostics": diagnostics}
 
 
 def _stage_records(result: Result) -> list[Record]:
@@ -454,8 +393,8 @@ def motion_table(result: Result) -> Table | None:
         return None
     several = dict.fromkeys(mode for record in records for mode in record["together"])
     series = list(records[0]["harmonics"])
-    modes = list(several) if len(result.scene.clearance_joints) > 1 else []
-    return _result_table("motion", result, records, modes=modes, series=series, spectrum=series)
+    together = list(several) if len(result.scene.clearance_joints) > 1 else []
+    return _result_table("motion", result, records, together=together, series=series)
 
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
@@ -516,21 +455,19 @@ def setting_tables(result: Result) -> dict[str, Table]:
             if isinstance(value, int | float):
                 record["value"] = numbers.short_number(value)
         records["conventions" if setting.key in names else "parameters"].append(record)
-    return {name: _line_table(name, lines) for name, lines in records.items()}
+    return {name: _line_table(name, result, lines) for name, lines in records.items()}
 
 
-def provenance_table(result: Result) -> Table:
+def provenance_table(result: Result) -> Table | None:
     """Return versions, machine and time of a result."""
     packages = result.provenance["packages"].items()
     listed = ", ".join(f"{name} {version}" for name, version in packages)
-    record = {"result": result, "schema": SCHEMA, "packages": listed}
-    rows = [Row(*row) for row in _TABLES["provenance"]]
-    return Table(("", ""), (("", tuple((row.head, row.text(record)) for row in rows)),), False)
+    record = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
+    return _result_table("provenance", result, [record], numeric=False)
 
 
 def _life(result: Result, life: LifeResult) -> Record:
     """Return what the template reads on the service life of a result."""
-    scene = result.scene
     first = life.first if life.ended == "limit" else None
     high = (life.interval.high if first else None) or 0.0
     rivals = [
@@ -545,12 +482,13 @@ def _life(result: Result, life: LifeResult) -> Record:
         "first": first,
         "rivals": rivals,
         "services": services_done(result),
-        **_life_tables(scene, life),
+        **_life_tables(result, life),
     }
 
 
-def _life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
+def _life_tables(result: Result, life: LifeResult) -> dict[str, Table]:
     """Return the tables of a service life: limits, causes of its error, phases and refinements."""
+    scene = result.scene
     causes = {
         f"sampling: {scene.replicate_count} replicates of a chaotic motion": life.sampling,
         "step of the wear update, from refinements with coarser steps": life.step,
@@ -583,7 +521,7 @@ def _life_tables(scene: Scene, life: LifeResult) -> dict[str, Table]:
         ],
     }
     end = numbers.large(float(life.curves["strokes"][-1]))
-    return {name: _line_table(name, records, True, end=end) for name, records in lines.items()}
+    return {name: _line_table(name, result, rows, True, end=end) for name, rows in lines.items()}
 
 
 def _percent(error: float | None) -> str:

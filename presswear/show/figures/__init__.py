@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -12,18 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from presswear.results.result import Result
-from presswear.show.figures import dynamics, life, mechanism, motion, wear
-from presswear.show.figures.style import (
-    DOTS_PER_INCH,
-    SETTINGS,
-    Axes,
-    Drawing,
-    Stages,
-    loose_stages,
-    moving_stages,
-    settled_stages,
-    shown_stages,
-)
+from presswear.show.figures import dynamics, life, mechanism, motion, style, wear
+from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, Axes, Drawing, Stages
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
 
@@ -34,21 +24,21 @@ __all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 NAMES: dict[str, tuple[Callable[[Result, Stages], Any] | None, Callable[..., list[Drawing]]]] = {
     "life": (None, life.service_life),
     "mechanism": (None, mechanism.draw_mechanism),
-    "stroke": (moving_stages, motion.height_over_angle),
-    "tonnage": (moving_stages, motion.force_over_stroke),
-    "wear": (shown_stages, wear.wear_depth),
+    "stroke": (style.moving_stages, motion.height_over_angle),
+    "tonnage": (style.moving_stages, motion.force_over_stroke),
+    "wear": (style.shown_stages, wear.wear_depth),
     "growth": (None, wear.wear_growth),
-    "surfaces": (shown_stages, wear.worn_surfaces),
-    "response": (moving_stages, motion.response),
-    "bottom": (shown_stages, motion.bottom_dead_centre),
-    "force": (loose_stages, motion.contact_force),
-    "path": (loose_stages, motion.centre_trajectory),
-    "phase": (settled_stages, dynamics.phase_portrait),
-    "poincare": (settled_stages, dynamics.poincare_section),
-    "impacts": (settled_stages, dynamics.impact_section),
-    "modes": (settled_stages, dynamics.contact_modes),
-    "spectrum": (settled_stages, dynamics.spectrum),
-    "drives": (moving_stages, motion.drive_work),
+    "surfaces": (style.shown_stages, wear.worn_surfaces),
+    "response": (style.moving_stages, motion.response),
+    "bottom": (style.shown_stages, motion.bottom_dead_centre),
+    "force": (style.loose_stages, motion.contact_force),
+    "path": (style.loose_stages, motion.centre_trajectory),
+    "phase": (style.settled_stages, dynamics.phase_portrait),
+    "poincare": (style.settled_stages, dynamics.poincare_section),
+    "impacts": (style.settled_stages, dynamics.impact_section),
+    "modes": (style.settled_stages, dynamics.contact_modes),
+    "spectrum": (style.settled_stages, dynamics.spectrum),
+    "drives": (style.moving_stages, motion.drive_work),
 }
 _PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets only shown ones
 
@@ -106,22 +96,13 @@ def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) ->
 
 def save(drawing: Drawing, folder: Path) -> Path:
     """Write a drawing into a folder, which is created where needed, and return the file."""
-    sheet = drawing.sheet
-    dpi, canvas = sheet.dpi, sheet.canvas
-
-    def write(file: BinaryIO) -> None:
-        # Drawn once: ``savefig`` draws everything twice to lay it out.
-        agg = FigureCanvasAgg(sheet)
-        agg.draw()
-        opaque = np.asarray(agg.buffer_rgba())[..., :3]
-        Image.fromarray(opaque).save(file, "png", dpi=(DOTS_PER_INCH, DOTS_PER_INCH))
-
+    drawing.sheet.dpi = DOTS_PER_INCH
+    # Drawn once: ``savefig`` draws everything twice to lay it out.
+    canvas = FigureCanvasAgg(drawing.sheet)
+    with matplotlib.rc_context(SETTINGS):
+        canvas.draw()
+    image = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+    dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
     folder.mkdir(parents=True, exist_ok=True)
-    try:
-        sheet.dpi = DOTS_PER_INCH
-        with matplotlib.rc_context(SETTINGS):
-            write_whole(folder / drawing.file, write)
-    finally:
-        sheet.dpi = dpi
-        sheet.set_canvas(canvas)
+    write_whole(folder / drawing.file, lambda file: image.save(file, "png", dpi=dpi))
     return folder / drawing.file

@@ -13,7 +13,6 @@ from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, Shown, ShownStage
 from presswear.tools.numbers import quantity_text, readable, unit_scale
@@ -219,10 +218,17 @@ def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
         nonlocal is_bounded
-        path, limit = stage.data.joints[joint].eccentricity.T, gap_limit(result, joint, stage.data)
+        maps = stage.data.joints[joint]
+        path = maps.eccentricity.T
         axes.plot(*(factor * path), color=stage.pen.colour, linewidth=0.5)
+        depth = maps.depth("bearing") + maps.depth("pin")
+        if style.maps_turn(result) or not np.any(depth > 0.0):
+            return path
+        is_bounded = True
+        angle = np.append(maps.angle, maps.angle[0])
+        gap = result.scene.bearing(joint).clearance + np.append(depth, depth[0])
+        limit = gap * np.array([np.cos(angle), np.sin(angle)])
         _LIMIT.draw(axes, *(factor * limit))
-        is_bounded |= limit.size > 0
         return np.hstack([path, limit])
 
     sheet, circle = pin_panels(result, shown, draw)
@@ -267,17 +273,6 @@ def pin_panels(
         joints.setdefault(quantity_text(gap, "m"), []).append(joint)
     texts = [f"{gap} ({', '.join(of)})" if len(joints) > 1 else gap for gap, of in joints.items()]
     return sheet, replace(_ROUND_GAP, label=f"clearance circle, c = {', '.join(texts)}")
-
-
-def gap_limit(result: Result, joint: str, stage: StageResult) -> Array:
-    """Return the line that bounds a pin centre, m, shape (2, n); empty if none is fixed."""
-    maps = stage.joints[joint]
-    depth = maps.depth("bearing") + maps.depth("pin")
-    if style.maps_turn(result) or not np.any(depth > 0.0):
-        return np.zeros((2, 0))
-    angle = np.append(maps.angle, maps.angle[0])
-    gap = result.scene.bearing(joint).clearance + np.append(depth, depth[0])
-    return gap * np.array([np.cos(angle), np.sin(angle)])
 
 
 def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:

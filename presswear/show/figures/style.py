@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
-from presswear.tools.numbers import large, quantity_text, readable, unit_factor
+from presswear.tools.numbers import large, quantity_text, readable, short_number, unit_factor
 
 __all__ = ["Axes", "Sheet"]
 
@@ -68,6 +68,7 @@ TEMPLATES.filters |= {
     "number": lambda value, digits=3: readable(value, digits),
     "quantity": quantity_text,
     "large": large,
+    "short": short_number,
     "slug": lambda text: re.sub(r"[^\w-]", "-", text),
 }
 _CAPTIONS = tomllib.loads(

@@ -129,32 +129,28 @@ class EnlargedJoint:
 
     def bodies(self, layer: Layer) -> list[list[Shape]]:
         """Return bearing, its mark, pin and its mark, each about its own centre."""
-        edge, pin_radius = 0.012 * self.radius, self.pin_factor * self.joint.pin_radius
-        depth = self.joint.bearing_surface(bin_centres(DRAWN_BINS))
-        inner = pin_radius + self.gap_factor * (self.joint.clearance + depth)
-        outer = np.full(len(depth), self.radius)
-        bearing = [
-            band(_polar(inner), _polar(outer), layer(70), STEEL),
-            band(_polar(inner), _polar(inner + edge), layer(72), INK),
-            ring((0.0, 0.0), self.radius, edge, layer(72), INK),
-        ]
-        if depth.max() > 0.0:
-            worn = np.minimum(inner + self.band_factor * depth, outer)
-            bearing.append(band(_polar(inner), _polar(worn), layer(71), WORN))
-        depth = self.joint.pin_surface(bin_centres(DRAWN_BINS))
-        outer = pin_radius - self.gap_factor * depth
-        pin = [
-            filled(_polar(outer), layer(75), PIN),
-            band(_polar(outer - edge), _polar(outer), layer(77), INK),
-        ]
-        if depth.max() > 0.0:
-            worn = np.maximum(outer - self.band_factor * depth, 0.0)
-            pin.append(band(_polar(worn), _polar(outer), layer(76), WORN))
-        marks = [
-            [line((0.55 * radius, 0.0), (0.9 * radius, 0.0), 0.02 * self.radius, z, MARK)]
-            for radius, z in ((self.radius, layer(73)), (pin_radius, layer(78)))
-        ]
-        return [bearing, marks[0], pin, marks[1]]
+        pin_radius, edge = self.pin_factor * self.joint.pin_radius, 0.012 * self.radius
+        gap = pin_radius + self.gap_factor * self.joint.clearance
+        sides = (
+            (self.joint.bearing_surface, 1.0, gap, self.radius, STEEL, 70),
+            (self.joint.pin_surface, -1.0, pin_radius, 0.0, PIN, 75),
+        )
+        bodies = []
+        for surface, outwards, radius, far, paint, z in sides:
+            depth = surface(bin_centres(DRAWN_BINS))
+            worn = radius + outwards * self.gap_factor * depth
+            drawn = [
+                band(_polar(worn), _polar(np.full(DRAWN_BINS, far)), layer(z), paint),
+                band(_polar(worn), _polar(worn + outwards * edge), layer(z + 2), INK),
+            ]
+            if depth.max() > 0.0:
+                reach = outwards * np.minimum(self.band_factor * depth, np.abs(far - worn))
+                drawn.append(band(_polar(worn), _polar(worn + reach), layer(z + 1), WORN))
+            size = self.radius if far else pin_radius
+            mark = (0.55 * size, 0.0), (0.9 * size, 0.0)
+            bodies += [drawn, [line(*mark, 0.02 * self.radius, layer(z + 3), MARK)]]
+        bodies[0].append(ring((0.0, 0.0), self.radius, edge, layer(72), INK))
+        return bodies
 
     def coordinates(self, bearing: Array, pin: Array) -> list[Array]:
         """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""
