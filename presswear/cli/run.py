@@ -262,8 +262,8 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
     variants |= {each: terminal.parse_settings(each.split(",")) for each in arguments.compare}
     if arguments.materials:
         for joint in scene.clearance_joints:
-            for name in MATERIALS:
-                if name != scene.bearing(joint).materials.name:
+            for name, pair in MATERIALS.items():
+                if pair != scene.bearing(joint).materials:
                     variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}
     return variants
 

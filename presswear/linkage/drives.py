@@ -109,18 +109,6 @@ class Pieces(NamedTuple):
             bend - amplitude * w * w * sine,
         )
 
-    def _periodic(self) -> "Pieces":
-        """Return the pieces without their net way, and zero at phase 0."""
-        polynomial, rate = self.polynomial.copy(), self.net / _TURN
-        polynomial[:, 0] -= rate * self.start
-        polynomial[:, 1] -= rate
-        start = self.start % _TURN
-        order = np.argsort(start)
-        polynomial = polynomial[order]
-        pieces = Pieces(start[order], polynomial, self.wave[order], self.net)
-        polynomial[:, 0] -= pieces.at(np.zeros(1))[0][0]
-        return pieces
-
 
 NO_PIECES = Pieces(np.zeros(0), np.zeros((0, DEGREE + 1)), np.zeros((0, 3)), 0.0)
 
@@ -129,8 +117,16 @@ NO_PIECES = Pieces(np.zeros(0), np.zeros((0, DEGREE + 1)), np.zeros((0, 3)), 0.0
 def pieces_of(table: tuple[tuple[float, ...], ...], rises: tuple[Rise, ...]) -> Pieces:
     """Return the pieces of a table or of rises; either is empty."""
     if table:
-        return _pieces_of_table(np.array(table))._periodic()
-    return _pieces_of_rises(rises)._periodic() if rises else NO_PIECES
+        return _pieces_of_table(np.array(table))
+    return _pieces_of_rises(rises) if rises else NO_PIECES
+
+
+def _periodic(start: Array, polynomial: Array, wave: Array, net: float) -> Pieces:
+    """Return pieces of a motion without its net way, in the order of their phases, zero at 0."""
+    order = np.argsort(start % _TURN)
+    pieces = Pieces((start % _TURN)[order], polynomial[order], wave[order], net)
+    pieces.polynomial[:, 0] -= pieces.at(np.zeros(1))[0][0]
+    return pieces
 
 
 def _pieces_of_table(rows: Array) -> Pieces:
@@ -151,10 +147,7 @@ def _pieces_of_table(rows: Array) -> Pieces:
         polynomial[:, :4] = CubicSpline(phase, value, bc_type="periodic").c[::-1].T
     else:
         polynomial[:] = _quintics(phase, value, rows[:, 2] - net / _TURN, rows[:, 3])
-    # Pieces hold the motion with its net way; ``_periodic`` takes that out again.
-    polynomial[:, 0] += net * (phase[:-1] - phase[0]) / _TURN
-    polynomial[:, 1] += net / _TURN
-    return Pieces(phase[:-1], polynomial, np.zeros((count, 3)), net)
+    return _periodic(phase[:-1], polynomial, np.zeros((count, 3)), net)
 
 
 def _quintics(phase: Array, value: Array, slope: Array, bend: Array) -> Array:
@@ -196,8 +189,10 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
             level = 0.0
         if then - rise.end > _PHASE_TOL:
             rows.append((rise.end, np.array([level, *np.zeros(DEGREE)]), (0.0, 0.0, 0.0)))
-    starts, polynomials, waves = zip(*rows, strict=True)
-    return Pieces(np.array(starts), np.array(polynomials), np.array(waves), level)
+    starts, polynomials, waves = (np.array(column) for column in zip(*rows, strict=True))
+    polynomials[:, 0] -= level / _TURN * starts
+    polynomials[:, 1] -= level / _TURN
+    return _periodic(starts, polynomials, waves, level)
 
 
 def _next_starts(rises: tuple[Rise, ...]) -> list[float]:
@@ -215,17 +210,13 @@ def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
     rows = len(table) - closes
     if not MIN_ROWS <= rows <= MAX_PIECES:
         raise InputError(f"{label} {rows} rows; allowed are {MIN_ROWS} to {MAX_PIECES}")
-    steps = [after - before for before, after in pairwise(phases)]
-    if not (phases[0] >= 0.0 and min(steps) >= MIN_PIECE):
+    gaps = [after - before for before, after in pairwise(phases)]
+    gaps += [] if closes else [_TURN - length]
+    if phases[0] < 0.0 or min(gaps) < MIN_PIECE or length > _TURN + _PHASE_TOL:
         raise InputError(
-            f"{label} phases must rise, from 0 rad or above, by {MIN_PIECE:g} rad or more"
+            f"{label} phases from {phases[0]:g} to {phases[-1]:g} rad; they must rise, from 0 or "
+            f"above, by {MIN_PIECE:g} rad or more, in a cycle of 2 pi"
         )
-    if length > _TURN + _PHASE_TOL:
-        raise InputError(
-            f"{label} phases from {phases[0]:g} to {phases[-1]:g} rad; a cycle is 2 pi long"
-        )
-    if not closes and phases[0] + _TURN - phases[-1] < MIN_PIECE:
-        raise InputError(f"{label} its last phase is too near the end of the cycle")
 
 
 class _Motion(Checked):

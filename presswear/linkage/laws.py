@@ -230,11 +230,6 @@ class Materials(Checked):
     )
 
     @property
-    def name(self) -> str:
-        """Name of the pair, or ``custom`` for one that has none."""
-        return next((name for name, preset in MATERIALS.items() if self == preset), "custom")
-
-    @property
     def compliance(self) -> float:
         """Sum of (1 - nu^2) / E of both, 1/Pa."""
         moduli = self.youngs_modulus, self.bearing_modulus or self.youngs_modulus

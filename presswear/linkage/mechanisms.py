@@ -107,11 +107,6 @@ class Geometry(Checked):
                 f"of the others, {short + middle:g} m"
             )
 
-    @property
-    def name(self) -> str:
-        """Name of the geometry, or ``custom`` for one that has none."""
-        return next((name for name, preset in GEOMETRIES.items() if self == preset), "custom")
-
 
 GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equally well
     "standard": Geometry(),
@@ -187,7 +182,7 @@ class Press(Mechanism):
         # angle of 90 degrees there is the direction of its guide.
         geometry, corner = self.geometry, self.plate_corners()
         return assemble(
-            name=f"seven-bar press, {geometry.name} geometry",
+            name="seven-bar press",
             bodies=(
                 Bar("crank 2", self.length_2, self.mass_2, self.inertia_2),
                 Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),

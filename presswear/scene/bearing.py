@@ -39,11 +39,6 @@ class Conventions(Checked):
         "radial", elements.SurfaceContact, "worn surfaces touch at a point, or over an elastic arc"
     )
 
-    @property
-    def name(self) -> str:
-        """Name of the set, or ``custom`` for one that has none."""
-        return next((name for name, preset in CONVENTIONS.items() if self == preset), "custom")
-
 
 CONVENTIONS: dict[str, Conventions] = {
     "paper": Conventions(),

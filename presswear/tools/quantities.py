@@ -212,7 +212,7 @@ class Choice:
     def shown(self, value: Any) -> Any:
         """Return the word by which a field value is set: a name, a kind, or the value itself."""
         if self.instances is not None:
-            return value.name
+            return next((name for name, one in self.instances.items() if one == value), "custom")
         if self.kinds is not None:
             return NONE if value is None else value.kind
         return value
@@ -295,7 +295,7 @@ def free_text(default: str, example: str, text: str) -> Any:
 
 
 def named_set(default: str, instances: Mapping[str, Any], text: str) -> Any:
-    """Return a data class field for one of some data class instances, which have a ``name``."""
+    """Return a data class field for one of some data class instances, or a changed one."""
     meaning = Choice(tuple(instances), text, instances=instances)
     return field(default=instances[default], metadata={"meaning": meaning})
 
