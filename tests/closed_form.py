@@ -4,9 +4,10 @@ Two links that meet in a joint are solved from their other ends alone: positions
 intersecting circles, velocities and accelerations by two linear equations.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
@@ -14,32 +15,25 @@ from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press, Sl
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 
+Complex = NDArray[Any]
+
 
 class Point(NamedTuple):
-    """A moving point: position, velocity, acceleration, each (n, 2)."""
+    """Moving point: position, velocity, acceleration, each (n,), complex numbers x + i y."""
 
-    position: Array
-    velocity: Array
-    acceleration: Array
+    position: Complex
+    velocity: Complex
+    acceleration: Complex
 
 
 def fixed(x: float, y: float, count: int) -> Point:
-    """A point at rest, at ``count`` times."""
-    still = np.zeros((count, 2))
-    return Point(still + np.array([x, y]), still, still)
+    """Return a point at rest, at ``count`` times."""
+    still = np.zeros(count, complex)
+    return Point(still + complex(x, y), still, still)
 
 
-def _direction(angle: Array) -> Array:
-    return np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-def _left(vector: Array) -> Array:
-    """The vector turned by +90 degrees."""
-    return np.column_stack([-vector[:, 1], vector[:, 0]])
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.sum(a * b, axis=1))
+def _dot(a: Complex, b: Complex) -> Array:
+    return np.asarray((a.conjugate() * b).real)
 
 
 Turning = tuple[Array, Array | float, Array | float]
@@ -47,92 +41,63 @@ Turning = tuple[Array, Array | float, Array | float]
 
 
 def crank(centre: Point, length: float, turning: Turning) -> Point:
-    """Tip of a crank that turns about a fixed point."""
-    angle, speed, faster = (np.broadcast_to(x, turning[0].shape)[:, None] for x in turning)
-    arm = length * _direction(angle[:, 0])
-    return Point(centre.position + arm, speed * _left(arm), faster * _left(arm) - speed**2 * arm)
+    """Return the tip of a crank that turns about a fixed point."""
+    angle, speed, faster = turning
+    arm = length * np.exp(1j * angle)
+    return Point(centre.position + arm, 1j * speed * arm, (1j * faster - np.square(speed)) * arm)
 
 
 def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point:
-    """The point at given distances from two moving points, on a given side of p to q."""
+    """Return the point at distances from two moving points, on a side of p to q."""
     base = q.position - p.position
-    length = np.sqrt(_dot(base, base))
+    length = np.abs(base)
     along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
-    unit = base / length[:, None]
-    height = side * np.sqrt(from_p**2 - along**2)
-    position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
-    arm_p, arm_q = position - p.position, position - q.position
-    velocity = _solve_two(arm_p, arm_q, _dot(arm_p, p.velocity), _dot(arm_q, q.velocity))
-    spin_p, spin_q = velocity - p.velocity, velocity - q.velocity
-    acceleration = _solve_two(
-        arm_p,
-        arm_q,
-        _dot(arm_p, p.acceleration) - _dot(spin_p, spin_p),
-        _dot(arm_q, q.acceleration) - _dot(spin_q, spin_q),
-    )
+    position = p.position + (along + 1j * side * np.sqrt(from_p**2 - along**2)) * base / length
+    a, b = position - p.position, position - q.position
+
+    def solve(of_a: Array, of_b: Array) -> Complex:
+        """Return the vectors whose scalar products with both links are these."""
+        return np.asarray(1j * (a * of_b - b * of_a) / (a.conjugate() * b).imag)
+
+    velocity = solve(_dot(a, p.velocity), _dot(b, q.velocity))
+    spin_p, spin_q = np.abs(velocity - p.velocity) ** 2, np.abs(velocity - q.velocity) ** 2
+    acceleration = solve(_dot(a, p.acceleration) - spin_p, _dot(b, q.acceleration) - spin_q)
     return Point(position, velocity, acceleration)
 
 
-def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Array:
-    """Vectors x with row_1 . x = right_1 and row_2 . x = right_2, row by row."""
-    determinant = row_1[:, 0] * row_2[:, 1] - row_1[:, 1] * row_2[:, 0]
-    x = (right_1 * row_2[:, 1] - row_1[:, 1] * right_2) / determinant
-    y = (row_1[:, 0] * right_2 - right_1 * row_2[:, 0]) / determinant
-    return np.column_stack([x, y])
-
-
-def slide(
-    c: Point, length: float, start: tuple[float, float], along: tuple[float, float], side: float
-) -> Point:
-    """The end of a rod from a moving point on a line, 1 ahead of its foot there or -1 behind."""
-    unit = np.array(along)
-    across = np.array([-unit[1], unit[0]])
-    away = c.position - np.array(start)
-    offset = away @ across
-    reach = side * np.sqrt(length**2 - offset**2)
-    offset_t, offset_tt = c.velocity @ across, c.acceleration @ across
-    reach_t = -offset * offset_t / reach
-    reach_tt = -(offset_t**2 + offset * offset_tt + reach_t**2) / reach
-
+def slide(c: Point, length: float, start: complex, unit: complex, side: float) -> Point:
+    """Return the end of a rod from a moving point on a line, 1 ahead of its foot or -1 behind."""
+    away, speed, faster = (level / unit for level in (c.position - start, *c[1:]))
+    reach = side * np.sqrt(length**2 - away.imag**2)
+    reach_t = -away.imag * speed.imag / reach
+    reach_tt = -(speed.imag**2 + away.imag * faster.imag + reach_t**2) / reach
     return Point(
-        np.array(start) + (away @ unit + reach)[:, None] * unit,
-        (c.velocity @ unit + reach_t)[:, None] * unit,
-        (c.acceleration @ unit + reach_tt)[:, None] * unit,
+        start + (away.real + reach) * unit,
+        (speed.real + reach_t) * unit,
+        (faster.real + reach_tt) * unit,
     )
 
 
-BodyState = tuple[Array, Array, Array]
+BodyState = list[Array]
 """Position, velocity and acceleration of a body, each (n, 3): mass centre and angle."""
 
 
-def slider_state(c: Point, angle: float) -> BodyState:
-    """Motion of a body that slides with its mass centre at ``c`` and does not turn."""
-    still = np.zeros((len(c.position), 1))
-    return (
-        np.hstack([c.position, still + angle]),
-        np.hstack([c.velocity, still]),
-        np.hstack([c.acceleration, still]),
-    )
+def _state(centre: Point, *angles: Array) -> BodyState:
+    levels = zip(centre, angles, strict=True)
+    return [np.column_stack([level.real, level.imag, angle]) for level, angle in levels]
 
 
 def bar_state(origin: Attachment, tail: Point, head: Point) -> BodyState:
-    """Motion of a body whose x axis points from its point ``origin`` to another point."""
+    """Return the motion of a body whose x axis points from its point ``origin`` to another one."""
     arm = head.position - tail.position
-    square = _dot(arm, arm)
-    theta = np.arctan2(arm[:, 1], arm[:, 0])
-    omega = _dot(_left(arm), head.velocity - tail.velocity) / square
-    alpha = _dot(_left(arm), head.acceleration - tail.acceleration) / square
-    axis = _direction(theta)
-    # From the tail to the mass centre, in global directions.
-    lever = -(origin.x * axis + origin.y * _left(axis))
-    position = tail.position + lever
-    velocity = tail.velocity + omega[:, None] * _left(lever)
-    acceleration = tail.acceleration + alpha[:, None] * _left(lever) - (omega**2)[:, None] * lever
-    return (
-        np.column_stack([position, theta]),
-        np.column_stack([velocity, omega]),
-        np.column_stack([acceleration, alpha]),
+    omega, alpha = (((head[k] - tail[k]) / arm).imag for k in (1, 2))
+    lever = -complex(origin.x, origin.y) * arm / np.abs(arm)  # from the tail to the mass centre
+    centre = Point(
+        tail.position + lever,
+        tail.velocity + 1j * omega * lever,
+        tail.acceleration + (1j * alpha - omega**2) * lever,
     )
+    return _state(centre, np.angle(arm), omega, alpha)
 
 
 def _together(
@@ -155,9 +120,10 @@ def _together(
         body: bar_state(ends[body, tail], joints[tail], joints[head])
         for body, (tail, head) in axes.items()
     }
+    still = np.zeros(time.size)
     for guide in linkage.guides:
         (name,) = (name for body, name in ends if body == guide.body)
-        states[guide.body] = slider_state(joints[name], guide.angle)
+        states[guide.body] = _state(joints[name], still + guide.angle, still, still)
     position, velocity, acceleration = (
         np.hstack([states[body.name][level] for body in linkage.bodies]) for level in range(3)
     )
@@ -190,7 +156,7 @@ def press_motion(
     d = crank(o7, press.length_7, turning_7)
     b = dyad(d, a, geometry.side_bd, press.length_3, geometry.side_b)
     c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
-    e = slide(c, press.length_5, (geometry.hx, 0.0), (0.0, 1.0), geometry.slider_side)
+    e = slide(c, press.length_5, geometry.hx, 1j, geometry.slider_side)
     joints = {"O2": o2, "O7": o7, "A": a, "B": b, "C": c, "D": d, "E": e}
     axes = {
         "crank 2": ("A", "O2"),
@@ -234,7 +200,7 @@ def needed_by_virtual_work(
     ways = [
         press_motion(press, time, rates, turning_7).velocity for rates in ((1.0, 0.0), (0.0, 1.0))
     ]
-    return -np.column_stack([_dot(force, way) for way in ways])
+    return -np.column_stack([np.sum(force * way, axis=1) for way in ways])
 
 
 def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
@@ -242,6 +208,6 @@ def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
     o = fixed(0.0, 0.0, time.size)
     turn = mechanism.speed * time
     a = crank(o, mechanism.crank_length, (turn, mechanism.speed, 0.0))
-    b = slide(a, mechanism.rod_length, (0.0, 0.0), (1.0, 0.0), 1.0)
+    b = slide(a, mechanism.rod_length, 0.0, 1.0, 1.0)
     axes = {"crank": ("O", "A"), "rod": ("A", "B")}
     return _together(mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes, {"crank": turn})

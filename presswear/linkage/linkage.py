@@ -244,7 +244,12 @@ def assemble(
     InputError
         With the body, point, joint or value that does not fit.
     """
-    rows = [_body_of(f"bodies[{k}]", body) for k, body in enumerate(bodies)]
+    rows = [
+        make(f"bodies[{k}]", Bar if "length" in body else Body, body)
+        if isinstance(body, Mapping)
+        else body
+        for k, body in enumerate(bodies)
+    ]
     if not rows:
         raise InputError("bodies: at least one is needed")
     end = output or getattr(rows[-1], "name", "")
@@ -316,12 +321,6 @@ def assemble(
     )
     _check(linkage)
     return linkage
-
-
-def _body_of(place: str, value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return make(place, Bar if "length" in value else Body, value)
-    return value
 
 
 def _check(linkage: Linkage) -> None:
