@@ -83,7 +83,7 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     for name, joint in item.joints.items() if item.has_joint_series else ():
         values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
         columns |= {f"{name}_{key}": row for key, row in zip(_JOINT, values, strict=True)}
-    for body, curve in curves_of(result.scene, item).items():
+    for body, curve in curves_of(result.scene, item.time, item.arrays.get("drive_torque")).items():
         series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
         columns |= {name: values for name, values in series.items() if values.size}
     return columns

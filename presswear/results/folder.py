@@ -7,7 +7,6 @@ digest. Everything is checked before it is used, and nothing that is read is exe
 """
 
 import hashlib
-import logging
 import os
 import platform
 import subprocess
@@ -23,7 +22,7 @@ from typing import Any, Literal, NotRequired, Self, TypedDict
 
 import numpy as np
 
-from presswear.recording.observer import Observer, Progress
+from presswear.recording.observer import Observer
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
@@ -35,8 +34,6 @@ from presswear.tools.exudyn import requested
 from presswear.tools.files import PART, FolderLock, is_free
 from presswear.tools.processes import is_stopped
 from presswear.tools.serialize import plain, read_json, typed, write_json
-
-_LOG = logging.getLogger(__name__)
 
 FILE = "result.json"
 SCHEMA = 10
@@ -283,10 +280,6 @@ class ResultFolder(Observer):
         self._stored.life = life
         self._write()
 
-    def on_progress(self, progress: Progress) -> None:
-        """Check that the folder still exists."""
-        self._check()
-
     def on_checkpoint(self, checkpoint: Any, is_stage: bool) -> None:
         """Store a checkpoint at the end of a stage, or when it is due."""
         self._latest = checkpoint
@@ -303,10 +296,9 @@ class ResultFolder(Observer):
         file: Any = "checkpoint-2.npz" if is_second else "checkpoint-1.npz"
         with self._writing():
             digest = write_arrays(self.path / file, self._latest.save(), np.savez)
-        words = self._latest.words
-        self._replace_checkpoint(StoredCheckpoint(file, digest, words, self._latest.index))
+        latest = self._latest
+        self._replace_checkpoint(StoredCheckpoint(file, digest, latest.words, latest.index))
         self._saved = time.perf_counter()
-        _LOG.info("checkpoint in %s: %s", self.path, words)
 
     def _replace_checkpoint(self, checkpoint: StoredCheckpoint | None) -> None:
         before, self._stored.checkpoint = self._stored.checkpoint, checkpoint

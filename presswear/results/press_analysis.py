@@ -18,14 +18,9 @@ from presswear.physics.ideal import bottom_of
 from presswear.physics.loads import sizes_over
 from presswear.physics.statics import needed_torques
 from presswear.physics.touchdown import crossing, hermite
+from presswear.recording import statistics
 from presswear.recording.observe import CYCLE_DRIVE
-from presswear.recording.statistics import (
-    STARTUP_CYCLES,
-    Estimate,
-    after_startup,
-    batched,
-    half_width,
-)
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -220,8 +215,7 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         return None
     series = stage.joints if stage.has_joint_series else {}
     joints = {name: joint_tonnage(stage.time, joint, strokes) for name, joint in series.items()}
-    statistics = stage.statistics.joints
-    peaks = {name: statistics[name].peak_force_per_cycle.mean for name in joints}
+    means = {name: stage.statistics.joints[name].peak_force_per_cycle.mean for name in joints}
     force, time = process_force(scene, stage), stage.time
     peak = work = before = after = None
     if force is not None:
@@ -235,7 +229,7 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         broken = [item for item in strokes if not math.isnan(item.fracture)]
         before = _mean(_rms(time, deviation, s.contact - window, s.contact) for s in broken)
         after = _mean(_rms(time, deviation, s.fracture, s.fracture + window) for s in broken)
-    most_loaded = max(peaks, key=lambda name: peaks[name], default=None)
+    most_loaded = max(means, key=lambda name: means[name], default=None)
     return Tonnage(len(strokes), peak, work, joints, before, after, most_loaded)
 
 
@@ -303,7 +297,8 @@ def _mean(values: Iterable[float]) -> Estimate | None:
     samples = np.array([float(value) for value in values if not math.isnan(value)])
     if not samples.size:
         return None
-    return Estimate.symmetric(float(samples.mean()), half_width(batched(samples)), samples.size)
+    half = statistics.half_width(statistics.batched(samples))
+    return Estimate.symmetric(float(samples.mean()), half, samples.size)
 
 
 # Drives -------------------------------------------------------------------------------------------
@@ -361,11 +356,12 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
         return {}
     start, ideal = stage.arrays["cycle_start"], ideal_drives(scene)
     # The cycles of the second set of replicates are not used.
-    replicates = [stage.drive_cycles[start == k] for k in range(scene.replicate_count)]
-    cycles = np.concatenate([after_startup(rows) for rows in replicates])
+    replicates = [stage.arrays["cycles"][start == k] for k in range(scene.replicate_count)]
+    cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
+    last = cycles[:, -len(CYCLE_DRIVE) * len(ideal) :].reshape(len(cycles), len(ideal), -1)
     numbers = {}
     for k, body in enumerate(ideal):
-        columns = dict(zip(CYCLE_DRIVE, cycles[:, k].T, strict=True))
+        columns = dict(zip(CYCLE_DRIVE, last[:, k].T, strict=True))
         numbers[body] = {
             name: _farthest(values) if name.endswith("peak") else float(values.mean())
             for name, values in columns.items()
@@ -376,7 +372,7 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
 
 def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
     """Return the duties of the drives of the linkage without clearance by their bodies."""
-    curves, weights = _ideal_curves(scene)
+    curves, weights = ideal_curves(scene)
     numbers = {
         body: {
             "torque_integral": float(weights @ curve.torque),
@@ -416,17 +412,7 @@ def _duties(numbers: Mapping[str, Mapping[str, float]], period: float) -> dict[s
     }
 
 
-def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
-    """Return the drives over the series by their bodies."""
-    return _curves(scene, stage.time, stage.arrays.get("drive_torque"))
-
-
-def ideal_curves(scene: Scene) -> dict[str, DriveCurve]:
-    """Return the drives without clearance over a cycle after the run-up, by their bodies."""
-    return _ideal_curves(scene)[0]
-
-
-def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:
+def curves_of(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:
     """Return drives by their bodies from their torques, shape (n, drives), N m."""
     linkage, motion = scene.mechanism.linkage(), scene.ideal.at(time)
     curves = {}
@@ -439,8 +425,11 @@ def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveC
 
 
 @lru_cache(maxsize=16)
-def _ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
-    """Return the drives over a cycle of the ideal motion, and the weights of its instants, s."""
+def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
+    """Return the drives without clearance over a cycle after the run-up, by their bodies.
+
+    The array holds the weights of the instants in an integral over the cycle, s.
+    """
     start, period = scene.run_up, scene.mechanism.period
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
@@ -461,7 +450,7 @@ def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Arra
     time = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()
     torque = needed_torques(scene.loaded, scene.ideal, time)
     last = time > edges[-1] - scene.mechanism.period
-    return _curves(scene, time[last], torque[last]), np.outer(half, _WEIGHTS).ravel()[last]
+    return curves_of(scene, time[last], torque[last]), np.outer(half, _WEIGHTS).ravel()[last]
 
 
 def _kinks(scene: Scene, time: Array) -> Array:

@@ -12,20 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from presswear.recording.film import Film
+from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
-from presswear.results.press_analysis import (
-    DriveResult,
-    Strokes,
-    Tonnage,
-    deep_contacts,
-    drives_of,
-    height_of,
-    process_force,
-    strokes_of,
-    tonnage_of,
-)
 from presswear.results.stage import StageResult, angle_names
 from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
@@ -44,34 +34,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Result:
-    """Result of a scene: its stages, status and provenance.
-
-    Attributes
-    ----------
-    scene : Scene
-    stages : tuple of StageResult
-    status : str
-        ``completed``, ``unconverged``, ``failed``, ``interrupted`` or ``running``.
-    message : str
-        Reason why it is not completed, or nothing.
-    provenance : mapping
-        Versions, revision, machine and date.
-    wall_s : float
-        Wall time, s.
-    path : Path or None
-        Its folder; None: in memory only.
-    life : LifeResult or None
-        Service life, if the scene has limits.
-    """
+    """Result of a scene: its stages, status and provenance."""
 
     scene: Scene
     stages: tuple[StageResult, ...]
-    status: str
-    message: str
-    provenance: Mapping[str, Any]
+    status: str  # completed, unconverged, failed, interrupted or running
+    message: str  # reason why it is not completed, or nothing
+    provenance: Mapping[str, Any]  # versions, revision, machine and date
     wall_s: float
-    path: Path | None = None
-    life: LifeResult | None = None
+    path: Path | None = None  # its folder; None: in memory only
+    life: LifeResult | None = None  # service life, if the scene has limits
 
     def stage(self, index: int) -> StageResult:
         """Return the stage after a number of wear updates; InputError names the stored ones."""
@@ -86,25 +58,25 @@ class Result:
             return stage_name(index, bool(self.stages) and self.stages[0].is_worn)
         return f"after {large(self.life.strokes * index / self.scene.wear_updates)} strokes"
 
-    def strokes(self, index: int) -> Strokes | None:
+    def strokes(self, index: int) -> press.Strokes | None:
         """Return the recorded strokes of a stage on the work; None without a process."""
-        return strokes_of(self.scene, self.stage(index))
+        return press.strokes_of(self.scene, self.stage(index))
 
     def process_force(self, index: int) -> Array | None:
         """Return the force of the work at the times of the series, shape (n,), N, or None."""
-        return process_force(self.scene, self.stage(index))
+        return press.process_force(self.scene, self.stage(index))
 
     def height(self, index: int) -> Array:
         """Return the height over the ideal bottom dead centre at these times, shape (n,), m."""
-        return height_of(self.scene, self.stage(index))
+        return press.height_of(self.scene, self.stage(index))
 
-    def tonnage(self, index: int) -> Tonnage | None:
+    def tonnage(self, index: int) -> press.Tonnage | None:
         """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
-        return tonnage_of(self.scene, self.stage(index))
+        return press.tonnage_of(self.scene, self.stage(index))
 
-    def drives(self, index: int) -> dict[str, DriveResult]:
+    def drives(self, index: int) -> dict[str, press.DriveResult]:
         """Return the drives in a stage by their bodies; empty if torques were not stored."""
-        return drives_of(self.scene, self.stage(index))
+        return press.drives_of(self.scene, self.stage(index))
 
     @property
     def grew_in_steps(self) -> bool:
@@ -134,7 +106,7 @@ class Result:
         where = f", in {self.path}" if self.path else ""
         first = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
         first += [] if self.life is None else [f"{self.life}"]
-        return "\n".join([*first, *lines, *deep_contacts(self.scene, self.stages)])
+        return "\n".join([*first, *lines, *press.deep_contacts(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.
@@ -221,11 +193,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
 
 
 def _film(file: Path, digest: str, bodies: int, joints: tuple[str, ...]) -> Film:
-    """Return the film in a file; InputError if it is missing or damaged."""
-    try:
-        return Film.from_arrays(read_numbers(file, digest), bodies, joints)
-    except (LookupError, ValueError) as error:
-        raise InputError(f"{file} is no film of this run: {error}") from None
+    return Film.from_arrays(read_numbers(file, digest), bodies, joints)
 
 
 def unfinished(result: Result) -> str:

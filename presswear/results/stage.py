@@ -9,14 +9,8 @@ import numpy as np
 from presswear.engines.base import Status
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording import observe
 from presswear.recording.film import Film
-from presswear.recording.observe import (
-    CYCLE_DRIVE,
-    CYCLE_FIXED,
-    CYCLE_JOINT,
-    SECTION_JOINT_NAMES,
-    SECTION_NAMES,
-)
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
@@ -192,7 +186,7 @@ class JointResult:
 
     def each_cycle(self, name: str) -> Array:
         """Return a number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, CYCLE_JOINT.index(name)]
+        return self.arrays["cycles"][:, observe.CYCLE_JOINT.index(name)]
 
     def depth(self, side: str) -> Array:
         """Return the depth that the stage ran on, ``bearing`` or ``pin``, shape (bins,), m."""
@@ -315,13 +309,13 @@ class StageResult:
         """Joints with clearance by name."""
         joints = {}
         for k, name in enumerate(self.joint_names):
-            prefix, first = f"{name}_", len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
+            prefix, first = f"{name}_", len(observe.CYCLE_FIXED) + len(observe.CYCLE_JOINT) * k
             arrays = {
                 key.removeprefix(prefix): array
                 for key, array in self.arrays.items()
                 if key.startswith(prefix)
             }
-            arrays["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
+            arrays["cycles"] = self.arrays["cycles"][:, first : first + len(observe.CYCLE_JOINT)]
             joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
         return joints
 
@@ -333,21 +327,14 @@ class StageResult:
         """
         if "sections" not in self.arrays:
             raise InputError(f"{self.name}: no sections were kept; --set sections=1 keeps some")
-        if not joint:
-            return self.arrays["sections"][:, :, SECTION_NAMES.index(name)]
-        first = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.joint_names.index(joint)
-        return self.arrays["sections"][:, :, first + SECTION_JOINT_NAMES.index(name)]
+        columns = [*observe.SECTION_NAMES]
+        for prefix in self.joint_names:
+            columns += [f"{prefix}.{each}" for each in observe.SECTION_JOINT_NAMES]
+        return self.arrays["sections"][:, :, columns.index(f"{joint}.{name}" if joint else name)]
 
     def each_cycle(self, name: str) -> Array:
         """Return a number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
-
-    @property
-    def drive_cycles(self) -> Array:
-        """Numbers of the drives in each cycle, shape (cycles, drives, columns CYCLE_DRIVE); SI."""
-        first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(self.joint_names)
-        rows = self.arrays["cycles"][:, first:]
-        return rows.reshape(len(rows), -1, len(CYCLE_DRIVE))
+        return self.arrays["cycles"][:, observe.CYCLE_FIXED.index(name)]
 
     def as_plain(self) -> dict[str, Any]:
         """Return the stage as ``result.json`` holds it."""

@@ -34,7 +34,8 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
         mechanism=linkage, joints="none", wear_updates=0, cycles=3, engine="dae", drive_torque="on"
     )
     stage = run(scene).stages[0]
-    found, curve = drives_of(scene, stage)["crank"], curves_of(scene, stage)["crank"]
+    found = drives_of(scene, stage)["crank"]
+    curve = curves_of(scene, stage.time, stage.arrays["drive_torque"])["crank"]
     motion = scene.ideal.at(stage.time)
     angle, speed, faster = (
         level[:, 2] for level in (motion.position, motion.velocity, motion.acceleration)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,34 +18,21 @@ BEARING = pw.Bearing(clearance=1e-4, friction=0.0, normal_law="flores", restitut
 """Pins come to rest on it, and nothing grows."""
 
 
-def turned(linkage: pw.Linkage) -> pw.Linkage:
-    """The slider-crank on the other side of its crank's axis."""
-    (drive,) = linkage.drives
-    return linkage.changed(
-        drives=(replace(drive, angle=math.pi),),
-        guess={"crank": math.pi, "rod": math.pi},
-    )
-
-
 @pytest.fixture(scope="module")
 def both() -> list[pw.Result]:
     """Of the highest place as it stands, and of the lowest turned by half a turn."""
-    highest = replace(SHEET, bottom="highest")
-    ways = ((CRANK.linkage(), highest), (turned(CRANK.linkage()), SHEET))
-    return [
-        run(
-            pw.Scene(
-                mechanism,
-                process=process,
-                bearings={"B": BEARING},
-                wear_updates=0,
-                cycles=3,
-                engine="dae",
-                numerics=Numerics(dae=pw.InHouse(integration_tolerance=1e-12)),
-            )
-        )
-        for mechanism, process in ways
+    linkage = CRANK.linkage()
+    turned = linkage.changed(
+        drives=(replace(linkage.drives[0], angle=math.pi),),
+        guess={"crank": math.pi, "rod": math.pi},
+    )
+    exact = Numerics(dae=pw.InHouse(integration_tolerance=1e-12))
+    short: dict[str, Any] = {"wear_updates": 0, "cycles": 3, "engine": "dae", "numerics": exact}
+    scenes = [
+        pw.Scene(mechanism, process=process, bearings={"B": BEARING}, **short)
+        for mechanism, process in ((linkage, replace(SHEET, bottom="highest")), (turned, SHEET))
     ]
+    return [run(scene) for scene in scenes]
 
 
 def test_the_highest_place_is_bottom_dead_centre_everywhere(both: list[pw.Result]) -> None:

@@ -61,9 +61,11 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     write_table(path, {"time": np.array([0.0, 0.1]), "A_normal_force": np.array([1.0, 2.0])})
     assert path.read_text().splitlines()[1] == "# units: time s,A_normal_force N"
-    found = np.genfromtxt(path, delimiter=",", names=True)
-    assert found.dtype.names == ("time", "A_normal_force")
-    np.testing.assert_array_equal(found["A_normal_force"], [1.0, 2.0])
+    rows = np.genfromtxt(path, delimiter=",", names=True)
+    assert rows.dtype.names == ("time", "A_normal_force")
+    np.testing.assert_array_equal(rows["A_normal_force"], [1.0, 2.0])
+    units = {"slider_depth": "m", "rod 3_wear_volume_low": "m^3", "crank 2_angle": "rad"}
+    assert {name: unit_of(name) for name in units} == units
     with pytest.raises(InputError, match="slider"):
         unit_of("slider")
 
@@ -104,14 +106,10 @@ def test_ours_is_interpolated_at_their_times() -> None:
     assert displacement.rms == pytest.approx(0.01, rel=1e-6)
     rms = np.sqrt(np.mean(np.sin(between[between <= 0.5]) ** 2))
     assert displacement.bound == pytest.approx(1e-3 * rms, rel=1e-6)
-
-
-def test_a_table_that_does_not_belong_to_the_run_is_refused() -> None:
-    ours = {"time": np.array([0.0, 1.0]), "displacement": np.zeros(2), "velocity": np.zeros(2)}
-    with pytest.raises(InputError, match="no overlap"):
-        compare_tables(ours, {"time": np.array([2.0]), "velocity": np.zeros(1)}, None, 1e-3)
-    with pytest.raises(InputError, match="B_sliding"):
-        compare_tables(ours, {"time": np.array([0.5]), "B_sliding": np.zeros(1)}, None, 1e-3)
+    for when, column, word in ((2.0, "velocity", "no overlap"), (0.5, "B_sliding", "B_sliding")):
+        foreign = {"time": np.array([when]), column: np.zeros(1)}
+        with pytest.raises(InputError, match=word):
+            compare_tables(ours, foreign, None, 1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -176,7 +174,7 @@ def test_export_refuses_in_one_line(
     assert list(tmp_path.iterdir()) == [kept]
 
 
-def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
+def test_moments_of_strokes_are_exported(folder: Path) -> None:
     scene = press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
     result = run(scene)
     table = strokes_table(result, 0)
@@ -189,11 +187,6 @@ def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
     broken = process.height - process.fracture
     assert table["fracture_height"] == pytest.approx(broken, rel=1e-6)
     assert np.all(table["contact_time"] < table["fracture_time"])
-    file = tmp_path / "strokes.csv"
-    write_table(file, table)
-    rows = np.genfromtxt(file, delimiter=",", names=True)
-    for name, values in table.items():
-        np.testing.assert_array_equal(np.atleast_1d(rows[name]), values)
     with pytest.raises(InputError, match="has no strokes to write: the scene has no process"):
         strokes_table(load(folder), 0)
 
@@ -213,6 +206,5 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     assert table["bdc_drift_high"].tolist() == [2e-8, 4e-4]
     write_table(tmp_path / "life.csv", table)
     assert f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
-    assert unit_of("rod 3_wear_volume_low") == "m^3"
     with pytest.raises(InputError, match="has no life to write"):
         life_table(replace(result, life=None))

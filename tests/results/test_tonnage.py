@@ -16,19 +16,16 @@ from scipy.stats import t as student
 
 import presswear as pw
 from presswear.campaign.campaign import run
-from presswear.results.export import table_of, unit_of
+from presswear.results.export import table_of
 from presswear.results.press_analysis import (
     ENERGY_BOUND,
     PHASES,
     SNAP_THROUGH_S,
     SettledStroke,
-    drives_of,
     height_of,
     joint_tonnage,
     process_force,
     settled_strokes,
-    strokes_of,
-    tonnage_of,
 )
 from presswear.results.stage import JointResult
 from presswear.tools.arrays import Array
@@ -65,34 +62,32 @@ def force_at(depth: Array, velocity: Array) -> Array:
     return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
 
 
-def test_the_force_over_the_series_is_that_of_the_curve(ideal: pw.Result) -> None:
+def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> None:
     stage = ideal.stages[0]
-    height = height_of(IDEAL, stage)
+    height, force = ideal.height(0), ideal.process_force(0)
     np.testing.assert_allclose(height, slider(stage.time)[:, 0] - BOTTOM, atol=1e-8)
-    force = process_force(IDEAL, stage)
     assert force is not None
-    np.testing.assert_allclose(
-        force, force_at(SHEET.height - height, stage.velocity), atol=1e-6 * SHEET.force
-    )
-    np.testing.assert_array_equal(table_of(ideal, 0)["process_force"], force)
-    np.testing.assert_array_equal(table_of(ideal, 0)["height"], height)
-    assert unit_of("process_force") == "N"
-    assert unit_of("crank 2_angle") == "rad"
-
-
-def test_the_ideal_press_gives_a_part_its_work_and_no_more(ideal: pw.Result) -> None:
-    stage = ideal.stages[0]
-    statistics, tonnage = stage.statistics, tonnage_of(IDEAL, stage)
+    expected = force_at(SHEET.height - height, stage.velocity)
+    np.testing.assert_allclose(force, expected, atol=1e-6 * SHEET.force)
+    table = table_of(ideal, 0)
+    np.testing.assert_array_equal([table["process_force"], table["height"]], [force, height])
+    tonnage = ideal.tonnage(0)
     assert tonnage is not None
     # Of two settled strokes and cycles.
-    for work in (tonnage.work, statistics.drive_work_per_cycle):
+    for work in (tonnage.work, stage.statistics.drive_work_per_cycle):
         assert work is not None
         assert work.samples == 2
         assert work.mean == pytest.approx(SHEET.work, abs=1e-6 * SHEET.work)
-    assert (statistics.energy_residual_fraction or 1.0) < ENERGY_BOUND
-    duties = [own.duty for own in drives_of(IDEAL, stage).values()]
-    total = sum(own.supplied for own in duties)
-    assert sum(own.work for own in duties) == pytest.approx(SHEET.work, abs=1e-9 * total)
+    assert (stage.statistics.energy_residual_fraction or 1.0) < ENERGY_BOUND
+    duties = [drive.duty for drive in ideal.drives(0).values()]
+    total = sum(duty.supplied for duty in duties)
+    assert sum(duty.work for duty in duties) == pytest.approx(SHEET.work, abs=1e-9 * total)
+    assert tonnage.peak_force is not None
+    assert tonnage.peak_force.mean == pytest.approx(SHEET.force + SHEET.cushion, rel=1e-9)
+    # Nothing is loose: what shakes is the round-off of the run.
+    assert tonnage.vibration_after is not None
+    assert tonnage.vibration_after.mean < 1e-6 * stage.acceleration.std()
+    assert tonnage.most_loaded is None
 
 
 def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
@@ -104,27 +99,21 @@ def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
 
         return float(brentq(off, begin, end, xtol=1e-15))
 
-    begin, end = HIGHEST, HIGHEST + PERIOD
-    low = LOWEST + PERIOD
+    begin, low, end = HIGHEST, LOWEST + PERIOD, HIGHEST + PERIOD
     heights = [SHEET.height - depth for depth, _ in SHEET.curve]
-    edges = [begin, *(passes(own, begin, low) for own in heights), low]
-    edges += sorted(passes(own, low, end) for own in heights[:2])
-    edges.append(end)
-    sums = np.zeros((2, 6))
-    peaks = np.zeros((2, 2))
-    for one, other in pairwise(edges):
-        time = np.linspace(one, other, 2001)
+    edges = [begin, *(passes(each, begin, low) for each in heights), low]
+    edges += [*sorted(passes(each, low, end) for each in heights[:2]), end]
+    sums, peaks = np.zeros((2, 6)), np.zeros(2)
+    for first, last in pairwise(edges):
+        time = np.linspace(first, last, 2001)
         # The piece that begins here is that of its inside.
-        inside = np.clip(time, one + 1e-12, other - 1e-12)
-        place, velocity, _ = slider(inside).T
+        place, velocity, _ = slider(np.clip(time, first + 1e-12, last - 1e-12)).T
         force = force_at(SHEET.height - (place - BOTTOM), velocity)
-        torque = needed_by_virtual_work(PRESS, time, force)
-        power = torque * np.array([-PRESS.speed, PRESS.speed])
-        for k in range(2):
-            own, gained = torque[:, k], power[:, k]
-            rows = (own, own**2, gained, gained**2, np.maximum(gained, 0), np.maximum(-gained, 0))
-            sums[k] += [simpson(row, x=time) for row in rows]
-            peaks[k] = np.maximum(peaks[k], [np.abs(own).max(), np.abs(gained).max()])
+        torque = needed_by_virtual_work(PRESS, time, force).T
+        power = torque * np.array([[-PRESS.speed], [PRESS.speed]])
+        rows = (torque, torque**2, power, power**2, power.clip(0.0), (-power).clip(0.0))
+        sums += np.transpose([simpson(row, x=time) for row in rows])
+        peaks = np.maximum(peaks, np.abs(torque).max(axis=1))
     drives = ideal.drives(0)
     assert list(drives) == ["crank 2", "crank 7"]
     for k, found in enumerate(drives.values()):
@@ -137,50 +126,31 @@ def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
         exchange = sums[k, 4:].sum()
         gained_and_lost = duty.supplied, duty.returned
         assert gained_and_lost == pytest.approx(tuple(sums[k, 4:]), abs=1e-6 * exchange)
-        assert abs(duty.torque.peak) == pytest.approx(peaks[k, 0], rel=1e-2)
+        assert abs(duty.torque.peak) == pytest.approx(peaks[k], rel=1e-2)
         share = (math.sqrt(square) / np.sqrt(sums[:, 1] / PERIOD).sum(), sums[k, 4])
         assert duty.share[0] == pytest.approx(share[0], rel=1e-6)
         assert duty.share[2] == pytest.approx(share[1] / sums[:, 4].sum(), abs=2e-6)
         # The run, whose peaks stand in rows at the ends of the pieces.
         assert found.duty.torque.rms == pytest.approx(duty.torque.rms, rel=1e-6)
-        assert abs(found.duty.torque.peak) == pytest.approx(peaks[k, 0], rel=1e-4)
+        assert abs(found.duty.torque.peak) == pytest.approx(peaks[k], rel=1e-4)
 
 
 def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Result) -> None:
-    stage = ideal.stages[0]
-    found = settled_strokes(IDEAL, stage)
+    strokes, moments = settled_strokes(IDEAL, ideal.stages[0]), ideal.strokes(0)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk / acceleration.
     off = (PERIOD / 1440.0) ** 2 / 8.0 * 20.0 * PRESS.speed
-    assert [own.start for own in found] == pytest.approx(
-        [HIGHEST + k * PERIOD for k in (1, 2)], abs=off
-    )
-    assert [own.bottom for own in found] == pytest.approx(
-        [LOWEST + k * PERIOD for k in (2, 3)], abs=off
-    )
-    moments = strokes_of(IDEAL, stage)
+    starts, bottoms = ([getattr(each, name) for each in strokes] for name in ("start", "bottom"))
+    assert starts == pytest.approx([HIGHEST + k * PERIOD for k in (1, 2)], abs=off)
+    assert bottoms == pytest.approx([LOWEST + k * PERIOD for k in (2, 3)], abs=off)
     assert moments is not None
-    assert {own.fracture for own in found} <= set(moments.fracture[:, 0])
-    told = tonnage_of(IDEAL, stage)
-    assert told is not None
-    assert told.peak_force is not None
-    assert told.peak_force.mean == pytest.approx(SHEET.force + SHEET.cushion, rel=1e-9)
-    assert told.vibration_after is not None
-    # Nothing is loose: what shakes is the round-off of the run.
-    assert told.vibration_after.mean < 1e-6 * stage.acceleration.std()
-    assert told.most_loaded is None
+    assert {each.fracture for each in strokes} <= set(moments.fracture[:, 0])
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str) -> None:
     """The force over the recorded height, and the work that the engine summed step by step."""
-    scene: Any = replace(
-        pw.scenes.press_blanking(),
-        engine=engine,
-        wear_updates=0,
-        replicates=1,
-        cycles=3,
-        process=SHEET,
-    )
+    short: dict[str, Any] = {"engine": engine, "wear_updates": 0, "replicates": 1, "cycles": 3}
+    scene: Any = replace(pw.scenes.press_blanking(), **short, process=SHEET)
     assert scene.stores_torques
     result = run(scene)
     stage = result.stages[0]

@@ -323,8 +323,15 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         return []
     shown, window = settled(result, moving)
     sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
-    curves = [(stage.pen, stage.data.time, press.curves_of(scene, stage.data)) for stage in shown]
-    ideal = press.ideal_curves(scene)
+    curves = [
+        (
+            stage.pen,
+            stage.data.time,
+            press.curves_of(scene, stage.data.time, stage.data.arrays["drive_torque"]),
+        )
+        for stage in shown
+    ]
+    ideal, _ = press.ideal_curves(scene)
     cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):
         time = ideal[drive].time - scene.run_up - window.period
