@@ -1,1 +1,1 @@
-"""Sweeps: a scene at many points or a list of scenes, their responses, and sensitivity."""
+"""Sweeps: a scene at many points, its responses, and sensitivity."""

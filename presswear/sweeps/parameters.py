@@ -1,13 +1,4 @@
-"""Parameters of a sweep: lists of values, distributions and designs, read from text.
-
-================================================  ================================================
-``clearance=0.2mm:1.0mm:9``                       a range or a list, see `presswear.scene.settings`
-``engine=dae,exudyn``                             words
-``A.friction=0.1,0.2 & C.friction=0.1,0.3``       values that vary together
-``clearance=normal(0.8mm, 0.05mm)``               a distribution, see `parse_distribution`
-``sobol:512``                                     a design, see `design`
-================================================  ================================================
-"""
+"""Parameters of a sweep: lists of values, distributions and designs, read from text."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,7 +13,7 @@ from presswear.scene.settings import Setting, setting_of, values_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import check_file, read_checked
-from presswear.tools.quantities import Choice, Quantity, parse_quantity
+from presswear.tools.quantities import Choice, Quantity, parse_quantity, plain_number
 
 TOGETHER = "&"
 MAX_CUT = 0.05  # probability that may lie outside the allowed range of a setting
@@ -30,7 +21,6 @@ TAIL = 2.0**-40  # distance of a probability from 0 and 1: a quantile there may 
 MORRIS_LEVELS = 4  # values that a parameter takes in a Morris design
 MORRIS_JUMP = 0.5  # change of a parameter in a Morris design, in probability
 OAT_REACH = 0.45  # largest distance from the median in a one-at-a-time design, in probability
-MAX_SOBOL_DIMENSION = 21201  # limit of scipy.stats.qmc.Sobol
 Value = str | float | int
 
 
@@ -108,8 +98,8 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
         if not isinstance(listed, Sequence) or len(listed) == 0:
             raise InputError(f"{key} = {shown(values)}: expected a text or a list of values")
         keys = [word.strip() for word in key.split(TOGETHER)]
-        rows = [row if len(keys) > 1 and isinstance(row, Sequence) else [row] for row in listed]
-        if any(len(row) != len(keys) for row in rows):
+        rows = listed if len(keys) > 1 else [[value] for value in listed]
+        if any(not isinstance(row, Sequence) or len(row) != len(keys) for row in rows):
             raise InputError(f"{key}: expected rows of {len(keys)} values")
         parts = []
         for name, column in zip(keys, zip(*rows, strict=True), strict=True):
@@ -122,7 +112,7 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
 def _value_text(setting: Setting, value: object) -> str:
     if isinstance(value, str):
         return value
-    number = value.item() if isinstance(value, np.number) else value
+    number = plain_number(value)
     if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
         raise InputError(f"{setting.key} = {shown(value)}: expected a finite number or a text")
     return f"{number!r} {setting.meaning.unit}".strip()
@@ -180,7 +170,7 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
         raise InputError(f"{key} = {text!r}: expected {kind}({ARGUMENTS[kind]})")
     if kind == "table":
         return Distribution(text.strip(), _discrete(Path(words[0]), key, meaning))
-    frozen = _frozen(kind, words, key, meaning)
+    frozen = _frozen(kind, key, meaning, *words)
     low, high = float(frozen.cdf(meaning.low)), float(frozen.cdf(meaning.high))
     if low + 1.0 - high > MAX_CUT:
         raise InputError(
@@ -190,32 +180,28 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     return Distribution(text.strip(), frozen, low, high)
 
 
-def _frozen(kind: str, words: list[str], key: str, meaning: Quantity) -> Any:
+def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> Any:
     from scipy import stats  # slow to import
 
-    first = float(parse_quantity(key, words[0], meaning))
+    def above(low: float, name: str, text: str, unit: str = "") -> float:
+        return parse_quantity(name, text, Quantity(unit, low, math.inf, open_low=True))
+
+    first = float(parse_quantity(key, text, meaning))
     if kind == "uniform":
-        last = float(parse_quantity(key, words[1], meaning))
+        last = float(parse_quantity(key, spread, meaning))
         if not first < last:
-            raise InputError(f"{key} = {', '.join(words)}: the first end must be below the second")
+            raise InputError(f"{key} = {text}, {spread}: the first end must be below the second")
         return stats.uniform(first, last - first)
-
-    def above(name: str, text: str, unit: str, low: float, high: float) -> float:
-        return float(parse_quantity(name, text, Quantity(unit, low, high, "", "", open_low=True)))
-
-    spread = words[1]
     if kind == "normal":
-        name = f"standard deviation of {key}"
-        return stats.norm(first, above(name, spread, meaning.unit, 0.0, math.inf))
+        return stats.norm(first, above(0.0, f"standard deviation of {key}", spread, meaning.unit))
     if first <= 0.0:
-        raise InputError(f"{key} = {words[0]}: the median must be positive")
+        raise InputError(f"{key} = {text}: the median must be positive")
     if spread.endswith("%"):
-        part = above(f"coefficient of variation of {key}, %,", spread[:-1], "", 0.0, 1e4) / 100.0
+        part = above(0.0, f"coefficient of variation of {key}, %,", spread[:-1]) / 100.0
         # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter 14.
         return stats.lognorm(math.sqrt(math.log1p(part**2)), scale=first)
     if spread.startswith("x"):
-        factor = above(f"factor of {key}", spread[1:], "", 1.0, 1e4)
-        return stats.lognorm(math.log(factor), scale=first)
+        return stats.lognorm(math.log(above(1.0, f"factor of {key}", spread[1:])), scale=first)
     raise InputError(
         f"spread of {key} = {spread!r}: expected a factor such as x1.6 or a coefficient of "
         "variation such as 50%"
@@ -227,7 +213,7 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
     from scipy import stats
 
     check_file(file)
-    weight, rows = Quantity("", 0.0, math.inf, "", ""), []
+    rows = []
     try:
         lines = read_checked(file).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
@@ -237,13 +223,10 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
         if not value:
             continue
         try:
-            pair = (
-                parse_quantity(key, value, meaning),
-                parse_quantity("weight", share or "1", weight),
-            )
+            weight = parse_quantity("weight", share or "1", Quantity("", 0.0, math.inf))
+            rows.append((float(parse_quantity(key, value, meaning)), float(weight)))
         except InputError as error:
             raise InputError(f"{file}, line {number}: {error}") from None
-        rows.append([float(item) for item in pair])
     values, weights = np.array(sorted(rows)).reshape(-1, 2).T
     if len(values) < 2 or weights.sum() <= 0.0:
         raise InputError(f"{file}: expected at least two values and a positive weight")
@@ -294,16 +277,14 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
         return paths.reshape(-1, dimension)
     if kind == "oat":
         steps = OAT_REACH * np.arange(1, size + 1) / size
-        around = np.concatenate([-steps[::-1], steps])
-        return np.vstack(
-            [np.full(dimension, 0.5), 0.5 + np.kron(np.eye(dimension), around[:, None])]
-        )
+        around = np.concatenate([-steps[::-1], steps])[:, None]
+        return np.vstack([np.full(dimension, 0.5), 0.5 + np.kron(np.eye(dimension), around)])
     from scipy.stats import qmc  # slow to import
 
     if kind == "latin":
         return np.asarray(qmc.LatinHypercube(dimension, seed=random).random(size))
     width = dimension if kind == "sobol" else 2 * dimension
-    if width > MAX_SOBOL_DIMENSION:
+    if width > qmc.Sobol.MAXDIM:
         raise InputError(f"{kind}:{size}: {dimension} parameters are too many for Sobol' points")
     points = np.asarray(qmc.Sobol(width, seed=random).random(size))
     if kind == "sobol":

@@ -31,11 +31,10 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, not_installed, unknown
 from presswear.tools.files import check_file, digest
 from presswear.tools.quantities import Quantity
-from presswear.tools.serialize import typed
+from presswear.tools.serialize import Checked, make
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
 
 MAX_ROWS = 1_000_000
 MAX_REPLICATES = 10_000
@@ -46,7 +45,7 @@ NOT_RUN = "not run yet"
 
 @dataclass(frozen=True)
 class Plan:
-    """Scene at many points, or a list of scenes.
+    """Scene at many points.
 
     Every value of a parameter is combined with every value of the others and with every point of
     the sample. The last parameter varies fastest; replicates of a point are neighbouring rows.
@@ -58,7 +57,6 @@ class Plan:
     ranges: tuple[str, ...] = ()  # KEY=DISTRIBUTION of the sampled parameters
     replicates: int = 1  # runs at each point, with the seed of the scene and the next ones
     seed: int = 0  # of the design
-    scenes: tuple[Scene, ...] = ()  # scenes of the points, in place of all parameters
 
     def __post_init__(self) -> None:
         """Check the plan; `InputError` names a value that is unknown, missing or out of range."""
@@ -66,8 +64,6 @@ class Plan:
             raise InputError(f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}")
         if bool(self.sample) != bool(self.ranges):
             raise InputError("--sample and --range must be used together")
-        if self.scenes and (self.vary or self.sample):
-            raise InputError("scenes cannot be combined with vary, sample or ranges")
         if not self.groups:
             raise InputError("nothing varies: use --vary KEY=VALUES, or --sample and --range")
         keys = [column.key for column in self.columns]
@@ -84,12 +80,6 @@ class Plan:
     @cached_property
     def groups(self) -> tuple[Group, ...]:
         """Groups of parameters that vary together, the sample first."""
-        if self.scenes:
-            names = tuple(scene.name for scene in self.scenes)
-            if len(set(names)) < len(names):
-                raise InputError("scenes: two of them have the same name; use a mapping by name")
-            column = Column("scene", "", "scene", names)
-            return (Group((column,), np.arange(float(len(names)))[:, None]),)
         if not self.sample:
             return self._varied
         kind, _, size = self.sample.partition(":")
@@ -148,27 +138,19 @@ class Plan:
     def settings(self, row: int) -> dict[str, Value]:
         """Return the settings that a row changes in the scene."""
         point, replicate = divmod(row, self.replicates)
-        settings: dict[str, Value] = {}
-        if not self.scenes:
-            for column, value in zip(self.columns, self.points[point], strict=True):
-                settings[column.key] = column.setting(float(value))
-        if replicate:
-            settings[SEED] = self._base(row).seed + replicate
-        return settings
-
-    def _base(self, row: int) -> Scene:
-        return self.scenes[row // self.replicates] if self.scenes else self.scene
+        pairs = zip(self.columns, self.points[point].tolist(), strict=True)
+        settings = {column.key: column.setting(value) for column, value in pairs}
+        return settings | ({SEED: self.scene.seed + replicate} if replicate else {})
 
     def scene_of(self, row: int) -> Scene:
         """Return the scene of a row; `InputError` if its settings do not fit together."""
-        settings, scene = self.settings(row), self._base(row)
-        scene = changed(scene, settings) if settings else scene
+        scene = changed(self.scene, self.settings(row))
         scene.check()
         return scene
 
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
-        base, values = self._identities[row // self.replicates if self.scenes else 0]
+        base, values = self._base
         settings = {
             key: value
             for key, value in self.settings(row).items()
@@ -177,12 +159,10 @@ class Plan:
         return json.dumps([base, settings], sort_keys=True)
 
     @cached_property
-    def _identities(self) -> list[tuple[str, dict[str, Any]]]:
-        """Digest of each scene, and the values that a row may set without effect."""
-        if self.scenes:
-            return [(scene_digest(scene), {}) for scene in self.scenes]
+    def _base(self) -> tuple[str, dict[str, Any]]:
+        """Digest of the scene, and its values, which a row may set without effect."""
         values = {item.key: item.value for item in settings_of(self.scene)}
-        return [(scene_digest(self.scene), values)]
+        return scene_digest(self.scene), values
 
     @cached_property
     def example(self) -> Scene:
@@ -198,15 +178,15 @@ class Plan:
     def as_dict(self) -> dict[str, Any]:
         """Return the plan as plain data."""
         data = {item.name: getattr(self, item.name) for item in fields(self)}
-        scenes = [scene.as_dict() for scene in self.scenes]
-        return {**data, "scene": self.scene.as_dict(), "scenes": scenes}
+        return {**data, "scene": self.scene.as_dict()}
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Plan":
         """Return the plan of `as_dict`."""
-        scene, scenes = Scene.from_dict(data["scene"]), tuple(map(Scene.from_dict, data["scenes"]))
         vary, ranges = tuple(data["vary"]), tuple(data["ranges"])
-        return Plan(scene, vary, data["sample"], ranges, data["replicates"], data["seed"], scenes)
+        return Plan(
+            **{**data, "scene": Scene.from_dict(data["scene"]), "vary": vary, "ranges": ranges}
+        )
 
 
 def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
@@ -223,7 +203,7 @@ def scene_digest(scene: Scene) -> str:
 
 
 @dataclass(frozen=True)
-class SweepFile:
+class SweepFile(Checked):
     """Table ``[sweep]`` of a TOML file; its keys are the options of the command.
 
     `scene` names a scene or another file; it is omitted in the file of a scene.
@@ -244,14 +224,7 @@ def read_sweep(file: Path) -> tuple[Scene, SweepFile]:
     """Read the scene and the table ``[sweep]`` of a file; `InputError` names a wrong key."""
     check_file(file)
     data = read_toml(file)
-    table = data.get(SWEEP, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{file}: {SWEEP} = {table!r}: expected a table")
-    keys = [item.name for item in fields(SweepFile)]
-    for key in table:
-        if key not in keys:
-            raise unknown(f"key of [{SWEEP}] in {file}", key, keys)
-    options = typed(table, SweepFile, f"{file}: {SWEEP}")
+    options = make(f"[{SWEEP}] in {file}", SweepFile, data.get(SWEEP, {}))
     if not options.scene:
         return scene_from(file), options
     if data.keys() - {SWEEP}:
@@ -285,14 +258,13 @@ class Table:
         """Return the rows at which the last parameters have some values, without these columns."""
         count = len(values)
         rows = np.flatnonzero((self.points[:, -count:] == values).all(axis=1))
+        names = ("values", "half_widths", "censored")
         return replace(
             self,
             parameters=self.parameters[:-count],
             points=self.points[rows, :-count],
-            values=self.values[rows],
-            half_widths=self.half_widths[rows],
-            censored=self.censored[rows],
             errors=tuple(self.errors[row] for row in rows),
+            **{name: getattr(self, name)[rows] for name in names},
         )
 
     def columns(self) -> dict[str, list[Any]]:
@@ -328,12 +300,3 @@ class Table:
         except ImportError:
             raise not_installed("a data frame", "pandas", "sweep") from None
         return pandas.DataFrame(self.columns())
-
-    def to_xarray(self) -> "xarray.Dataset":
-        """Return the responses over the parameters and replicates of a full grid."""
-        try:
-            import xarray
-        except ImportError:
-            raise not_installed("a dataset", "xarray", "sweep") from None
-        names = [*(column.key for column in self.parameters), "replicate"]
-        return xarray.Dataset.from_dataframe(self.to_pandas().set_index(names))

@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
+from presswear.scene.catalog import title_of
 from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.show.page import NOTHING, Row, Section, illustrate, render_page, row_table
 from presswear.show.page import Table as Texts
@@ -70,7 +71,7 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
     except InputError as error:
         notes.append(f"{error}.")
     try:
-        surrogate = None if plan.scenes else fit(points)
+        surrogate = fit(points)
     except InputError as error:
         notes.append(f"{error}.")
     scatter = [plan.distributions.get(column.key) for column in points.parameters]
@@ -89,9 +90,7 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
     return Analysis(points, chaotic_share(points), result, surrogate, spread, limit, tuple(notes))
 
 
-def write_report(
-    table: Table, plan: Plan, folder: Path, title: str, limits: Mapping[str, Limit]
-) -> Path:
+def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]) -> Path:
     """Write ``report.html``, its figures and ``table.csv`` into a folder; return the page."""
     sections = [
         Section("Parameters", tables=[("", _columns(table.parameters, table.points, plan))]),
@@ -123,6 +122,7 @@ def write_report(
     status = f"{count} runs at {whole(len(plan.points))} points"
     status += f", {whole(failed)} without values." if failed else "."
     style = "unfinished" if failed else "completed"
+    title = f"Sweep: {title_of(plan.scene)}"
     page = render_page(title, sections, status=status, style=style, answer=answers)
     write_bytes(folder / REPORT, page.encode())
     return folder / REPORT

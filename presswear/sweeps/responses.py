@@ -6,6 +6,7 @@ add a response, add its unit and text to `_TEXTS` and its function to `_FUNCTION
 
 import inspect
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -77,8 +78,7 @@ def _depth(result: Result, stage: StageResult, joint: JointResult) -> Response:
 def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
     """Return the worn volume; the errors of wear updates are independent."""
     clearances = {one.name: one for one in result.scene.linkage().clearances}
-    depths = np.array([joint.depth(side) for side in SIDES])
-    value = worn_volume(clearances[joint.name], depths)
+    value = worn_volume(clearances[joint.name], np.array([joint.depth(side) for side in SIDES]))
     halves = [one.wear_volume.half_width for one in _earlier(result, stage, joint.name)]
     if not halves or None in halves:
         return Response(value)
@@ -100,19 +100,18 @@ def _clearance(result: Result, stage: StageResult, joint: None) -> Response:
 
 
 def _life(result: Result, stage: None, joint: None) -> Response | None:
-    if result.life is None:
+    if (life := result.life) is None:
         return None
-    half = result.life.interval.half_width
-    return Response(result.life.strokes, half, result.life.first is None)
+    return Response(life.strokes, life.interval.half_width, life.first is None)
 
 
 def _at(path: str) -> Callable[..., Response | None]:
     """Return the function that reads an estimate at a path of attributes of a joint or a stage."""
 
     def read(result: Result, stage: StageResult, joint: JointResult | None) -> Response | None:
-        value: Any = stage if joint is None else joint
+        value: Any = joint or stage
         for name in path.split("."):
-            value = None if value is None else getattr(value, name)
+            value = value and getattr(value, name)
         return _response(value)
 
     return read
@@ -192,9 +191,8 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
         keys.append(name if is_whole else f"{name}@{int(stage) if at else LAST}")
         if definition.optional and name not in optional:
             optional.append(name)
-    names = [column.key for column in columns]
-    for index, name in enumerate(names):
-        if name in names[:index]:
+    for name, count in Counter(column.key for column in columns).items():
+        if count > 1:
             raise InputError(f"response {name} is repeated")
     extra = digest_of(optional, functions)
     return Requested(tuple(columns), tuple(keys), tuple(optional), tuple(functions), extra)
@@ -202,16 +200,13 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
 
 def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
     """Return the digest of the responses that a row stores besides the usual ones."""
-    sources = [*sorted(optional), *map(_source, functions)]
+    sources = sorted(optional)
+    for function in functions:  # its text identifies its values
+        try:
+            sources.append(f"{function.__qualname__} {inspect.getsource(function)}")
+        except (OSError, TypeError):
+            sources.append(f"{function.__module__}.{function.__qualname__}")
     return digest("\n".join(sources).encode()) if sources else ""
-
-
-def _source(function: User) -> str:
-    """Return the text of a function, which identifies its values, or its name."""
-    try:
-        return f"{function.__qualname__} {inspect.getsource(function)}"
-    except (OSError, TypeError):
-        return f"{function.__module__}.{function.__qualname__}"
 
 
 def responses_of(result: Result, requested: Requested) -> dict[str, Response]:

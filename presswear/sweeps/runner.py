@@ -3,15 +3,6 @@
 A row is the file ``rows/DIGEST.json``. It is created exclusively and empty when the row starts, and
 replaced by the complete file when the row ends. A killed sweep leaves empty files for the rows that
 were running; the next run of the same rows removes them.
-
-======================  =====================================================================
-``--on``                executor
-======================  =====================================================================
-nothing                 processes of this machine
-``dask``                local Dask cluster, which accepts connections from this machine only
-``dask://HOST:PORT``    Dask cluster of a running scheduler
-``MODULE:FACTORY``      object with the method `submit` of `concurrent.futures.Executor`
-======================  =====================================================================
 """
 
 import importlib
@@ -219,11 +210,10 @@ class SerialExecutor(Executor):
 def open_executor(
     on: str, jobs: int | None, notify: Notify = print
 ) -> Iterator[tuple[Executor, int]]:
-    """Open the executor of the option ``--on``, see the table at the head of this module.
+    """Open the executor of the option ``--on``, see `sweep`, and yield it with its slots.
 
-    Yields the executor and the number of rows that it computes at a time. `notify` is called with
-    a line for the user, such as the address of the Dask dashboard. `InputError` if the executor
-    does not exist or does not answer.
+    `notify` is called with a line for the user, such as the address of the Dask dashboard.
+    `InputError` if the executor does not exist or does not answer.
     """
     count = jobs or cores()
     if on == "dask" or on.startswith("dask://"):

@@ -1,4 +1,4 @@
-"""Sweeps: run a scene at many points or a list of scenes, and keep the responses in a folder."""
+"""Sweeps: run a scene at many points and keep the responses in a folder."""
 
 import math
 import os
@@ -12,7 +12,6 @@ import numpy as np
 
 from presswear.results.folder import program_digest, provenance
 from presswear.results.result import Result, load
-from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.sweeps.parameters import texts_of
@@ -80,23 +79,18 @@ class Sweep:
     @cached_property
     def table(self) -> Table:
         """Table of the rows that are stored now."""
-        plan, keys = self.plan, self.requested.keys
-        values, halves = (np.full((plan.rows, len(keys)), np.nan) for _ in range(2))
-        censored = np.zeros(values.shape, np.bool_)
-        errors = []
+        plan, requested, errors = self.plan, self.requested, []
+        numbers = np.full((3, plan.rows, len(requested.keys)), np.nan)
         for row in range(plan.rows):
             outcome = read_row(self.path, self.name(row))
             errors.append(NOT_RUN if outcome is None else outcome.error)
-            for k, key in enumerate(keys):
+            for k, key in enumerate(requested.keys):
                 if response := outcome and outcome.response(key):
-                    values[row, k] = math.nan if response.value is None else response.value
-                    half = response.half_width
-                    halves[row, k] = math.nan if half is None else half
-                    censored[row, k] = response.censored
-        points, columns = np.repeat(plan.points, plan.replicates, axis=0), self.requested.columns
-        return Table(
-            plan.columns, columns, points, values, halves, censored, tuple(errors), plan.replicates
-        )
+                    numbers[:, row, k] = np.array(response, float)  # None becomes NaN
+        points = np.repeat(plan.points, plan.replicates, axis=0)
+        values, halves, censored = numbers[0], numbers[1], numbers[2] == 1.0
+        columns = plan.columns, requested.columns
+        return Table(*columns, points, values, halves, censored, tuple(errors), plan.replicates)
 
     def write(self, file: Path) -> None:
         """Write everything but the rows."""
@@ -109,10 +103,7 @@ class Sweep:
         """Write figures, ``table.csv`` and ``report.html`` into the folder; return the page."""
         from presswear.sweeps.report import write_report  # slow to import
 
-        title = f"Sweep of {len(self.plan.scenes)} scenes"
-        if not self.plan.scenes:
-            title = f"Sweep: {title_of(self.plan.scene)}"
-        return write_report(self.table, self.plan, self.path, title, self.limit_of)
+        return write_report(self.table, self.plan, self.path, self.limit_of)
 
     @property
     def summary(self) -> str:
@@ -144,7 +135,7 @@ def load_sweep(folder: Path) -> Sweep:
     try:
         plan = Plan.from_dict(data["plan"])
         requested = typed(data["requested"], Requested, f"{file}")
-        limits, program = (typed(data["limits"], tuple[str, ...], f"{file}"), str(data["program"]))
+        limits, program = typed(data["limits"], tuple[str, ...], f"{file}"), str(data["program"])
         return Sweep(plan, requested, folder, data["keep"], limits, program)
     except (KeyError, TypeError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
@@ -176,13 +167,11 @@ def export_table(table: Table, path: Path) -> None:
         raise InputError(f"{path} exists; name a new file")
     if not path.parent.is_dir():
         raise InputError(f"{path.parent} is not a folder")
-    if kind == ".csv":
-        write_bytes(path, table.csv().encode())
-        return
     try:
-        write_bytes(path, table.to_pandas().to_parquet(index=False))
+        data = table.csv().encode() if kind == ".csv" else table.to_pandas().to_parquet(index=False)
     except ImportError:
         raise not_installed(f"{path}: Parquet", "pyarrow", "sweep") from None
+    write_bytes(path, data)
 
 
 def parse_shard(text: str) -> tuple[int, int]:
@@ -206,8 +195,7 @@ def run_sweep(
 
     Rows that another program computed do not count.
     """
-    for scene in sweep.plan.scenes or (sweep.plan.scene,):
-        scene.check_trusted()
+    sweep.plan.scene.check_trusted()
     requested, keep_results = sweep.requested, sweep.keep == "results"
     if requested.extra != digest_of(requested.optional, requested.functions):
         raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
@@ -231,12 +219,12 @@ def run_sweep(
 
 
 def sweep(
-    scene: Scene | None = None,
-    vary: Any = None,
+    scene: Scene,
+    vary: Mapping[str, Any] | None = None,
     folder: str | Path = "",
     responses: Sequence[str | User] = (),
     sample: str = "",
-    ranges: Any = None,
+    ranges: Mapping[str, str] | None = None,
     replicates: int = 1,
     seed: int = 0,
     keep: Keep = "responses",
@@ -244,15 +232,14 @@ def sweep(
     jobs: int | None = None,
     shard: str = "1/1",
     limits: Sequence[str] = (),
-    scenes: Any = None,
     notify: Notify = print,
 ) -> Sweep:
-    """Run a scene at many points, or a list of scenes; rows in the folder do not run again.
+    """Run a scene at many points; rows that are in the folder do not run again.
 
     Parameters
     ----------
-    scene : Scene or None
-        Scene whose settings vary; None with `scenes`.
+    scene : Scene
+        Scene whose settings vary.
     vary : mapping
         Values by key: a text such as ``"0.2mm:1.0mm:9"``, or a list of numbers in SI units or of
         words. Every value is combined with every value of the other keys.
@@ -278,8 +265,6 @@ def sweep(
         ``K/N``: only every N-th row from the K-th.
     limits : sequence of str
         Limits on responses, such as ``"life>=2e6"``; the report estimates violations.
-    scenes : sequence of Scene or mapping of str to Scene
-        Scenes of the rows, in place of `scene`, `vary` and `sample`.
     notify : callable
         Called with a line for the user, such as the address of the Dask dashboard.
 
@@ -292,20 +277,8 @@ def sweep(
     """
     if f"{folder}" == "":
         raise InputError("folder: a sweep needs a folder")
-    if isinstance(scenes, Mapping):
-        scenes = [replace(item, name=name) for name, item in scenes.items()]
-    if (scene is None) == (not scenes):
-        raise InputError("a sweep needs either one scene or a list of scenes")
-    base = scene or scenes[0]
-    plan = Plan(
-        base,
-        texts_of(base, vary or {}),
-        sample,
-        tuple(f"{key}={text}" for key, text in (ranges or {}).items()),
-        replicates,
-        seed,
-        tuple(scenes or ()),
-    )
+    listed = tuple(f"{key}={text}" for key, text in (ranges or {}).items())
+    plan = Plan(scene, texts_of(scene, vary or {}), sample, listed, replicates, seed)
     requested = request(plan.example, list(responses))
     made = Sweep(plan, requested, Path(folder), keep, tuple(limits))
     check_folder_of(made, resume=True)

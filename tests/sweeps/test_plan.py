@@ -57,18 +57,6 @@ def test_equal_rows_of_two_plans_have_one_identity() -> None:
     assert scene_digest(wider.scene_of(2)) == scene_digest(plan.scene_of(2))
 
 
-def test_rows_may_be_scenes() -> None:
-    scenes = (SCENE, pw.scenes.slider_crank(engine="dae"))
-    plan = Plan(SCENE, scenes=scenes, replicates=2)
-    assert [plan.scene_of(row).name for row in range(4)] == ["wear-times"] * 2 + [
-        "slider-crank"
-    ] * 2
-    assert plan.scene_of(3).seed == scenes[1].seed + 1
-    assert len({plan.identity(row) for row in range(4)}) == 4
-    with pytest.raises(InputError, match="the same name"):
-        Plan(SCENE, scenes=(SCENE, SCENE))
-
-
 def test_plans_are_stored_as_plain_data() -> None:
     plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), "latin:5", ("friction=uniform(0, 0.1)",), 2, 3)
     again = Plan.from_dict(plain(plan.as_dict()))
@@ -123,8 +111,6 @@ def test_tables_are_written_for_other_programs(tmp_path: Path) -> None:
     read = pandas.read_parquet(tmp_path / "a.parquet")
     assert np.array_equal(read["y"], table.values[:, 0], equal_nan=True)
     assert np.array_equal(pandas.read_csv(tmp_path / "a.csv", comment="#")["x2"], read["x2"])
-    data = table.to_xarray()
-    assert data["y"].sel(x1=3.0, x2=0.2, replicate=1).item() == 1 / 3
     for name, message in (("a.csv", "exists"), ("a.xls", ".csv or .parquet"), ("n/a.csv", "n is")):
         with pytest.raises(InputError, match=message):
             export_table(table, tmp_path / name)
