@@ -231,30 +231,3 @@ def test_exponent_does_not_depend_on_distance_and_interval(
         assert exponent.half_width is not None
         width = np.hypot(reference.half_width, exponent.half_width)
         assert abs(reference.mean - exponent.mean) < width
-
-
-@pytest.mark.slow
-def test_free_pairs_separate_at_the_same_rate() -> None:
-    """Without rescaling, distances grow from 2 nm to 2 um at the rate of the exponent."""
-    small, large, pairs = 0.4, 400.0, 60  # multiples of the initial distance
-    flow = Flow(LINKAGE, START, CYCLE, 200)
-    state, context = flow.state()
-    for _ in range(400):
-        state, context = flow.step(state, context)
-    growth, time = np.empty(pairs), np.empty(pairs)
-    for k in range(pairs):
-        neighbour, beside = state + 0.01 * flow.distance, context
-        distance = [0.0]
-        while distance[-1] < large:
-            assert len(distance) < 4000
-            state, context = flow.step(state, context)
-            neighbour, beside = flow.step(neighbour, beside)
-            distance.append(float(np.linalg.norm(((neighbour - state) / flow.distance)[:4])))
-        first = next(i for i, value in enumerate(distance) if value >= small)
-        growth[k] = math.log(distance[-1] / distance[first])
-        time[k] = (len(distance) - 1 - first) * flow.interval
-    rate = growth.sum() / time.sum()
-    half = 2.0 * math.sqrt(pairs) * (growth - rate * time).std(ddof=1) / time.sum()
-    exponent = scene_exponent(SCENE, 400)
-    assert exponent.half_width is not None
-    assert abs(exponent.mean - rate) < np.hypot(half, exponent.half_width) < 0.2 * rate

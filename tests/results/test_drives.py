@@ -10,7 +10,7 @@ import pytest
 from presswear.campaign.campaign import run
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Pin
-from presswear.linkage.linkage import assemble
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.results.export import table_of, unit_of
 from presswear.results.press_analysis import curves_of, drives_of
@@ -26,13 +26,16 @@ PENDULUM = assemble(
 )
 
 
+def turned(linkage: Linkage, cycles: int, engine: str = "dae") -> Scene:
+    """Return a scene without clearance that stores torques."""
+    scene = Scene(linkage, joints="none", wear_updates=0, cycles=cycles, engine=engine)
+    return changed(scene, {"drive_torque": "on"})
+
+
 @pytest.mark.parametrize("run_up", [0, 1])
 def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     """M = m g r cos a + J a'': closed form, run-up included."""
-    linkage = replace(PENDULUM, run_up=run_up)
-    scene = Scene(
-        mechanism=linkage, joints="none", wear_updates=0, cycles=3, engine="dae", drive_torque="on"
-    )
+    scene = turned(replace(PENDULUM, run_up=run_up), cycles=3)
     stage = run(scene).stages[0]
     found = drives_of(scene, stage)["crank"]
     curve = curves_of(scene, stage.time, stage.arrays["drive_torque"])["crank"]
@@ -88,9 +91,7 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
         drives=[Drive("wheel", speed=speed, harmonics=[(0.0, part / speed)])],
         gravity=0.0,
     )
-    scene = Scene(
-        mechanism=wheel, joints="none", wear_updates=0, cycles=2, engine=engine, drive_torque="on"
-    )
+    scene = turned(wheel, cycles=2, engine=engine)
     duty = drives_of(scene, run(scene).stages[0])["wheel"].duty
     exact = 1e-6 if engine == "dae" else 1e-4  # equal steps of the trapezoidal rule
     assert duty.torque.rms == pytest.approx(inertia * part * speed / math.sqrt(2.0), rel=exact)
@@ -102,14 +103,7 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
 
 def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:
     """A stage that failed before its first cycle: nothing is whole, and nothing breaks."""
-    scene = Scene(
-        mechanism=replace(PENDULUM, run_up=2),
-        joints="none",
-        wear_updates=0,
-        cycles=1,
-        engine="dae",
-        drive_torque="on",
-    )
+    scene = turned(replace(PENDULUM, run_up=2), cycles=1)
     result = run(scene)
     stage = result.stages[0]
     rows = {name: stage.arrays[name][:900] for name in ("time", "slider", "drive_torque")}

@@ -5,9 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
 from presswear.campaign.campaign import run
@@ -24,37 +21,18 @@ from presswear.results.result import Result, load
 from presswear.scene.catalog import press_blanking, wear_times
 from presswear.tools.errors import InputError
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
-
-
-@st.composite
-def tables(draw: st.DrawFn) -> dict[str, np.ndarray]:
-    rows = draw(st.integers(1, 20))
-    time = draw(st.lists(finite, min_size=rows, max_size=rows, unique=True))
-    names = draw(
-        st.lists(
-            st.sampled_from(["displacement", "acceleration", "A_sliding", "B 2_eccentricity_x"]),
-            min_size=1,
-            unique=True,
-        )
-    )
-    columns = {name: draw(arrays(float, rows, elements=finite)) for name in names}
-    return {"time": np.sort(time), **columns}
-
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
-@given(table=tables())
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_what_is_written_is_read_to_the_last_bit(
-    suffix: str, table: dict[str, np.ndarray], tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("rows", [1, 5])
+def test_what_is_written_is_read_to_the_last_bit(suffix: str, rows: int, tmp_path: Path) -> None:
+    numbers = np.array([-1e308, -0.0, 5e-324, 0.1, np.pi])
+    table = {"time": np.sort(numbers), "B 2_eccentricity_x": numbers, "A_sliding": numbers[::-1]}
+    table = {name: values[:rows] for name, values in table.items()}
     path = tmp_path / f"table{suffix}"
     write_table(path, table)
-    found = read_table(path)
-    path.unlink()
-    assert list(found) == list(table)
-    for name, values in table.items():
-        assert found[name].tobytes() == values.tobytes()
+    again = read_table(path)
+    assert list(again) == list(table)
+    assert [again[name].tobytes() for name in table] == [table[name].tobytes() for name in table]
 
 
 def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
