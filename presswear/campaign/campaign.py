@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.service_life import LifeState, run_life, wear_between
 from presswear.campaign.stage_statistics import stage_result
 from presswear.campaign.wear_update import (
-    FIRST_PASS,
+    FIRST_REFINEMENT,
     WearUpdate,
     cycle_by_cycle,
     initial_depth,
@@ -25,7 +25,6 @@ from presswear.campaign.wear_update import (
     wear_per_cycle,
 )
 from presswear.engines.settings import Engine
-from presswear.linkage.elements import ClearanceJoint
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import STARTUP_CYCLES
@@ -90,15 +89,13 @@ def run(
     InputError
         If the scene, or the content of the folder, does not allow the run.
     """
-    if jobs is not None and jobs < 1:
-        raise InputError(f"jobs = {jobs}: must be at least 1")
+    _check_jobs(jobs)
     scene = with_engine(scene, engine)
     if folder is None:
         memory = _Memory()
         with workers_of(scene, jobs, observers) as workers:
             status, message, finding = run_campaign(scene, (memory, *observers), workers=workers)
-        wall = sum(stage.wall_s for stage in memory.stages)
-        stages = tuple(memory.stages)
+        stages, wall = tuple(memory.stages), sum(stage.wall_s for stage in memory.stages)
         result = Result(scene, stages, status, message, provenance(), wall, life=memory.life)
     else:
         store = ResultFolder(Path(folder), scene, interval, resume=True)
@@ -135,19 +132,15 @@ def run_scenes(
 ) -> dict[str, Result]:
     """Run named scenes, several at a time, each into the sub-folder of its name.
 
-    A run that is finished is read. A run that was interrupted resumes. No number depends on
-    `jobs` or on the order of the scenes.
-
     Parameters
     ----------
     scenes : mapping of str to Scene
-        Scenes by the names of their sub-folders.
     folder : path
-        Folder of all runs.
+        Folder of all runs. Finished runs in it are read, and interrupted ones resume.
     engine : str, engine or None
         Engine of every scene, as in `run`; None: each scene's own.
     jobs : int or None
-        Scenes that run at a time; None: as many as there are cores.
+        Scenes that run at a time; None: as many as there are cores. No number depends on it.
     on_progress : callable
         Called with the name of a scene, the completed fraction of its run, and a few words. At
         1.0 the run has ended and the words are its status.
@@ -162,8 +155,7 @@ def run_scenes(
     InputError
         If a sub-folder holds the run of another scene, or a scene cannot run.
     """
-    if jobs is not None and jobs < 1:
-        raise InputError(f"jobs = {jobs}: must be at least 1")
+    _check_jobs(jobs)
     paths = {}
     for name, scene in scenes.items():
         if not name or name != Path(name).name:
@@ -203,6 +195,11 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
     return f"{result.status}: {result.message}" if result.message else result.status
 
 
+def _check_jobs(jobs: int | None) -> None:
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs = {jobs}: must be at least 1")
+
+
 def with_engine(scene: Scene, engine: str | Engine | None) -> Scene:
     """Return a scene with an engine by its name, or by an object with its settings."""
     if engine is None:
@@ -237,8 +234,8 @@ class Checkpoint:
     index: int = 0  # of the stage that runs
     depth: Array = field(default_factory=lambda: np.zeros(0))  # of the surfaces of its runs, m
     stage: EnsembleState | None = None  # its finished runs, while they wear
-    update: WearUpdate | None = None  # last pass over the wear update after it
-    running: EnsembleState = EnsembleState()  # unfinished runs of the stage or of the next pass
+    update: WearUpdate | None = None  # last refinement of the wear update after it
+    running: EnsembleState = EnsembleState()  # unfinished runs of the stage or of a refinement
     life: LifeState | None = None  # of the service life, which comes before the stages
 
     @property
@@ -271,10 +268,9 @@ class Checkpoint:
         """Return the checkpoint that ``save`` gave."""
         import msgspec  # slow to import
 
+        document = arrays[_DOCUMENT].tobytes()
         return msgspec.msgpack.decode(
-            arrays[_DOCUMENT].tobytes(),
-            type=Checkpoint,
-            dec_hook=lambda kind, number: arrays[f"{number}"],
+            document, type=Checkpoint, dec_hook=lambda kind, number: arrays[f"{number}"]
         )
 
 
@@ -338,9 +334,10 @@ class _Campaign:
         self._runner, self._at = runner, checkpoint
         self._unconverged: list[str] = []
 
-    def _checkpoint(self, checkpoint: Checkpoint, is_stage: bool = False) -> None:
+    def _keep(self, is_stage: bool = False, **changes: Any) -> None:
+        """Pass the present state on, with what has changed meanwhile."""
         for observer in self._runner.observers:
-            observer.on_checkpoint(checkpoint, is_stage)
+            observer.on_checkpoint(replace(self._at, **changes), is_stage)
 
     def run(self) -> Outcome:
         """Run the service life, if the scene has one, and all stages."""
@@ -360,17 +357,17 @@ class _Campaign:
 
     def _run_life(self) -> float:
         """Run the service life and return its strokes."""
-        runner, at = self._runner, self._at
-        scene = runner.scene
-
-        def keep(life: LifeState) -> None:
-            self._checkpoint(Checkpoint(depth=at.depth, life=life))
-
-        refinements, life = run_life(runner, initial_depth(scene), at.life or LifeState(), keep)
+        runner, scene = self._runner, self._runner.scene
+        refinements, life = run_life(
+            runner,
+            initial_depth(scene),
+            self._at.life or LifeState(),
+            lambda life: self._keep(life=life),
+        )
         for observer in runner.observers:
             observer.on_life(life)
         self._unconverged += unknown_life(scene, life)
-        self._at = replace(at, life=LifeState(refinements))
+        self._at = replace(self._at, life=LifeState(refinements))
         # The wear update after a stage is for the part of the life up to the next stage.
         part = max(life.strokes / scene.wear_updates, 1.0)
         runner.scene = replace(scene, cycles_per_update=part)
@@ -387,71 +384,64 @@ class _Campaign:
             runner.done += ensemble.state.cycles / scene.replicate_count
         else:
             if scene.wears_in_steps and not is_last and strokes is None:
-                runner.later = 3.0 * (scene.cycles or FIRST_PASS)
-
-            def keep(running: EnsembleState) -> None:
-                self._checkpoint(replace(at, running=running))
-
-            step_check = StepCheck(scene, at.depth[0])
-            ensemble = runner.run(at.depth, spec, at.running, keep, step_check)
-        if ensemble.failure or is_last:
-            self._finish(stage_result(scene, index, ensemble))
-            if ensemble.failure:
-                return "failed", f"stage {index}: {ensemble.failure}", ensemble.finding
-            return None
-        if strokes is None:
-            running = EnsembleState() if at.stage is None else at.running
-            update = self._apply_wear(index, ensemble, at.update, running)
-            if isinstance(update, Finding):
-                return "failed", update.words, update
-        else:
-            assert at.life is not None
-            since, until = (strokes * k / scene.wear_updates for k in (index, index + 1))
-            joints, initial = ensemble.linkage.clearances, initial_depth(scene)
-            update = wear_between(at.life.refinements, joints, initial, since, until)
-            self._finish(stage_result(scene, index, ensemble, update))
-        self._at = Checkpoint(index + 1, update.depth, life=at.life)
-        self._checkpoint(self._at, is_stage=True)
-        return None
-
-    def _apply_wear(
-        self, index: int, ensemble: Ensemble, update: WearUpdate | None, running: EnsembleState
-    ) -> WearUpdate | Finding:
-        """Apply the wear update after a stage; return it, or the finding that ended it."""
-        runner, scene, joints = self._runner, self._runner.scene, ensemble.linkage.clearances
-        at = replace(self._at, stage=ensemble.state)
-        finding: Finding | None = None
-
-        def keep(running: EnsembleState) -> None:
-            self._checkpoint(replace(at, update=update, running=running))
-
-        keep(running)
+                runner.later = 3.0 * (scene.cycles or FIRST_REFINEMENT)
+            check = StepCheck(scene, at.depth[0])
+            ensemble = runner.run(
+                at.depth, spec, at.running, lambda state: self._keep(running=state), check
+            )
+        finding = ensemble.finding
         try:
-            if not scene.wears_in_steps:
-                update = jump(ensemble, scene.cycles_per_update)
-                finding = _worn_out(joints, update.depth, f"after stage {index}", ensemble)
-            while scene.wears_in_steps and finding is None:
-                spec = pass_spec(scene, index, update)
-                if spec is None:
-                    break
-                runner.later = 2.0 * spec.cycles if update is None else 0.0
-                _LOG.info("the wear after stage %d begins: %s", index, spec.label)
-                worn = runner.run(ensemble.depth, spec, running, keep)
-                running = EnsembleState()
-                if worn.finding is not None:
-                    finding = replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
-                    break
-                depth = [recorder.surface_depth for recorder in worn.recorders]
-                finding = _worn_out(joints, depth, f"the {spec.label}:", worn)
-                if finding is None:
-                    update = cycle_by_cycle(worn, scene.cycles_per_update, update)
+            if not (is_last or ensemble.failure):
+                finding = self._apply_wear(index, ensemble, strokes)
         finally:
             # The stage is finished, even if somebody interrupts the wear update after it.
+            update = self._at.update
             self._finish(stage_result(scene, index, ensemble, update, finding))
+        if ensemble.failure:
+            return "failed", f"stage {index}: {ensemble.failure}", finding
         if finding is not None:
-            return finding
-        assert update is not None
-        return update
+            return "failed", finding.words, finding
+        if update is not None:
+            self._at = Checkpoint(index + 1, update.depth, life=at.life)
+            self._keep(is_stage=True)
+        return None
+
+    def _apply_wear(self, index: int, ensemble: Ensemble, strokes: float | None) -> Finding | None:
+        """Apply the wear update after a stage to the state; return the finding that ended it.
+
+        With a service life it is the wear within some of its strokes.
+        """
+        runner, scene, at = self._runner, self._runner.scene, self._at
+        joints = ensemble.linkage.clearances
+        if strokes is not None:
+            assert at.life is not None
+            since, until = (strokes * k / scene.wear_updates for k in (index, index + 1))
+            initial = initial_depth(scene)
+            update = wear_between(at.life.refinements, joints, initial, since, until)
+            self._at = replace(at, update=update)
+            return None
+        if at.stage is None:
+            self._at = replace(at, stage=ensemble.state, running=EnsembleState())
+        self._keep()
+        if not scene.wears_in_steps:
+            update = jump(ensemble, scene.cycles_per_update)
+            self._at = replace(self._at, update=update)
+            return worn_out(joints, update.depth, f"after stage {index} ", ensemble.simulated_s)
+        while (spec := refinement_spec(scene, index, self._at.update)) is not None:
+            runner.later = 2.0 * spec.cycles if self._at.update is None else 0.0
+            _LOG.info("the wear after stage %d begins: %s", index, spec.label)
+            worn = runner.run(
+                ensemble.depth, spec, self._at.running, lambda state: self._keep(running=state)
+            )
+            if worn.finding is not None:
+                return replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
+            time, depth = worn.simulated_s, worn.surface_depth
+            finding = worn_out(joints, depth, f"the {spec.label}: ", time)
+            if finding is not None:
+                return finding
+            update = cycle_by_cycle(worn, scene.cycles_per_update, self._at.update)
+            self._at = replace(self._at, update=update, running=EnsembleState())
+        return None
 
     def _finish(self, stage: StageResult) -> None:
         if self._at.life is None:
@@ -476,21 +466,21 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
     return RunSpec(most, None if jumps or not scene.clearance_joints else scene.tolerance)
 
 
-def pass_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | None:
-    """Return the next pass over the wear update after a stage; None if it is known well enough.
+def refinement_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | None:
+    """Return the next refinement of the wear update after a stage; None if it is known.
 
-    With the number of cycles set, half of them and then all; else twice as many in each pass, until
-    two passes agree, or the cycles are used up.
+    With the number of cycles set, half of them and then all; else twice as many in each refinement,
+    until two agree, or the cycles are used up.
     """
     done = 0 if update is None else len(update.steps)
     if scene.cycles is not None:
         cycles = scene.cycles if done else max(scene.cycles // 2, 1)
         is_enough = done == scene.cycles
     else:
-        cycles = 2 * done or min(FIRST_PASS, max(scene.max_cycles // scene.replicate_count, 1))
+        most = scene.max_cycles // scene.replicate_count
+        cycles = 2 * done or min(FIRST_REFINEMENT, max(most, 1))
         is_enough = update is not None and (
-            wear_error(scene.linkage().clearances, update) <= scene.tolerance
-            or cycles * scene.replicate_count > scene.max_cycles
+            cycles > most or wear_error(scene.linkage().clearances, update) <= scene.tolerance
         )
     if is_enough:
         return None
@@ -499,24 +489,12 @@ def pass_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | 
     return RunSpec(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, label=label)
 
 
-def _worn_out(
-    joints: Sequence[ClearanceJoint], depth: Iterable[Array], where: str, ensemble: Ensemble
-) -> Finding | None:
-    """Return a finding on the first replicate with a surface worn deeper than the clearance."""
-    for surfaces in depth:
-        worn = worn_out(joints, surfaces)
-        if worn is not None:
-            what, time = f"{where} {worn[1]}", sum(run.time for run in ensemble.runs)
-            return Finding("wear", what, time, worn[0], "a smaller cycles_per_update may help")
-    return None
-
-
 def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     """Return a message if the wear of a stage is less accurate than requested."""
     error = stage.statistics.wear_error
     if scene.cycles is not None or error is None or error <= scene.tolerance:
         return []
-    # The error of sampling falls with the square root of the cycles, and passes double.
+    # The error of sampling falls with the square root of the cycles, and refinements double.
     more = (error / scene.tolerance) ** 2
     steps, needed = len(stage.wear_steps), more * stage.statistics.cycles
     if steps > 1:
@@ -532,10 +510,9 @@ def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
     """Return a message if a life is less accurate than requested, or unknown."""
     if life.ended != "limit":
         return [f"the life is not known: {life.message}"]
-    error = math.inf if life.error is None else math.hypot(life.sampling or 0.0, life.step or 0.0)
-    if error <= scene.tolerance:
+    if life.error is not None and life.error <= scene.tolerance:
         return []
-    accuracy = "not at all" if math.isinf(error) else f"to {100.0 * error:.2g} %"
+    accuracy = "not at all" if life.error is None else f"to {100.0 * life.error:.2g} %"
     return [
         f"the life is known {accuracy} where tolerance = {100.0 * scene.tolerance:.2g} % was "
         "asked: a larger life.max_cycles would do"

@@ -134,6 +134,16 @@ class Ensemble:
             return "failed"
         return "enough" if "enough" in statuses else "completed"
 
+    @property
+    def surface_depth(self) -> Array:
+        """Depth of the surfaces at the end of each run, shape (runs, joints, 2, bins), m."""
+        return np.array([run.recorder.surface_depth for run in self.runs])
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulated time of all runs, s."""
+        return sum(run.time for run in self.runs)
+
     def added_by_run(self) -> Array:
         """Return the mean depth that a cycle adds in each run, shape (runs, joints, 2, bins), m."""
         return np.array([mean_map([maps]) for maps in self.maps])

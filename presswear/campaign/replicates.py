@@ -101,19 +101,22 @@ def linkage_on(scene: Scene, depth: Array) -> Linkage:
     return scene.linkage(surfaces)
 
 
-def worn_out(joints: Sequence[ClearanceJoint], depth: Array) -> tuple[str, str] | None:
-    """Return the first joint that is worn deeper than its clearance, and a message; or None.
+def worn_out(
+    joints: Sequence[ClearanceJoint], depth: Array, where: str = "", time: float = 0.0
+) -> Finding | None:
+    """Return a finding on the first surface that is worn deeper than the clearance.
 
-    Beyond that depth the model of a pin in a round bearing does not hold.
+    Beyond that depth the model of a pin in a round bearing does not hold. The shape of the depth is
+    (..., joints, 2, bins), m.
     """
-    for joint, sides in zip(joints, depth, strict=True):
-        for name, side in zip(SIDES, sides, strict=True):
-            deepest = float(side.max(initial=0.0))
-            if deepest > joint.clearance:
-                return joint.name, (
-                    f"the {name} would lose {deepest:.3g} m, more than the clearance of "
-                    f"{joint.clearance:.3g} m"
-                )
+    deepest = depth.max(axis=-1, initial=0.0)
+    clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
+    for *run, k, side in np.argwhere(deepest > clearances)[:1]:
+        what = (
+            f"{where}the {SIDES[side]} would lose {deepest[(*run, k, side)]:.3g} m, more than the "
+            f"clearance of {joints[k].clearance:.3g} m"
+        )
+        return Finding("wear", what, time, joints[k].name, "a smaller cycles_per_update may help")
     return None
 
 

@@ -1,19 +1,16 @@
 """Service life: wear until the first of several limits is exceeded.
 
 A *wear history* is a replicate whose surfaces wear from cycle to cycle, each cycle standing for
-many strokes.  All histories advance together in *load blocks* of a few cycles.  In a block, a cycle
+many strokes.  All histories advance together in *load blocks* of a few cycles, in which a cycle
 stands for as many strokes as take a specified part of the clearance off, by the mean rate of the
-cycles before it: by its own rate, cycles that wear little would get too much weight.  A
-*refinement* computes the whole life once.  Refinements with ever finer steps and new replicates
-follow each other until the life is known: the half width over the histories and the error of the
-step, added as the root of the sum of squares.  A *service interval* ends where a bushing is
+cycles before.  A *refinement* computes the whole life once.  Refinements with ever finer steps and
+new replicates follow until the life is known.  A *service interval* ends where a bushing is
 replaced or turned.
 
 Quantities of the surfaces, *levels*, are known at the end of each block.  Quantities of a stroke,
-*samples*, scatter from stroke to stroke: a polynomial over the cycles is fitted to the means of the
-blocks, of the order that best predicts one history from the others.  Intervals are those of the
-jackknife over whole histories, which are independent, of the logarithm of the life (Miller, The
-jackknife - a review, Biometrika 61, 1, 1974).
+*samples*, scatter: a polynomial is fitted to the means of the blocks, of the order that best
+predicts one history from the others.  Intervals are those of the jackknife over whole histories, of
+the logarithm of the life (Miller, The jackknife - a review, Biometrika 61, 1, 1974).
 """
 
 import math
@@ -29,7 +26,7 @@ from numpy.typing import NDArray
 from presswear.campaign.ensemble import EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
 from presswear.campaign.wear_update import (
-    FIRST_PASS,
+    FIRST_REFINEMENT,
     WearUpdate,
     by_side,
     largest_change,
@@ -60,7 +57,6 @@ MIN_REFINEMENT = 2.5  # ratio of cycles of two refinements that show the error o
 MAX_STEP_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # from block to block, from refinement to refinement
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
-MIN_ORDER = {"bdc_drift": 1}  # with order 0 a drift would be exactly zero
 MARGIN = 0.1  # of the cycles up to a crossing; samples reach this far beyond it
 MIN_BLOCKS = 4  # before samples can have exceeded a limit
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
@@ -69,12 +65,6 @@ _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them
 MAX_PHASES = 3
 MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
 RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
-
-_LIMITED: dict[str, Callable[[Array, float], Array]] = {
-    "bdc_error": lambda fit, new: np.abs(fit),
-    "bdc_drift": lambda fit, new: np.abs(fit - new),
-    "repeatability": lambda fit, new: np.sqrt(np.maximum(fit, 0.0)),
-}  # limited quantity from the fit and its new value: errors have a sign, variances are averaged
 
 
 @dataclass(frozen=True)
@@ -164,8 +154,11 @@ class Refinement:
                 fits[rows] = _fit([blocks[k] for k in rows], key, chosen)
             else:
                 fits[rows] = fits[rows[0] - 1]  # no stroke has run since the maintenance
-        name = key.rpartition(".")[2]
-        return _LIMITED[name](fits, float(fits[0])) if name in _LIMITED else fits
+        if key == "repeatability":  # of which variances are averaged
+            return np.sqrt(np.maximum(fits, 0.0))
+        if key == "bdc_drift":
+            fits = fits - fits[0]
+        return np.abs(fits) if key in ("bdc_error", "bdc_drift") else fits
 
     def crossing(self, limits: Sequence[Limit], chosen: Chosen = EVERY) -> float:
         """Return the strokes after which the first of some limits is exceeded, or infinity."""
@@ -181,23 +174,22 @@ class Refinement:
                 first = min(first, float(strokes[k - 1] + part * (strokes[k] - strokes[k - 1])))
         return first
 
-    def without_each(self, value: Callable[[Chosen], Array | float]) -> Array:
-        """Return a value with each history left out in turn."""
+    def _pseudo_values(self, value: Callable[[Chosen], Array | float]) -> Array:
+        """Return the pseudo-values of the jackknife over the histories."""
         n = self.histories
-        return np.array([value(np.delete(np.arange(n), k)) for k in range(n)])
+        left_out = np.array([value(np.delete(np.arange(n), k)) for k in range(n)])
+        return n * np.asarray(value(EVERY)) - (n - 1) * left_out
 
     def sampling_error(self, limits: Sequence[Limit]) -> float:
         """Return the half width of the logarithm of the strokes at the first crossing.
 
         Infinite if some history, left out, leaves the others without a crossing.
         """
-        n, value = self.histories, self.crossing(limits)
-        if not 0.0 < value < math.inf or n < 2:
+        if not 0.0 < self.crossing(limits) < math.inf or self.histories < 2:
             return math.inf
-        without = self.without_each(lambda chosen: self.crossing(limits, chosen))
-        if not np.all((without > 0.0) & np.isfinite(without)):
-            return math.inf
-        return half_width(n * math.log(value) - (n - 1) * np.log(without)) or 0.0
+        with np.errstate(divide="ignore"):
+            values = self._pseudo_values(lambda chosen: np.log(self.crossing(limits, chosen)))
+        return (half_width(values) or 0.0) if np.isfinite(values).all() else math.inf
 
     def cycles_until(self, strokes: float) -> float:
         """Return the cycles of each history after the first block, up to some strokes."""
@@ -206,10 +198,10 @@ class Refinement:
 
     def band(self, key: str) -> tuple[Array, Array]:
         """Return a quantity at the ends of blocks and its half width, by the jackknife."""
-        value, n = self.curve(key), self.histories
-        if n < 2:
+        value = self.curve(key)
+        if self.histories < 2:
             return value, np.zeros_like(value)
-        pseudo = n * value - (n - 1) * self.without_each(lambda chosen: self.curve(key, chosen))
+        pseudo = self._pseudo_values(lambda chosen: self.curve(key, chosen))
         return value, np.array([half_width(values) for values in pseudo.T])
 
     def determines(self, limits: Sequence[Limit]) -> bool:
@@ -265,28 +257,19 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     back = np.diff(change, prepend=0.0)[has_cycles] * 0.5 * (1.0 + 1.0 / counts)
     places = (change[has_cycles] - back) / scale
     rows = np.array([block.samples[key] for block in blocks if block.cycles])
-    weights = np.sqrt(counts)
-    order = max(_order(places, rows, weights), MIN_ORDER.get(key, 0))
-    fit = np.polynomial.Polynomial.fit(
-        places,
-        rows[:, chosen].mean(axis=1),
-        min(order, places.size - 1),
-        domain=[0.0, 1.0],
-        w=weights,
-    )
-    return np.asarray(fit(change / scale))
-
-
-def _order(places: Array, rows: Array, weights: Array) -> int:
-    """Return the order of the polynomial through some histories that best predicts another one."""
+    weights = np.sqrt(counts)[:, np.newaxis]
+    # Of the order that best predicts one history from the others.
     others = (rows.sum(axis=1, keepdims=True) - rows) / max(rows.shape[1] - 1, 1)
-    weights = weights[:, np.newaxis]
     errors = []
     for order in range(max(min(MAX_ORDER, places.size // 2 - 1), 0) + 1):
         base = np.vander(places, order + 1) * weights
         fit = base @ np.linalg.lstsq(base, others * weights, rcond=None)[0]
         errors.append(float(((fit - rows * weights) ** 2).sum()))
-    return int(np.argmin(errors))
+    # With order 0 a drift would be exactly zero.
+    order = max(int(np.argmin(errors)), int(key == "bdc_drift"))
+    order, mean = min(order, places.size - 1), rows[:, chosen].mean(axis=1)
+    curve = np.polynomial.Polynomial.fit(places, mean, order, domain=[0.0, 1.0], w=weights[:, 0])
+    return np.asarray(curve(change / scale))
 
 
 def run_refinements(
@@ -310,12 +293,11 @@ def run_refinements(
             done.append(further)
             continue
         done[-1] = replace(last, blocks=(*last.blocks, advance(len(done), last.blocks, plan)))
-        if not last.blocks:
-            for limit in problem.limits:
-                each = [done[-1].curve(limit.key, np.array([k])) for k in range(done[-1].histories)]
-                # The lower end of the interval of the new value.
-                if np.mean(each) - (half_width(np.ravel(each)) or 0.0) >= limit.value:
-                    raise _exceeded_when_new(limit, done[-1])
+        for limit in () if last.blocks else problem.limits:
+            each = [done[-1].curve(limit.key, np.array([k])) for k in range(done[-1].histories)]
+            # The lower end of the interval of the new value.
+            if np.mean(each) - (half_width(np.ravel(each)) or 0.0) >= limit.value:
+                raise _exceeded_when_new(limit, done[-1])
         keep(tuple(done))
 
 
@@ -353,24 +335,16 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     if len(finished) > 1:
         share = min(share, MAX_STEP_GROWTH * (last.strokes - blocks[-2].strokes) / last.cycles)
     share = min(share, (until - last.strokes) / refinement.block)
-    return BlockPlan(refinement.block, share, _correction(finished, refinement.block))
-
-
-def _correction(finished: Blocks, cycles: int) -> Array | float:
-    """Return the depth by which the last block fell short of the trapezoidal rule, by cycles.
-
-    Each cycle has stood for strokes that come after it, at the rate of its own surfaces: the sum
-    lacks half a cycle's change of the rate for each of its cycles.  All histories get the mean:
-    the sum over a life is half of the change from new, and no scatter adds up in it.
-    """
-    if len(finished) < 2:
-        return 0.0
-    before, last = finished[-2:]
-    # The new state was observed where the next block started.
+    if len(finished) == 1:
+        return BlockPlan(refinement.block, share)
+    # Each cycle stood for strokes after it, at the rate of its own surfaces: to the trapezoidal
+    # rule the sum lacks half of a cycle's change of the rate for each cycle.  All histories get the
+    # mean, so that no scatter adds up.  The new state was observed where the next block started.
+    before = finished[-2]
     distance = 0.5 * (last.cycles + (before.cycles if len(finished) > 2 else 0))
-    share = (last.strokes - before.strokes) / last.cycles
-    whole: Array = 0.5 * share * last.cycles / distance * (last.removed - before.removed)
-    return whole / cycles
+    stood_for = (last.strokes - before.strokes) / last.cycles
+    lacking = 0.5 * stood_for * last.cycles / distance * (last.removed - before.removed)
+    return BlockPlan(refinement.block, share, lacking / refinement.block)
 
 
 def next_refinement(problem: LifeProblem, refinements: Sequence[Refinement]) -> Refinement | None:
@@ -400,9 +374,8 @@ def next_refinement(problem: LifeProblem, refinements: Sequence[Refinement]) -> 
 def estimate_life(refinements: Sequence[Refinement], limits: Sequence[Limit]) -> LifeEstimate:
     """Return the strokes after which the first of some limits is exceeded, with their errors.
 
-    The error of the step goes as one over the cycles, or faster: by each refinement in steps so
-    much coarser, that of the last one is their distance over the ratio of the cycles less one.  The
-    largest is taken.  Scatter is in it as well, and counts the less, the farther they are apart.
+    The error of the step goes as one over the cycles, or faster: by each coarser refinement, that
+    of the last one is their distance over the ratio of the cycles less one.  The largest is taken.
     """
     last = refinements[-1]
     ends = [item.crossing(limits) for item in refinements]
@@ -467,9 +440,9 @@ class WearHistories:
         """Run the next block, or replace or turn a bushing; see ``Advance``."""
         if isinstance(plan, Service):
             return self._maintain(before[-1], plan)
-        scene, runner, count = self.runner.scene, self.runner, self.runner.scene.replicate_count
-        interval = before[-1].interval if before else 0
-        strokes = before[-1].strokes if before else 0.0
+        runner, scene = self.runner, self.runner.scene
+        count = scene.replicate_count
+        interval, strokes = (before[-1].interval, before[-1].strokes) if before else (0, 0.0)
         blocks = [block for block in before if block.interval == interval]
         # A service interval starts on the surfaces after maintenance, or on those of the scene.
         first = blocks[0].depth if blocks and not blocks[0].cycles else self.initial
@@ -483,19 +456,21 @@ class WearHistories:
         self.state = replace(self.state, place=(number, interval), running=running)
         left = max(MIN_CYCLES - sum(block.cycles for block in before), MIN_BLOCK)
         runner.later = left + (2 * MIN_CYCLES if number == 1 else 0)
-        runner.later += scene.wear_updates * FIRST_PASS
+        runner.later += scene.wear_updates * FIRST_REFINEMENT
 
-        wear, number = wear_per_cycle(plan.share, plan.extra), number + _MAX_INTERVALS * interval
-        label = f"life, refinement {self.state.place[0]}, {strokes:.3g} strokes"
-        spec = RunSpec(_MAX_CYCLES, wear=wear, number=number, label=label)
+        wear = wear_per_cycle(plan.share, plan.extra)
+        label = f"life, refinement {number}, {strokes:.3g} strokes"
+        spec = RunSpec(
+            _MAX_CYCLES, wear=wear, number=number + _MAX_INTERVALS * interval, label=label
+        )
         ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
         if ensemble.failure:
             if not before:
                 raise RunFailed(ensemble.failure, ensemble.finding)
             return replace(before[-1], cycles=0, ended_by=ensemble.failure)
         joints, recorders = ensemble.linkage.clearances, ensemble.recorders
-        depth = np.array([recorder.surface_depth for recorder in recorders])
-        worn = next(filter(None, (worn_out(joints, one) for one in depth)), None)
+        depth = ensemble.surface_depth
+        worn = worn_out(joints, depth)
         # A history whose surfaces are worn out ends early: all are taken back to that cycle.
         counts = np.array([len(recorder.cycles) - finished for recorder in recorders])
         cycles = int(counts.min())
@@ -512,7 +487,7 @@ class WearHistories:
             largest_change(joints, removed),
             removed,
             depth,
-            ": ".join(worn or ()),
+            f"{worn.joint}: {worn.what}" if worn else "",
             ensemble.state.wall - running.wall,
         )
 
@@ -537,12 +512,11 @@ def run_life(
     problem = LifeProblem.of(runner.scene)
     limited = tuple(limit.name for limit in problem.limits)
     histories = WearHistories(runner, initial, limited, state, keep)
-    done = run_refinements(
-        problem,
-        histories.advance,
-        state.refinements,
-        lambda refinements: histories.store(refinements=refinements),
-    )
+
+    def store(refinements: tuple[Refinement, ...]) -> None:
+        histories.store(refinements=refinements)
+
+    done = run_refinements(problem, histories.advance, state.refinements, store)
     return done, life_result(runner.scene, problem, done)
 
 
@@ -559,21 +533,21 @@ def life_result(
     ended: Ended = "limit"
     message = ""
     if math.isinf(life.strokes):
+        ended, message = "cycles", f"within {last.cycles} cycles of all replicates"
+        if end.strokes >= problem.at_most:
+            ended, message = "at_most", f"within {problem.at_most:.4g} strokes"
+        message = f"no limit is exceeded {message}"
         if end.ended_by:
             ended, message = "worn", end.ended_by
-        elif end.strokes >= problem.at_most:
-            ended, message = "at_most", f"no limit is exceeded within {problem.at_most:.4g} strokes"
-        else:
-            ended = "cycles"
-            message = f"no limit is exceeded within {last.cycles} cycles of all replicates"
-    limits, stored = [], []
+    limits = []
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])
         if item.strokes == life.strokes:
             item = life  # here coarser refinements that another limit ended count too
-        reached = [float(values[-1]) for values in last.band(limit.key)]
         errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
+        reached = (float(values[-1]) for values in last.band(limit.key))
         limits.append(LimitResult(limit.key, limit.unit, limit.value, *errors, *reached))
+    stored = []
     for each in refinements:
         strokes, error = each.crossing(problem.limits), each.sampling_error(problem.limits)
         stored.append(RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error)))
@@ -610,13 +584,12 @@ def wear_between(
 
     Surfaces are interpolated between the ends of blocks; at maintenance they are those after it.
     """
-    last, *coarser = reversed(refinements)
+    last, coarser = refinements[-1], None
     surfaces_at = _interpolated(last, initial)
     added = surfaces_at(until)[1] - surfaces_at(since)[1]
-    coarser_added = None
-    if coarser and coarser[0].strokes[-1] >= until:
-        coarser_at = _interpolated(coarser[0], initial)
-        coarser_added = coarser_at(until)[1] - coarser_at(since)[1]
+    if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
+        coarser_at = _interpolated(refinements[-2], initial)
+        coarser = coarser_at(until)[1] - coarser_at(since)[1]
     steps, at = [], since
     for block in last.blocks:
         end = min(block.strokes, until)
@@ -624,9 +597,7 @@ def wear_between(
             continue
         depth, lost = surfaces_at(end)
         change = (lost - surfaces_at(at)[1]).mean(axis=0) / block.cycles
-        forces = {
-            joint.name: float(block.samples[f"{joint.name}.force_max"].mean()) for joint in joints
-        }
+        forces = [float(block.samples[f"{joint.name}.force_max"].mean()) for joint in joints]
         steps.append(
             WearStep(
                 cycles_per_update=end - at,
@@ -634,12 +605,12 @@ def wear_between(
                 factor=(end - at) / block.cycles,
                 clearance_change=largest_change(joints, change),
                 max_depth=by_side(joints, depth.max(axis=3).mean(axis=0)),
-                peak_force=forces,
+                peak_force=dict(zip((joint.name for joint in joints), forces, strict=True)),
                 wall_s=block.wall_s,
             )
         )
         at = end
-    return WearUpdate(surfaces_at(until)[0], added, tuple(steps), coarser_added)
+    return WearUpdate(surfaces_at(until)[0], added, tuple(steps), coarser)
 
 
 def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
@@ -670,7 +641,7 @@ def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
     as the Bayesian information criterion allows, in which a change that may be anywhere counts
     twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
     """
-    cycles, strokes = (np.array([block.cycles for block in refinement.blocks]), refinement.strokes)
+    cycles, strokes = np.array([block.cycles for block in refinement.blocks]), refinement.strokes
     finished = np.flatnonzero(cycles[1:])
     if not finished.size:
         return ()
@@ -706,18 +677,19 @@ def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
 
 def _phase_edges(rates: Array, weights: Array) -> tuple[int, ...]:
     """Return the indices at which phases start, and the end of the last."""
-
-    def residual(a: int, b: int) -> float:
-        mean = float(np.average(rates[a:b], weights=weights[a:b]))
-        return float(weights[a:b] @ (rates[a:b] - mean) ** 2)
-
-    count = rates.size
+    count, total = rates.size, float(weights.sum())
     least = 1e-12 * float(np.mean(rates**2)) or 1e-300
-    chosen: list[tuple[float, tuple[int, ...]]] = []
-    for parts in range(1, max(min(MAX_PHASES, count // 2), 1) + 1):
-        for inner in combinations(range(1, count), parts - 1):
-            edges = (0, *inner, count)
-            rest = sum(residual(a, b) for a, b in pairwise(edges)) / float(weights.sum())
-            penalty = (3 * parts - 2) * math.log(count)
-            chosen.append((count * math.log(max(rest, least)) + penalty, edges))
-    return min(chosen, key=lambda item: item[0])[1]
+
+    def criterion(edges: tuple[int, ...]) -> float:
+        rest = 0.0
+        for a, b in pairwise(edges):
+            mean = float(np.average(rates[a:b], weights=weights[a:b]))
+            rest += float(weights[a:b] @ (rates[a:b] - mean) ** 2) / total
+        return count * math.log(max(rest, least)) + (3 * len(edges) - 5) * math.log(count)
+
+    partitions = (
+        (0, *inner, count)
+        for parts in range(1, max(min(MAX_PHASES, count // 2), 1) + 1)
+        for inner in combinations(range(1, count), parts - 1)
+    )
+    return min(partitions, key=criterion)

@@ -4,7 +4,7 @@ Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h
 cycle of a chaotic motion is a sample.  A wear update cycle by cycle applies after each cycle what
 this cycle stands for.  A bump carries more pressure and wears faster, so that noise is worn away
 again, as long as a cycle's share is less than the elastic overlap of the surfaces.  The error of
-the step goes as one over the number of cycles; a pass with twice as many shows it.
+the step goes as one over the number of cycles; a refinement with twice as many shows it.
 
 In one jump, as in the paper, a map is multiplied as it is, with its noise: the surface is the
 rougher, the fewer cycles the map is of.  The replicates then run twice: together, on the mean of
@@ -30,7 +30,7 @@ from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-FIRST_PASS = 8  # cycles of each replicate in the first pass over a wear update
+FIRST_REFINEMENT = 8  # cycles of each replicate in the first refinement of a wear update
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class WearUpdate:
     depth: Array  # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
     added: Array  # depth that it added, m
     steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
-    coarser: Array | None = None  # depth added by a pass in half as many steps, m
+    coarser: Array | None = None  # depth added in half as many steps, m
 
 
 def initial_depth(scene: Scene) -> Array:
@@ -108,7 +108,7 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
 def cycle_by_cycle(
     ensemble: Ensemble, cycles_per_update: float, coarser: WearUpdate | None
 ) -> WearUpdate:
-    """Return the wear update of a pass cycle by cycle, after one in half as many cycles, if any."""
+    """Return a wear update cycle by cycle, after one in half as many cycles, if any."""
     joints, recorders = ensemble.linkage.clearances, ensemble.recorders
     depth = np.array([recorder.surface_depth for recorder in recorders])
     growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]
@@ -152,8 +152,8 @@ def largest_change(joints: Sequence[ClearanceJoint], added: Array) -> float:
 def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:
     """Return the largest relative error of the volumes and the deepest places of a wear update.
 
-    The half width over the replicates and the difference from the coarser pass are added as the
-    root of the sum of squares; infinite without a coarser pass.
+    The half width over the replicates and the difference from the coarser update are added as the
+    root of the sum of squares; infinite without a coarser one.
     """
     if update.coarser is None:
         return math.inf

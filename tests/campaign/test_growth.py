@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.campaign.campaign import run_campaign
-from presswear.campaign.wear_update import FIRST_PASS, WearUpdate, wear_error, wear_per_cycle
+from presswear.campaign.wear_update import FIRST_REFINEMENT, WearUpdate, wear_error, wear_per_cycle
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, MapBatches, half_width, mean_map
@@ -107,7 +107,7 @@ def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycle
             assert volume == pytest.approx(area * added.sum(), rel=1e-12, abs=0.0)
 
 
-def test_coarser_pass_shows_the_error_of_the_step(campaign: Campaign) -> None:
+def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> None:
     """A rate that grows with depth; explicit Euler steps in represented cycles."""
     exact = RATE * REPRESENTED * (math.e - 1.0)
     errors = []
@@ -123,13 +123,13 @@ def test_coarser_pass_shows_the_error_of_the_step(campaign: Campaign) -> None:
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
 
-def test_passes_continue_until_the_wear_is_known(campaign: Campaign) -> None:
+def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> None:
     settings = {"cycles": None, "wear_updates": 1, "tolerance": 0.02}
     seen = campaign(SCENE, FakeEngine(exponential), **settings)
     # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles.
-    assert len(seen.stages[0].wear_steps) == 8 * FIRST_PASS
+    assert len(seen.stages[0].wear_steps) == 8 * FIRST_REFINEMENT
     seen = campaign(SCENE, FakeEngine(exponential), **settings, max_cycles=70)
-    assert len(seen.stages[0].wear_steps) == 4 * FIRST_PASS
+    assert len(seen.stages[0].wear_steps) == 4 * FIRST_REFINEMENT
     assert seen.status == "unconverged"
     assert "the wear of stage 0 is known to 2.3 % where tolerance = 2 % was asked" in seen.message
     assert "about max_cycles = 1.3e+02 would do" in seen.message
@@ -209,12 +209,12 @@ def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
     assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]
 
 
-def test_failed_wear_update_names_the_pass_and_keeps_the_stage(campaign: Campaign) -> None:
-    """Stage 0 and two passes, stage 1, then the second pass of the second wear update."""
+def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(campaign: Campaign) -> None:
+    """Stage 0, two refinements, stage 1, then the second refinement after it."""
     seen = campaign(SCENE, FakeEngine(constant, fails=12))
     assert seen.status == "failed"
     assert seen.message == "second wear in 6 steps: the solver found no step (t = 0.1 s)"
-    # The first pass is what is known of it.
+    # The first refinement is what is known of it.
     steps = [(stage.index, len(stage.wear_steps), stage.status) for stage in seen.stages]
     assert steps == [(0, 6, "completed"), (1, 3, "completed")]
 
@@ -250,7 +250,9 @@ def test_interrupted_wear_update_keeps_the_stage(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize("cycles", [CYCLES, None])
-def test_progress_never_falls_and_names_the_pass(campaign: Campaign, cycles: int | None) -> None:
+def test_progress_never_falls_and_names_the_refinement(
+    campaign: Campaign, cycles: int | None
+) -> None:
     progress = campaign(SCENE, FakeEngine(exponential), cycles=cycles).progress
     for index in range(3):
         parts = [each.part for each in progress if each.stage == index]
@@ -277,7 +279,7 @@ def test_press_wears_in_steps() -> None:
     assert len({step.peak_force["A"] for step in first.wear_steps}) == 4
 
 
-def test_wear_without_a_coarser_pass_is_not_known() -> None:
+def test_wear_without_a_coarser_refinement_is_not_known() -> None:
     joints = wear_times().linkage().clearances
     added = np.ones((3, 2, 2, 360))
     errors = [
