@@ -53,16 +53,13 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     stored = arguments.stored or max(2 * arguments.cycles // 5, 2)
     cycles = Cycles(arguments.cycles, stored, arguments.exponent, arguments.orders)
     folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
-    command = f"the same command with --resume --out {folder} continues"
-    with (
-        terminal.resumable(command, folder, lambda: "finished values are stored"),
-        terminal.named_progress(console, "bifurcation diagram") as report,
-    ):
-        shares = dict.fromkeys(DIRECTIONS, 0.0)
+    shares = dict.fromkeys(DIRECTIONS, 0.0)
+    name, stored_text = "bifurcation diagram", "finished values are stored"
+    with terminal.resumable_steps(console, name, folder, stored_text) as report:
 
         def show(direction: str, share: float) -> None:
             shares[direction] = share
-            report(f"bifurcation diagram, {direction}", sum(shares.values()) / len(shares))
+            report(f"{name}, {direction}", sum(shares.values()) / len(shares))
 
         diagram = compute(scene, parameter, cycles, folder, start_of, arguments.jobs, show)
     terminal.print_lines(console, *diagram.summary())

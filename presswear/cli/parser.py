@@ -122,38 +122,27 @@ def _add_arguments(
         settings["help"] = settings["help"].format(**texts, out=content.get("out", ""))
         if "type" in settings:
             kind, *limits = settings["type"].split()
-            settings["type"] = CONVERTERS[kind](*limits)
+            settings["type"] = number(kind, *limits) if limits else CONVERTERS[kind]
         group = exclusive if settings.pop("exclusive", False) else parser
         group.add_argument(name, **settings)
 
 
-def integer(least: str, most: str = "1000000000") -> Callable[[str], int]:
-    """Return a converter to a whole number within a range."""
-    low, high = int(least), int(most)
-    limits = f"from {low} to {high}" if high < 10**9 else f"from {low}"
-
-    def convert(text: str) -> int:
-        is_number = text.isascii() and text.isdigit() and len(text) <= len(most)
-        if not (is_number and low <= int(text) <= high):
-            raise argparse.ArgumentTypeError(f"{text[:80]}: must be a whole number {limits}")
-        return int(text)
-
-    return convert
-
-
-def number(least: str, most: str, unit: str = "") -> Callable[[str], float]:
-    """Return a converter to a finite number within a range; ``unit`` appears in its message."""
-    low, high = float(least), float(most)
-    words = f"must be a number{f' of {unit}' if unit else ''} from {low:g} to {high:g}"
+def number(kind: str, least: str, most: str = "", unit: str = "") -> Callable[[str], float]:
+    """Return a converter to an ``integer`` or a finite ``number`` within a range."""
+    low, high = float(least), float(most or "1e9")
+    what = "a whole number" if kind == "integer" else "a number"
+    of_unit, to_most = f" of {unit}" if unit else "", f" to {most}" if most else ""
 
     def convert(text: str) -> float:
         try:
-            value = float(text) if "_" not in text else math.nan
+            is_plain = text.isascii() and (text.isdigit() if kind == "integer" else "_" not in text)
+            value = float(text) if is_plain else math.nan
         except ValueError:
             value = math.nan
         if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text[:80]}: {words}")
-        return value
+            message = f"{text[:80]}: must be {what}{of_unit} from {least}{to_most}"
+            raise argparse.ArgumentTypeError(message)
+        return int(value) if kind == "integer" else value
 
     return convert
 
@@ -175,10 +164,4 @@ def size(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
-CONVERTERS: dict[str, Callable[..., Any]] = {
-    "integer": integer,
-    "number": number,
-    "path": lambda: Path,
-    "folder": lambda: folder,
-    "size": lambda: size,
-}
+CONVERTERS: dict[str, Callable[[str], Any]] = {"path": Path, "folder": folder, "size": size}

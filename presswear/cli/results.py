@@ -54,18 +54,34 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
 def replay(arguments: argparse.Namespace, console: Console) -> int:
     """Play a stored run in Exudyn's renderer, or write it as a film or a picture."""
     check_folder(arguments.folder)
-    _check(arguments)
+    still, movie = arguments.still, arguments.movie
+    if still is not None and movie is not None:
+        raise InputError("--still and --movie cannot be combined")
+    if arguments.at is not None and still is None:
+        raise InputError("--at needs --still; use --from and --to for a film")
+    if arguments.life and (arguments.stage, arguments.compare) != (None, None):
+        raise InputError("--life shows all stages: it cannot be combined with --stage or --compare")
+    if still is not None:
+        terminal.check_file_name("--still", still, ".png")
+    if movie is not None:
+        from presswear.show.replay.output import check_movie
+
+        terminal.check_file_name("--movie", movie, ".mp4", ".gif")
+        check_movie(movie)
     from presswear.show.replay.clip import equal_limits, life_clip
 
     if arguments.life:
-        clips = [life_clip(terminal.load_result(arguments.folder, console))]
+        clips = [life_clip(load_result(arguments.folder, console))]
     else:
         clips = [_clip(arguments.folder, arguments.stage, console)]
     if arguments.compare is not None:
-        clips = equal_limits([*clips, _compared(arguments, console)])
-    if arguments.still is not None:
+        folder, stage = Path(arguments.compare), arguments.stage
+        if match := re.fullmatch(r"(?:(.+):)?([0-9]+)", arguments.compare):  # K or DIR:K
+            folder, stage = Path(match[1] or arguments.folder), int(match[2])
+        clips = equal_limits([*clips, _clip(folder, stage, console)])
+    if still is not None:
         return _still(arguments, console, clips)
-    if arguments.movie is not None:
+    if movie is not None:
         return _movie(arguments, console, clips)
     from presswear.show.replay.output import play
 
@@ -74,48 +90,16 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _check(arguments: argparse.Namespace) -> None:
-    """Raise InputError for options that cannot be combined and files that cannot be written."""
-    if arguments.still is not None and arguments.movie is not None:
-        raise InputError("--still and --movie cannot be combined")
-    if arguments.at is not None and arguments.still is None:
-        raise InputError("--at needs --still; use --from and --to for a film")
-    if arguments.life and (arguments.stage, arguments.compare) != (None, None):
-        raise InputError("--life shows all stages: it cannot be combined with --stage or --compare")
-    if arguments.still is not None and arguments.still.suffix.lower() != ".png":
-        raise InputError(f"--still {arguments.still}: the name must end in .png")
-    for file in (arguments.still, arguments.movie):
-        if file is not None and file.is_dir():
-            raise InputError(f"{file} is a folder; name a file")
-        if file is not None and not file.parent.is_dir():
-            raise InputError(f"{file}: there is no folder {file.parent}")
-    if arguments.movie is not None:
-        from presswear.show.replay.output import check_movie
-
-        check_movie(arguments.movie)
-
-
 def _clip(folder: Path, stage: int | None, console: Console) -> "Clip":
     from presswear.show.replay.clip import stage_clip
 
-    result = terminal.load_result(folder, console)
+    result = load_result(folder, console)
     last = len(result.stages) - 1
     if last < 0:
         raise InputError(f"{folder} has no finished stage")
     if stage is not None and stage > last:
         raise InputError(f"--stage {stage}: {folder} has stages 0 to {last}")
     return stage_clip(result, last if stage is None else stage)
-
-
-def _compared(arguments: argparse.Namespace, console: Console) -> "Clip":
-    """Return the clip that is shown beside the first."""
-    text: str = arguments.compare
-    if text.isascii() and text.isdigit():
-        return _clip(arguments.folder, int(text), console)
-    folder, colon, stage = text.rpartition(":")
-    if colon and stage.isascii() and stage.isdigit():
-        return _clip(Path(folder), int(stage), console)
-    return _clip(Path(text), arguments.stage, console)
 
 
 def _time(flag: str, text: str | None, clip: "Clip", default: float) -> float:
@@ -133,7 +117,7 @@ def _still(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
 
     time = _time("--at", arguments.at, clips[0], clips[0].default_start)
     write_still(arguments.still, still(clips, frames_at(clips, time), arguments.size))
-    terminal.print_lines(console, f"picture in {arguments.still}")
+    print_lines(console, f"picture in {arguments.still}")
     return 0
 
 
@@ -154,8 +138,7 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
         images = pictures(clips, frames, note, arguments.size)
         tracked = bar.track(images, total=count, description=f"{count} pictures")
         write_movie(arguments.movie, iter(tracked), rate)
-    seconds = count / rate
-    terminal.print_lines(
-        console, f"film in {arguments.movie}: {count} pictures, {seconds:.1f} s, {note}"
+    print_lines(
+        console, f"film in {arguments.movie}: {count} pictures, {count / rate:.1f} s, {note}"
     )
     return 0

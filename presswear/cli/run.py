@@ -25,10 +25,8 @@ from presswear.tools.numbers import with_interval
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
-    from presswear.results.folder import ResultFolder
     from presswear.results.life import LifeResult
     from presswear.results.stage import StageResult
-
 
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
@@ -44,10 +42,9 @@ def has_no_options(arguments: argparse.Namespace) -> bool:
 
 def with_options(scene: Scene, arguments: argparse.Namespace, **more: Any) -> Scene:
     """Return the scene changed by the options, and by ``more`` settings; checked."""
-    options = {key: getattr(arguments, key) for key in OPTIONS}
-    scene = changed(
-        scene, terminal.merge_options(terminal.parse_settings(arguments.set), {**options, **more})
-    )
+    options = {key: getattr(arguments, key) for key in OPTIONS} | more
+    settings = terminal.parse_settings(arguments.set)
+    scene = changed(scene, terminal.merge_options(settings, options))
     if arguments.surfaces is not None:
         from presswear.results.result import read_surfaces
 
@@ -63,9 +60,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def run_scene(
-    arguments: argparse.Namespace,
-    console: Console,
-    change: Callable[[Scene], Scene] | None,
+    arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene] | None
 ) -> int:
     """Run or resume a scene, write its report, and return the exit code.
 
@@ -79,9 +74,9 @@ def run_scene(
     else:
         scene = terminal.load_scene(arguments.scene)
         scene = scene if change is None else change(scene)
-    folder = arguments.out or terminal.free_folder(
-        f"{scene.name}-life" if scene.life else scene.name
-    )
+    name = f"{scene.name}-life" if scene.life else scene.name
+    folder = arguments.out or terminal.free_folder(name)
+    from presswear.campaign.campaign import run_into, workers_of
     from presswear.results.folder import ResultFolder
     from presswear.results.press_analysis import deep_contacts
     from presswear.results.result import load
@@ -96,7 +91,17 @@ def run_scene(
         terminal.print_lines(console, title_of(scene), *store.remarks)
         if store.is_finished:
             terminal.print_lines(console, f"the run in {folder} is already complete")
-        _run_into(arguments, store, scene, [live] if live else [], console)
+        command = terminal.resume_command(arguments, folder, scene)
+        try:
+            with (
+                terminal.resumable(command, folder, lambda: store.kept),
+                terminal.progress_bar(console) as bar,
+            ):
+                observers = [RunObserver(bar, scene), *([live] if live else [])]
+                with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
+                    run_into(store, scene, observers, workers)
+        except InputError as error:
+            raise InputError(f"{arguments.scene}: {error}") from None
     from presswear.show.report import write_report
 
     result = load(folder)
@@ -124,29 +129,6 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     return scene
 
 
-def _run_into(
-    arguments: argparse.Namespace,
-    store: "ResultFolder",
-    scene: Scene,
-    observers: list[Observer],
-    console: Console,
-) -> None:
-    """Run a scene into its folder with progress on the terminal."""
-    from presswear.campaign.campaign import run_into, workers_of
-
-    command = terminal.resume_command(arguments, store.path, scene)
-    try:
-        with (
-            terminal.resumable(command, store.path, lambda: store.kept),
-            terminal.progress_bar(console) as bar,
-        ):
-            observers = [RunObserver(bar, scene), *observers]
-            with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
-                run_into(store, scene, observers, workers)
-    except InputError as error:
-        raise InputError(f"{arguments.scene}: {error}") from None
-
-
 class RunObserver(Observer):
     """Observer that shows the progress of a run and prints each finished stage."""
 
@@ -166,12 +148,12 @@ class RunObserver(Observer):
             self._bar.update(self._task, description="compiling, once")
             return
         check_stopped()
+        text = step_text(self._scene, progress.stage, progress.word)
         if self._compile_start is not None:
             # The time of a stage does not include the wear update after it.
-            if not is_wear_update(self._scene, progress.stage, progress.word):
+            if not text.startswith("applying"):
                 self._compile_time += clock.perf_counter() - self._compile_start
             self._compile_start = None
-        text = step_text(self._scene, progress.stage, progress.word)
         self._bar.update(self._task, description=text, completed=progress.whole)
 
     def on_life(self, life: "LifeResult") -> None:
@@ -180,13 +162,25 @@ class RunObserver(Observer):
         self._compile_time = 0.0  # it belongs to no stage
 
     def on_stage(self, stage: "StageResult") -> None:
-        """Print the model and the results of a stage."""
+        """Print the model of a stage, and its cost, contacts, forces and wear."""
         model, solver = stage.diagnostics["model"], stage.diagnostics["solver"]
-        terminal.print_lines(
-            self._bar.console,
-            f"{stage.name}: {model}. {solver}",
-            stage_summary(stage, self._compile_time),
-        )
+        wall = stage.wall_s - self._compile_time
+        speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
+        steps = f"{stage.statistics.cycles} cycles, {stage.diagnostics['steps']} steps"
+        parts = [f"  {steps}, {speed:.2f} s per simulated second"]
+        for name, joint in stage.statistics.joints.items():
+            fewest = joint.min_steps_per_contact
+            resolution = "" if fewest is None else f", each with at least {fewest} steps"
+            force, volume = joint.peak_force_per_cycle, joint.wear_volume.scaled(1e9)
+            parts.append(
+                f"{name}: {joint.contacts} contacts{resolution}, peak force "
+                f"{with_interval(force.mean, force.half_width)} N, wear "
+                f"{with_interval(volume.mean, volume.half_width)} mm^3"
+            )
+        if len(parts) > 1:
+            parts.append("peak force: mean of the largest in each cycle; ±: 95 % interval")
+        lines = f"{stage.name}: {model}. {solver}", "; ".join(parts)
+        terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
 
 
@@ -194,37 +188,10 @@ def step_text(scene: Scene, stage: int, step: str) -> str:
     """Return a description of the present step of a run, from ``Progress.word``."""
     if step.startswith(LIFE):
         return step
-    if is_wear_update(scene, stage, step):
+    if step.startswith(scene.stage_name(stage + 1)):
         return f"applying the {step}"
     name = f"after the {scene.stage_name(stage)}" if stage else scene.stage_name(stage)
     return f"{name}: {step}" if step else name
-
-
-def is_wear_update(scene: Scene, stage: int, step: str) -> bool:
-    """Return whether a step belongs to the wear update after a stage."""
-    return step.startswith(scene.stage_name(stage + 1))
-
-
-def stage_summary(stage: "StageResult", compile_time: float) -> str:
-    """Return one line with cost, contacts, force and wear of a stage."""
-    wall = stage.wall_s - compile_time
-    speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
-    steps = stage.diagnostics["steps"]
-    parts = [
-        f"  {stage.statistics.cycles} cycles, {steps} steps, {speed:.2f} s per simulated second"
-    ]
-    for name, joint in stage.statistics.joints.items():
-        fewest = joint.min_steps_per_contact
-        resolution = "" if fewest is None else f", each with at least {fewest} steps"
-        force, volume = joint.peak_force_per_cycle, joint.wear_volume.scaled(1e9)
-        parts.append(
-            f"{name}: {joint.contacts} contacts{resolution}, peak force "
-            f"{with_interval(force.mean, force.half_width)} N, wear "
-            f"{with_interval(volume.mean, volume.half_width)} mm^3"
-        )
-    if len(parts) > 1:
-        parts.append("peak force: mean of the largest in each cycle; ±: 95 % interval")
-    return "; ".join(parts)
 
 
 def life(arguments: argparse.Namespace, console: Console) -> int:
@@ -247,11 +214,8 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
     is_open = arguments.wear_updates is None and "wear_updates" not in specified
     if scene.wear_updates == 0 and is_open:
         scene = changed(scene, {"wear_updates": WEAR_UPDATES})
-    life = {
-        "life": Life.kind,
-        "life.until": ", ".join(arguments.until) if arguments.until else None,
-        "life.at_most": arguments.at_most,
-    }
+    limits = ", ".join(arguments.until) or None
+    life = {"life": Life.kind, "life.until": limits, "life.at_most": arguments.at_most}
     return with_options(scene, arguments, **life)
 
 
@@ -260,11 +224,10 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
     variants = {f"bush replaced: {each}": {f"life.{NEW}": each} for each in arguments.replace}
     variants |= {f"bush turned: {each}": {f"life.{TURNED}": each} for each in arguments.turn}
     variants |= {each: terminal.parse_settings(each.split(",")) for each in arguments.compare}
-    if arguments.materials:
-        for joint in scene.clearance_joints:
-            for name, pair in MATERIALS.items():
-                if pair != scene.bearing(joint).materials:
-                    variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}
+    for joint in scene.clearance_joints if arguments.materials else ():
+        for name, pair in MATERIALS.items():
+            if pair != scene.bearing(joint).materials:
+                variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}
     return variants
 
 
@@ -280,20 +243,15 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             raise InputError(f"{label}: changes nothing, so there is nothing to compare")
         scenes[re.sub(r"[^A-Za-z0-9.+=,_-]+", "-", label).strip("-")] = variant
     folder = terminal.output_folder(arguments, "lives")
-    command = f"the same command with --resume --out {folder} continues"
     shares = dict.fromkeys(scenes, 0.0)
-    with (
-        terminal.resumable(command, folder, lambda: "finished lives are stored"),
-        terminal.progress_bar(console) as bar,
-    ):
-        task = bar.add_task("lives", total=len(scenes))
+    with terminal.resumable_steps(console, "lives", folder, "finished lives are stored") as report:
 
         def show(name: str, share: float, words: str) -> None:
             check_stopped()
             shares[name] = share
-            bar.update(task, completed=sum(shares.values()), description=f"{name}: {words}")
+            report(f"{name}: {words}", sum(shares.values()) / len(shares))
             if share == 1.0:
-                terminal.print_lines(bar.console, f"finished {name}: {words}")
+                terminal.print_lines(console, f"finished {name}: {words}")
 
         results = run_scenes(scenes, folder, jobs=arguments.jobs, on_progress=show)
     plain = results["plain"].life

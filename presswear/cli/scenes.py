@@ -9,7 +9,7 @@ from rich.console import Console
 
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_with
-from presswear.cli.terminal import load_scene, parse_settings, print_lines
+from presswear.cli.terminal import check_file_name, load_scene, parse_settings, print_lines
 from presswear.linkage.linkage import Linkage, values_of
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
@@ -59,10 +59,7 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
-    if file.suffix != ".png":
-        raise InputError(f"--out {file}: the name must end in .png")
-    if not file.parent.is_dir():
-        raise InputError(f"--out {file}: there is no folder {file.parent}")
+    check_file_name("--out", file, ".png")
     import matplotlib  # slow to import
 
     from presswear.show.figures import save

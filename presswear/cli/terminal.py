@@ -6,6 +6,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,12 +78,18 @@ def merge_options(settings: Mapping[str, str], options: Mapping[str, Any]) -> di
 
 def free_folder(name: str) -> Path:
     """Return results/NAME, or the first of results/NAME-2, -3, ... that does not exist."""
-    base = Path("results") / name
-    path, count = base, 1
-    while path.exists():
-        count += 1
-        path = base.with_name(f"{base.name}-{count}")
-    return path
+    names = chain([name], (f"{name}-{number}" for number in count(2)))
+    return next(path for path in map(Path("results").joinpath, names) if not path.exists())
+
+
+def check_file_name(flag: str, file: Path, *endings: str) -> None:
+    """Raise InputError unless a file with one of the endings can have this name."""
+    if file.suffix.lower() not in endings:
+        raise InputError(f"{flag} {file}: the name must end in {' or '.join(endings)}")
+    if file.is_dir():
+        raise InputError(f"{flag} {file}: it is a folder; name a file")
+    if not file.parent.is_dir():
+        raise InputError(f"{flag} {file}: there is no folder {file.parent}")
 
 
 def check_resume(resume: bool, path: Path | None) -> None:
@@ -171,9 +178,9 @@ def print_table(
         table.add_column(name, justify="right", no_wrap=True)
     for name in more:
         table.add_column(name)
-    count = len(texts) + len(numbers)
+    plain = len(texts) + len(numbers)
     for row in rows:
-        table.add_row(*(escape(cell) for cell in row[:count]), *row[count:])
+        table.add_row(*(escape(cell) for cell in row[:plain]), *row[plain:])
     console.print(table, highlight=False)
 
 
@@ -202,6 +209,16 @@ def named_progress(console: Console, name: str) -> Iterator[Callable[[str, float
     with progress_bar(console) as bar:
         task = bar.add_task(name, total=1.0)
         yield lambda step, share: bar.update(task, description=step, completed=share)
+
+
+@contextmanager
+def resumable_steps(
+    console: Console, name: str, path: Path, stored: str
+) -> Iterator[Callable[[str, float], None]]:
+    """Show a progress bar of a command that ``--resume`` continues; see ``named_progress``."""
+    command = f"the same command with --resume --out {path} continues"
+    with resumable(command, path, lambda: stored), named_progress(console, name) as report:
+        yield report
 
 
 class _StandardError(logging.Handler):

@@ -1,24 +1,24 @@
 """``presswear crosscheck``, ``verify`` and ``benchmark``: engines against references."""
 
 import argparse
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.markup import escape
 
 from presswear.cli import terminal
-from presswear.cli.terminal import print_lines, print_table, progress_bar, verdict
+from presswear.cli.terminal import print_lines, print_table, verdict
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder, only_writer
 
 if TYPE_CHECKING:
-    from presswear.scene.scene import Scene
     from presswear.validation.cases import Outcome
 
-
 MIN_CYCLES, MAX_CYCLES = 1e-3, 100.0  # time over which trajectories are compared, cycles
+Check = tuple[str, str, tuple[float | None, ...], bool]  # quantity, unit, numbers, passed
 
 
 def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
@@ -52,16 +52,10 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
         write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
         save(draw_differences(outcome), folder)
     reason = "trajectories diverge" if outcome.diverged else "the end; trajectories do not diverge"
-    terminal.print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
-    _print_checks(
-        console,
-        ("difference", "bound"),
-        [
-            (check.quantity, check.unit, (check.value, check.bound), check.passed)
-            for check in outcome.checks
-        ],
-    )
-    terminal.print_lines(console, f"table and figure in {folder}")
+    print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
+    checks = ((c.quantity, c.unit, (c.value, c.bound), c.passed) for c in outcome.checks)
+    _print_checks(console, ("difference", "bound"), checks)
+    print_lines(console, f"table and figure in {folder}")
     return 0 if outcome.passed else 1
 
 
@@ -74,31 +68,18 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(folder)
     theirs = read_table(arguments.against)
     ours = table_of(terminal.load_result(folder, console), 0)
-    tolerance = arguments.tolerance or TOLERANCE
-    columns = compare_tables(ours, theirs, arguments.until, tolerance)
-    _print_checks(
-        console,
-        ("largest", "rms", "bound of rms"),
-        [
-            (each.column, each.unit, (each.greatest, each.rms, each.bound), each.passed)
-            for each in columns
-        ],
-    )
+    columns = compare_tables(ours, theirs, arguments.until, arguments.tolerance or TOLERANCE)
+    checks = ((c.column, c.unit, (c.greatest, c.rms, c.bound), c.passed) for c in columns)
+    _print_checks(console, ("largest", "rms", "bound of rms"), checks)
     return 0 if all(each.passed for each in columns) else 1
 
 
-def _print_checks(
-    console: Console,
-    names: tuple[str, ...],
-    rows: list[tuple[str, str, tuple[float | None, ...], bool]],
-) -> None:
-    cells = []
-    for quantity, unit, numbers, passed in rows:
+def _print_checks(console: Console, names: tuple[str, ...], checks: Iterable[Check]) -> None:
+    rows = []
+    for quantity, unit, numbers, passed in checks:
         texts = ["" if value is None else f"{value:.2e}" for value in numbers]
-        cells.append(
-            [quantity, *texts, unit, "" if numbers[-1] is None else terminal.verdict(passed)]
-        )
-    terminal.print_table(console, ("quantity",), names, cells, ("unit", ""))
+        rows.append([quantity, *texts, unit, "" if numbers[-1] is None else verdict(passed)])
+    print_table(console, ("quantity",), names, rows, ("unit", ""))
 
 
 def verify(arguments: argparse.Namespace, console: Console) -> int:
@@ -111,12 +92,10 @@ def verify(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.hard:
         selected = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
     outcomes: list[Outcome] = []
-    with progress_bar(console) as bar:
-        task = bar.add_task("verify", total=float(len(selected)))
-        for case in selected:
-            bar.update(task, description=f"{case.name}, {case.engine}")
+    with terminal.named_progress(console, "verify") as report:
+        for k, case in enumerate(selected):
+            report(f"{case.name}, {case.engine}", k / len(selected))
             outcomes.extend(cases.outcomes(case))
-            bar.advance(task)
     (_print_hard if arguments.hard else _print_references)(console, outcomes)
     missed = sum(outcome.verdict == "MISS" for outcome in outcomes)
     refused = sum(outcome.verdict == "refused" for outcome in outcomes)
@@ -141,17 +120,13 @@ def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
 def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
     rows = []
     for outcome in outcomes:
-        case, check, numbers = outcome.case, outcome.check, ["", ""]
+        case, check, cells = outcome.case, outcome.check, ["", ""]
         if check is not None:
-            numbers = [f"{check.value:.1e}", f"{check.bound:.0e}"]
+            cells = [f"{check.value:.1e}", f"{check.bound:.0e}"]
         mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)
-        cells = [f"{outcome.seconds:.1f}", case.engine, escape(outcome.label), mark]
-        rows.append([case.name, *numbers, *cells])
-    names = ("engine", "checked", "")
-    print_table(console, ("case",), ("value", "bound", "s"), rows, names)
-
-
-SCENE = "wear-times"
+        cells += [f"{outcome.seconds:.1f}", case.engine, escape(outcome.label), mark]
+        rows.append([case.name, *cells])
+    print_table(console, ("case",), ("value", "bound", "s"), rows, ("engine", "checked", ""))
 
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:
@@ -159,33 +134,38 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
 
     It measures and does not judge: the exit code is 0 however slow or inaccurate a method is.
     """
-    repeats, scene = arguments.repeats, terminal.requested_scene(arguments)
+    scene = terminal.requested_scene(arguments)
     folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
-    measure = _features if arguments.features else _work_precision
-    with only_writer(folder):
-        measure(scene, arguments.quick, repeats, folder, console)
-        from presswear.results.folder import provenance
-        from presswear.tools.serialize import write_json
+    from presswear.results.folder import provenance
+    from presswear.show.figures import save
+    from presswear.tools.serialize import write_json
+    from presswear.validation import feature_costs, work_precision
+    from presswear.validation.timing import write_csv
 
+    module: Any = work_precision
+    measure: Any = work_precision.work_precision
+    full: Any = work_precision.FULL
+    if arguments.features:
+        module, measure = feature_costs, feature_costs.feature_costs
+        full = feature_costs.FeatureExtent()
+    extent = module.QUICK if arguments.quick else full
+    extent = replace(extent, repeats=arguments.repeats or extent.repeats)
+    with only_writer(folder):
+        with terminal.named_progress(console, "benchmark") as report:
+            measured = measure(scene, extent, report)
+        file = "features.csv" if arguments.features else "benchmark.csv"
+        write_csv(module.table(measured), folder / file)
+        if arguments.features:
+            _print_features(console, measured)
+        else:
+            save(work_precision.draw_work_precision(measured), folder)
+            _print_methods(console, measured)
         write_json(folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()})
-    terminal.print_lines(console, f"results in {folder}")
+    print_lines(console, f"results in {folder}")
     return 0
 
 
-def _work_precision(
-    scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
-) -> None:
-    from presswear.show.figures import save
-    from presswear.validation import work_precision as module
-    from presswear.validation.timing import write_csv
-
-    extent = module.QUICK if quick else module.FULL
-    if repeats is not None:
-        extent = replace(extent, repeats=repeats)
-    with terminal.named_progress(console, "benchmark") as report:
-        points = module.work_precision(scene, extent, report)
-    write_csv(module.table(points), folder / "benchmark.csv")
-    save(module.draw_work_precision(points), folder)
+def _print_methods(console: Console, points: Any) -> None:
     for problem in {id(point.problem): point.problem for point in points}.values():
         quantity = next(iter(problem.quantities))
         rows = [
@@ -194,41 +174,20 @@ def _work_precision(
             if p.problem is problem and p.timing is not None
         ]
         numbers = ("wall ms", f"error of {quantity}")
-        terminal.print_table(
-            console, ("method",), numbers, rows, title=problem.name, title_justify="left"
-        )
-    for point in points:
-        if point.failure:
-            words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
-            console.print(words, highlight=False, markup=False)
+        look = {"title": problem.name, "title_justify": "left"}
+        print_table(console, ("method",), numbers, rows, **look)
+    failed = [point for point in points if point.failure]
+    texts = (f"{p.problem.name}: {p.method.label} failed: {p.failure}" for p in failed)
+    print_lines(console, *texts)
 
 
-def _features(
-    scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
-) -> None:
-    from presswear.validation import feature_costs as module
-    from presswear.validation.timing import write_csv
-
-    extent = module.QUICK if quick else module.FeatureExtent()
-    if repeats is not None:
-        extent = replace(extent, repeats=repeats)
-    with terminal.named_progress(console, "benchmark") as report:
-        costs = module.feature_costs(scene, extent, report)
-    write_csv(module.table(costs), folder / "features.csv")
-    rows = [
-        [
-            f"{cost.feature}: {cost.state}",
-            cost.engine,
-            f"{cost.timing.per_second:.3f}",
-            f"{1e6 * cost.timing.per_step:.2f}",
-            f"{cost.step_ratio:.2f}",
-            f"{cost.wall_ratio:.2f}",
-        ]
-        for cost in costs
-    ]
+def _print_features(console: Console, costs: Any) -> None:
+    rows = []
+    for cost in costs:
+        times = f"{cost.timing.per_second:.3f}", f"{1e6 * cost.timing.per_step:.2f}"
+        ratios = f"{cost.step_ratio:.2f}", f"{cost.wall_ratio:.2f}"
+        rows.append([f"{cost.feature}: {cost.state}", cost.engine, *times, *ratios])
     numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
-    terminal.print_table(console, ("feature", "engine"), numbers, rows)
-    console.print(
-        "s/s is wall time per simulated second; ratios are to the row without the feature",
-        highlight=False,
-    )
+    print_table(console, ("feature", "engine"), numbers, rows)
+    meaning = "s/s is wall time per simulated second; ratios are to the row without the feature"
+    print_lines(console, meaning)

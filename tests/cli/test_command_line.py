@@ -37,7 +37,7 @@ run weartimes: 'weartimes'; did you mean wear-times?
 run x.toml: x.toml: there is no such file
 run wear-times --set colour=red: colour & clearance
 run wear-times --set clearence=1mm: did you mean clearance?
-run wear-times --set clearance=0.8: clearance & unit & 0.8mm
+run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
 run wear-times --set clearance=15mm: clearance & 0.015 m
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
 run wear-times --set friction=inf: friction
@@ -65,7 +65,7 @@ run ideal --out '': --out & name is expected
 run ideal --out /dev/null/x: /dev/null & no folder
 run ideal --set 'fric\ntion=1': fric\ntion
 life press-blanking --until 'deth > 1 mm': deth & did you mean depth
-life press-blanking --until 'depth > 1': depth & no unit & 0.8mm
+life press-blanking --until 'depth > 1': depth & has no unit; known are m, cm, mm
 life press-blanking --until 'B.depth > 1 mm': 'B' & known are A, C
 life press-blanking --at-most 0: at_most = 0 & 1 to 1e+15
 life press-blanking --replace A: replaced = 'A' & JOINT@STROKES
@@ -147,7 +147,7 @@ def test_a_folder_of_several_runs_names_them(
         (tmp_path / key / "result.json").touch()
     assert main(["replay", str(tmp_path), "--still", str(tmp_path / "a.png")]) == 2
     named = ", ".join(str(tmp_path / key) for key in "abc")
-    assert f"name one that it holds: {named} and 1 more\n" in capsys.readouterr().err
+    assert f"name one that it holds: {named}\n" in capsys.readouterr().err
 
 
 def test_list_names_scenes_and_settings(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -98,9 +98,7 @@ def pictures(
 
 
 def check_movie(file: Path) -> None:
-    """Raise InputError unless a film can be written under this name."""
-    if file.suffix.lower() not in (".mp4", ".gif"):
-        raise InputError(f"--movie {file}: the name must end in .mp4 or .gif")
+    """Raise InputError unless a film with the ending of this name can be encoded."""
     if file.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
         raise InputError(f"--movie {file}: .mp4 needs ffmpeg; install it or write a .gif")
 
