@@ -349,23 +349,8 @@ def _fill(packed: PackedArguments, arguments: Any) -> None:
 @intrinsic
 def _load(typing: Any, packed: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        constant = builder.module.add_metadata([])
-
-        def load(place: Any, kind: Any) -> Any:
-            if isinstance(kind, types.BaseTuple):
-                index = ir.IntType(32)
-                parts = [
-                    load(builder.gep(place, [index(0), index(i)], inbounds=True), part)
-                    for i, part in enumerate(kind)
-                ]
-                return context.make_tuple(builder, kind, parts)
-            value = builder.load(place)
-            # The value never changes: a kernel may load it where it needs it.
-            value.set_metadata("invariant.load", constant)
-            return value
-
-        whole = context.get_value_type(packed.dtype).as_pointer()
-        return load(builder.bitcast(values[0], whole), packed.dtype)
+        pointer = context.get_value_type(packed.dtype).as_pointer()
+        return builder.load(builder.bitcast(values[0], pointer))
 
     return packed.dtype(packed), generate
 
