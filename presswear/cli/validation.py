@@ -176,9 +176,10 @@ def _print_methods(console: Console, points: Any) -> None:
         numbers = ("wall ms", f"error of {quantity}")
         look = {"title": problem.name, "title_justify": "left"}
         print_table(console, ("method",), numbers, rows, **look)
-    failed = [point for point in points if point.failure]
-    texts = (f"{p.problem.name}: {p.method.label} failed: {p.failure}" for p in failed)
-    print_lines(console, *texts)
+    for point in points:
+        if point.failure:
+            words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
+            console.print(words, highlight=False, markup=False)
 
 
 def _print_features(console: Console, costs: Any) -> None:
@@ -190,4 +191,4 @@ def _print_features(console: Console, costs: Any) -> None:
     numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
     print_table(console, ("feature", "engine"), numbers, rows)
     meaning = "s/s is wall time per simulated second; ratios are to the row without the feature"
-    print_lines(console, meaning)
+    console.print(meaning, highlight=False)
