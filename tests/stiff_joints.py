@@ -6,7 +6,7 @@ Run:  python tests/stiff_joints.py
 import numpy as np
 
 import presswear as pw
-from presswear.physics.statics import joint_forces
+from presswear.physics.statics import constraint_forces
 
 
 def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, float]:
@@ -14,12 +14,14 @@ def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, floa
     scene = pw.scenes.press_blanking(**joint, friction=0.0, wear_updates=0, cycles=3, **changes)
     result = pw.run(scene, engine="dae")
     time, ideal = result.stages[0].time, scene.ideal
-    rows, needed = time > 2.0 * ideal.period, joint_forces(scene.loaded, ideal, time)
+    rows, needed = time > 2.0 * ideal.period, constraint_forces(scene.loaded, ideal, time)
+    places = {joint.name: 2 * k for k, joint in enumerate(scene.loaded.revolutes)}
     path = ideal.at(time).output(scene.linkage())[:, 0] - scene.bottom
     numbers = {"bottom (m)": result.stages[0].bdc.error.mean}
     numbers["slider (m)"] = np.abs(result.height(0) - path)[rows].max()
     for name, joint_result in result.stages[0].joints.items():
-        force, without = (np.hypot(*some[rows].T) for some in (joint_result.force, needed[name]))
+        ideal_force = needed[:, places[name] : places[name] + 2]
+        force, without = (np.hypot(*some[rows].T) for some in (joint_result.force, ideal_force))
         numbers[f"{name} peak (N)"] = force.max() - without.max()
         numbers[f"{name} mean (N)"] = np.trapezoid(force - without, time[rows]) / ideal.period
     for name, drive in result.drives(0).items():

@@ -6,7 +6,7 @@ without compiled code.
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,13 +36,8 @@ class Rows:
     A row is the distance of two points along a direction, or the angle of a body, less what it
     should be. Rows come in the order of ``physics.constraints``: two for each pin joint, two for
     each guide, one for each drive. That of a drive whose point follows a curve holds the point on
-    the curve, in place of the angle. Coordinates have the shape (n, bodies, 3); times are those
-    behind a run-up.
-
-    Parameters
-    ----------
-    start : ndarray, shape (bodies, 3)
-        Where the bodies are at the start; needed where points follow curves, which begin there.
+    the curve, in place of the angle; the curve begins at ``start``, coordinates of the shape
+    (bodies, 3). Other coordinates have the shape (n, bodies, 3); times are those behind a run-up.
 
     Attributes
     ----------
@@ -71,27 +66,22 @@ class Rows:
             rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
         self.following = []
         for drive in linkage.drives:
-            if drive.follow is None:
-                centre = Attachment(drive.body, 0.0, 0.0)
-                rows.append((drive.name, centre, frame, (0.0, 0.0), 1.0, 0.0))
-                continue
-            self.following.append(len(rows))
-            output = drive.follow.point
-            assert isinstance(output, OutputPoint), "a linkage has found it"
-            point, direction = Attachment(output.body, output.x, output.y), output.direction
-            along = math.cos(direction), math.sin(direction)
-            rows.append((drive.name, point, frame, along, 0.0, 0.0))
-        self.names, first, second, normal, turn, held = zip(*rows, strict=True)
-        self._ends = [
-            (
-                np.array([linkage.index(at.body) if at.body != GROUND else -1 for at in ends]),
-                np.array([at.x for at in ends]),
-                np.array([at.y for at in ends]),
-                sign,
-            )
-            for ends, sign in ((first, 1.0), (second, -1.0))
-        ]
-        self._normal, self._turn, self._held = np.array(normal), np.array(turn), np.array(held)
+            point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
+            if drive.follow is not None:
+                self.following.append(len(rows))
+                output = drive.follow.point
+                assert isinstance(output, OutputPoint), "a linkage has found it"
+                point, turn = Attachment(output.body, output.x, output.y), 0.0
+                along = math.cos(output.direction), math.sin(output.direction)
+            rows.append((drive.name, point, frame, along, turn, 0.0))
+        self.names, first, second, normal, turns, held = zip(*rows, strict=True)
+        self._normal, self._turn, self._held = map(np.array, (normal, turns, held))
+        indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
+        self._ends: list[tuple[Any, Array, Array, float]] = []  # bodies, places, sign
+        for ends, sign in ((first, 1.0), (second, -1.0)):
+            points = zip(*((indices[at.body], at.x, at.y) for at in ends), strict=True)
+            bodies, xs, ys = map(np.array, points)
+            self._ends.append((bodies, xs, ys, sign))
         pins = slice(0, 2 * len(linkage.revolutes), 2)
         self.joined = [body[pins] for body, _, _, _ in self._ends]  # bodies of the pin joints
         sizes = np.zeros(self.bodies + 1)
@@ -105,44 +95,33 @@ class Rows:
             initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
             self._held[self.following] = initial[self.following]
 
-    def _arms(self, q: Array) -> list[Array]:
-        """Return the vectors from the mass centres to both points, each (n, rows, 2), m."""
-        cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
-        return [
-            np.stack(
-                [
-                    cosine[:, body] * x - sine[:, body] * y,
-                    sine[:, body] * x + cosine[:, body] * y,
-                ],
-                axis=-1,
-            )
-            for body, x, y, _ in self._ends
-        ]
-
-    def _with_frame(self, level: Array) -> Array:
+    def _moving(self, level: Array) -> Array:
         """Return a level with the frame, which is at rest, behind the bodies."""
         return np.concatenate([level, np.zeros((len(level), 1, 3))], axis=1)
+
+    def _arms(self, q: Array) -> list[tuple[Array, Array]]:
+        """Return x and y from the mass centres to both points, each (n, rows), m."""
+        cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
+        ends = [(cosine[:, body], sine[:, body], x, y) for body, x, y, _ in self._ends]
+        return [(cos * x - sin * y, sin * x + cos * y) for cos, sin, x, y in ends]
 
     def errors(self, time: Array, *levels: Array) -> list[Array]:
         """Return Phi and its derivatives in time, one for each level, each (n, rows).
 
-        Parameters
-        ----------
-        levels : ndarray, shape (n, bodies, 3)
-            Coordinates, and their first and second derivatives.
+        ``levels`` are coordinates, and their first and second derivatives.
         """
         held = np.zeros((3, len(time), len(self.names)))
         for row, drive in enumerate(self.linkage.drives, -len(self.linkage.drives)):
             for level, value in zip(held, motion_of_row(drive, time), strict=True):
                 level[:, row] = value
         held[0] += self._held
-        moving = [self._with_frame(level) for level in levels]
+        moving = [self._moving(level) for level in levels]
         arms = self._arms(moving[0])
         result = []
         for order, level in enumerate(moving):
             gap: Array | float = 0.0
-            for (body, _, _, sign), arm in zip(self._ends, arms, strict=True):
-                left = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
+            for (body, _, _, sign), (x, y) in zip(self._ends, arms, strict=True):
+                arm, left = np.stack([x, y], axis=-1), np.stack([-y, x], axis=-1)
                 point = level[:, body, :2] + (arm if order == 0 else level[:, body, 2:] * left)
                 if order == 2:
                     point = point - moving[1][:, body, 2:] ** 2 * arm
@@ -155,12 +134,9 @@ class Rows:
         """Return the derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
         rows = np.arange(len(self.names))
         result = np.zeros((len(q), rows.size, self.bodies + 1, 3))
-        for (body, _, _, sign), arm in zip(
-            self._ends, self._arms(self._with_frame(q)), strict=True
-        ):
-            moment = arm[..., 0] * self._normal[:, 1] - arm[..., 1] * self._normal[:, 0]
+        for (body, _, _, sign), (x, y) in zip(self._ends, self._arms(self._moving(q)), strict=True):
             result[:, rows, body, :2] += sign * self._normal
-            result[:, rows, body, 2] += sign * moment
+            result[:, rows, body, 2] += sign * (x * self._normal[:, 1] - y * self._normal[:, 0])
         result[:, rows, self._ends[0][0], 2] += self._turn
         return result[:, :, : self.bodies].reshape(len(q), rows.size, -1)
 
@@ -182,33 +158,21 @@ def motion_of_row(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
     return series(drive.follow, drive.base, time)
 
 
-def _check_freedoms(linkage: Linkage) -> None:
-    """Raise AssemblyError unless joints, guides and drives hold each body just once."""
-    rows = 2 * len(linkage.revolutes) + 2 * len(linkage.guides) + len(linkage.drives)
-    free = 3 * len(linkage.bodies) - rows
-    if free != 0:
-        state = "free to move" if free > 0 else "overconstrained"
-        number = f"; {free} drives are missing" if free > 0 else f", {-free} too many"
-        raise AssemblyError(
-            f"the linkage is {state}: {len(linkage.bodies)} bodies have "
-            f"{3 * len(linkage.bodies)} coordinates; joints, guides and drives hold {rows}{number}"
-        )
-
-
 def _guessed(linkage: Linkage) -> Array:
     """Return the coordinates to start Newton's method from, shape (bodies, 3).
 
     Angles are those of the drives, of the guides, as guessed, or 0; each body hangs by the first
     joint that reaches it.
     """
-    q = np.zeros((len(linkage.bodies), 3))
+    q = np.zeros((len(linkage.bodies) + 1, 3))  # the frame last
+    indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     angles = dict(linkage.guess)
     angles |= {guide.body: guide.angle for guide in linkage.guides}
     angles |= {drive.body: drive.angle for drive in linkage.drives}
-    q[:, 2] = [angles.get(body.name, 0.0) for body in linkage.bodies]
+    q[:-1, 2] = [angles.get(body.name, 0.0) for body in linkage.bodies]
 
     def place(end: Attachment) -> Array:
-        x, y, angle = q[linkage.index(end.body)] if end.body != GROUND else np.zeros(3)
+        x, y, angle = q[indices[end.body]]
         cosine, sine = math.cos(angle), math.sin(angle)
         turned = cosine * end.x - sine * end.y, sine * end.x + cosine * end.y
         return np.array([x + turned[0], y + turned[1]])
@@ -220,14 +184,13 @@ def _guessed(linkage: Linkage) -> Array:
             if placed.body not in reached:
                 placed, loose = loose, placed
             if placed.body in reached and loose.body not in reached:
-                q[linkage.index(loose.body), :2] += place(placed) - place(loose)
+                q[indices[loose.body], :2] += place(placed) - place(loose)
                 reached.add(loose.body)
     for guide in linkage.guides:
-        body = linkage.index(guide.body)
         along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
-        point = np.array([guide.x, guide.y])
+        point, body = np.array([guide.x, guide.y]), indices[guide.body]
         q[body, :2] = point + along * ((q[body, :2] - point) @ along)
-    return q
+    return q[:-1]
 
 
 def assembled(linkage: Linkage) -> Array:
@@ -236,11 +199,20 @@ def assembled(linkage: Linkage) -> Array:
     Raises
     ------
     AssemblyError
-        Where it does not close, or closes more than a right angle from what was guessed.
+        Unless joints, guides and drives hold each body just once; where it does not close, or
+        closes more than a right angle from what was guessed.
     """
     # What follows a curve stands where its drive has it.
     linkage = linkage.changed(drives=[replace(drive, follow=None) for drive in linkage.drives])
-    _check_freedoms(linkage)
+    held = 2 * len(linkage.revolutes) + 2 * len(linkage.guides) + len(linkage.drives)
+    free = 3 * len(linkage.bodies) - held
+    if free != 0:
+        state = "free to move" if free > 0 else "overconstrained"
+        number = f"; {free} drives are missing" if free > 0 else f", {-free} too many"
+        raise AssemblyError(
+            f"the linkage is {state}: {len(linkage.bodies)} bodies have "
+            f"{3 * len(linkage.bodies)} coordinates; joints, guides and drives hold {held}{number}"
+        )
     rows, start = Rows(linkage), np.zeros(1)
     q, guess = _guessed(linkage)[np.newaxis], dict(linkage.guess)
 
@@ -257,7 +229,7 @@ def assembled(linkage: Linkage) -> Array:
         while part > 1e-3 and error_of(q + part * step) > error:
             part *= 0.5
         q = q + part * step
-    q = closed(rows, start, q).q[0]
+    q = close(rows, start, q).q[0]
     prescribed = {drive.body for drive in linkage.drives} | {guide.body for guide in linkage.guides}
     for place, body in enumerate(linkage.bodies):
         if body.name not in prescribed:
@@ -273,13 +245,10 @@ def assembled(linkage: Linkage) -> Array:
     return q
 
 
-def closed(rows: Rows, time: Array, q: Array) -> Levels:
-    """Close a linkage at some instants from positions close by; position, velocity, acceleration.
+def close(rows: Rows, time: Array, q: Array) -> Levels:
+    """Close a linkage at some instants from positions close by.
 
-    Raises
-    ------
-    AssemblyError
-        Where it does not close; names the joint and the crank angle.
+    AssemblyError where it does not close names the joint and the crank angle.
     """
     shape, zero = q.shape, np.zeros_like(q)
     least = math.inf
@@ -325,13 +294,16 @@ def stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
 
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
-    where = ""
-    for drive in [item for item in rows.linkage.drives if item.follow is None][:1]:
-        turned = float(drive.motion(np.array([time]))[0][0]) - drive.angle
-        where = f"at crank angle {math.degrees(abs(turned)):.1f} deg "
-    for drive in [item for item in rows.linkage.drives if item.follow is not None]:
+    where, refused = "", None
+    for drive in reversed(rows.linkage.drives):
+        if drive.follow is not None:
+            refused = drive.name
+        else:
+            turned = float(drive.motion(np.array([time]))[0][0]) - drive.angle
+            where = f"at crank angle {math.degrees(abs(turned)):.1f} deg "
+    if refused is not None:
         return AssemblyError(
-            f"{drive.name} cannot make its point follow the curve: {where}({time:.6g} s after the "
+            f"{refused} cannot make its point follow the curve: {where}({time:.6g} s after the "
             "start) the point is out of reach, or the drive at a dead point"
         )
     return AssemblyError(

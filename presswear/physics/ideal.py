@@ -22,7 +22,7 @@ from presswear.physics.assembly import (
     Levels,
     Rows,
     assembled,
-    closed,
+    close,
     motion_of_row,
     stuck,
 )
@@ -61,31 +61,21 @@ class Motion:
         # The point relative to the mass centre, along the direction and across.
         along, across = probe.x * cosine - probe.y * sine, probe.x * sine + probe.y * cosine
         unit = np.array([math.cos(probe.direction), math.sin(probe.direction)])
-        return np.column_stack(
-            [
-                q[:, :2] @ unit + along,
-                v[:, :2] @ unit - v[:, 2] * across,
-                a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along,
-            ]
-        )
+        faster = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
+        place, speed = q[:, :2] @ unit + along, v[:, :2] @ unit - v[:, 2] * across
+        return np.column_stack([place, speed, faster])
 
 
 @dataclass(frozen=True, eq=False)
 class IdealMotion:
     """The motion of a linkage with all its joints closed, over a cycle that repeats.
 
-    A run-up goes before it.
-
-    Attributes
-    ----------
-    period : float
-        s.
-    position, velocity, acceleration : ndarray, shape (nodes + 1, bodies, 3)
-        At equal intervals over the cycle, both ends among them.
+    Levels have the shape (nodes + 1, bodies, 3): at equal intervals over the cycle, both ends among
+    them. A run-up goes before it.
     """
 
     rows: Rows
-    period: float
+    period: float  # s
     position: Array
     velocity: Array
     acceleration: Array
@@ -98,12 +88,9 @@ class IdealMotion:
     def at(self, time: Array, closed: bool = True) -> Motion:
         """Return the motion of every body at some instants, s, to round-off.
 
-        Parameters
-        ----------
-        closed : bool
-            False: by the polynomials between the nodes alone, in a tenth of the time. Where what
-            drives it is smooth, positions are known to round-off, velocities to 1e-11 of the
-            greatest and accelerations to 1e-8.
+        With ``closed`` false by the polynomials between the nodes alone, in a tenth of the time.
+        Under smooth drives positions are known to round-off, velocities to 1e-11 of the greatest
+        and accelerations to 1e-8.
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 2.0 * self.rows.linkage.run_up * self.period
@@ -114,23 +101,19 @@ class IdealMotion:
         place = np.clip((within / self.period * nodes).astype(int), 0, nodes - 1)
         q, v, a = self.between(place, within * nodes / self.period - place)
         q = q + cycle[:, None, None] * (self.position[-1] - self.position[0])
-        if closed:
-            self._close(time, q, v, a)
+        scale = self.rows.size * np.array([[1.0], [1.0 / self.period], [1.0 / self.period**2]])
+        # Where more than round-off is missing
+        for some in np.array_split(np.arange(time.size), 1 + time.size // 2000) if closed else ():
+            errors = self.rows.errors(time[some], q[some], v[some], a[some])
+            off = np.array([np.abs(level).max(axis=1) for level in errors])
+            rough = some[(off > 1e2 * ROUND_OFF * scale).any(axis=0)]
+            if rough.size:
+                q[rough], v[rough], a[rough] = close(self.rows, time[rough], q[rough])
         if duration > 0.0:
             rate, rise = rate[:, np.newaxis, np.newaxis], rise[:, np.newaxis, np.newaxis]
             a = a * rate**2 + v * rise
             v = v * rate
         return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
-
-    def _close(self, time: Array, q: Array, v: Array, a: Array) -> None:
-        """Close the linkage wherever more than round-off is missing."""
-        scale = self.rows.size * np.array([1.0, 1.0 / self.period, 1.0 / self.period**2])
-        for some in np.array_split(np.arange(time.size), 1 + time.size // 2000):
-            errors = self.rows.errors(time[some], q[some], v[some], a[some])
-            off = np.array([np.abs(level).max(axis=1) for level in errors])
-            rough = some[(off > 1e2 * ROUND_OFF * scale[:, np.newaxis]).any(axis=0)]
-            if rough.size:
-                q[rough], v[rough], a[rough] = closed(self.rows, time[rough], q[rough])
 
     def between(self, place: NDArray[np.int64], part: Array) -> Levels:
         """Return the quintic polynomials through two nodes, at parts of the way between them."""
@@ -156,20 +139,17 @@ class IdealMotion:
 def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     """Return the motion of a linkage over a cycle, s.
 
-    Raises
-    ------
-    AssemblyError
-        Where it does not close, is at a dead point or does not come back.
+    AssemblyError where it does not close, is at a dead point or does not come back.
     """
     initial = assembled(linkage)
     rows = Rows(linkage, initial)
-    start = closed(rows, np.zeros(1), initial[np.newaxis])
+    start = close(rows, np.zeros(1), initial[np.newaxis])
     coarse = _follow_cycle(rows, start, np.linspace(0.0, period, _COARSE + 1))
     times, part = np.linspace(0.0, period, _NODES + 1), np.linspace(0.0, _COARSE, _NODES + 1)
     place = np.minimum(part.astype(int), _COARSE - 1)
     ahead = coarse.between(place, part - place).q
     try:
-        motion = IdealMotion(rows, period, *closed(rows, times, ahead))
+        motion = IdealMotion(rows, period, *close(rows, times, ahead))
         is_near = _is_near(motion.position, ahead)
         is_near = is_near and not np.any(rows.side(motion.position) != rows.side(start.q))
     except AssemblyError:  # Newton's method strays from a place that is predicted badly.
@@ -187,7 +167,9 @@ def _is_near(result: Array, expected: Array) -> bool:
 def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
     """Follow a linkage from one instant to the next, in shorter steps where it turns fast.
 
-    A step is halved where it fails, and doubled behind one that succeeds.
+    A step is halved where it fails, and doubled behind one that succeeds. Where points follow
+    curves each of two states, a step apart, must foretell the other: at a position in which a
+    drive does not move its point two motions meet, and only one goes on at the same speed.
     """
     result = [start]
     side = rows.side(start.q)
@@ -197,10 +179,15 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             ahead = levels.q + step * (levels.v + 0.5 * step * levels.a)
             there = min(now + step, time)
             try:
-                reached = closed(rows, np.array([there]), ahead)
+                reached = close(rows, np.array([there]), ahead)
                 is_near = bool(_is_near(reached.q, ahead) and rows.side(reached.q) == side)
                 if rows.following:
-                    is_near = is_near and _is_smooth(levels, reached, there - now)
+                    h = there - now
+                    allowed = _KINK * h * float(np.abs(levels.v[..., 2]).max()) + _ANGLE_NOISE
+                    back = reached.q - h * (reached.v - 0.5 * h * reached.a)
+                    forth = levels.q + h * (levels.v + 0.5 * h * levels.a)
+                    off = np.maximum(np.abs(reached.q - forth), np.abs(levels.q - back))
+                    is_near = is_near and bool(off[..., 2].max() < allowed)
             except AssemblyError:
                 is_near = False
             if is_near:
@@ -213,19 +200,6 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
     return IdealMotion(
         rows, float(times[-1]), *(np.concatenate(item) for item in zip(*result, strict=True))
     )
-
-
-def _is_smooth(before: Levels, after: Levels, step: float) -> bool:
-    """Return whether each of two states, a step apart, foretells the other.
-
-    At a position in which a drive does not move its point two motions meet, and only one goes on
-    at the same speed.
-    """
-    allowed = _KINK * abs(step) * float(np.abs(before.v[..., 2]).max()) + _ANGLE_NOISE
-    ahead = before.q + step * (before.v + 0.5 * step * before.a)
-    back = after.q - step * (after.v - 0.5 * step * after.a)
-    off = np.maximum(np.abs(after.q - ahead), np.abs(before.q - back))
-    return bool(off[..., 2].max() < allowed)
 
 
 def _check_cycle(motion: IdealMotion) -> None:
@@ -261,7 +235,7 @@ class Bottom:
     centre falls between two windows, whatever a clearance does to it.
     """
 
-    time: float  # below zero where it lies in the cycle before
+    time: float  # below zero if it lies in the cycle before
     height: float  # of the output point there, m, in the axes of the frame
     stroke: float  # between its lowest and highest place, m
     top: float  # time of the highest place before it
@@ -362,12 +336,8 @@ def followed(linkage: Linkage) -> Linkage:
     """Return a linkage in which the motion is found of each drive whose point follows a curve.
 
     The linkage is followed around its cycle with the points on their curves; the angles of
-    the drives become tables of degree 5, fine enough for ``FOLLOWED``.
-
-    Raises
-    ------
-    AssemblyError
-        Where a point cannot follow, or not by a drive with the mean speed that is given.
+    the drives become tables of degree 5, fine enough for ``FOLLOWED``. AssemblyError where a point
+    cannot follow, or not by a drive with the mean speed that is given.
     """
     following = [k for k, drive in enumerate(linkage.drives) if drive.follow is not None]
     if not following:
@@ -392,17 +362,13 @@ def followed(linkage: Linkage) -> Linkage:
         counts = np.maximum(np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int), 1)
         if counts.sum() > MAX_PIECES:
             continue
-        nodes = np.concatenate(
-            [
-                np.linspace(start, end, count, endpoint=False)
-                for start, end, count in zip(breaks[:-1], breaks[1:], counts, strict=True)
-            ]
-        )
+        intervals = zip(breaks[:-1], breaks[1:], counts, strict=True)
+        nodes = np.concatenate([np.linspace(*item, endpoint=False) for item in intervals])
         result = _through(linkage, inverse, nodes)
         length = np.diff(nodes, append=period)
         between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
         near = inverse.at(between).position.reshape(between.size, -1, 3)
-        reached = closed(Rows(result), between, near).q
+        reached = close(Rows(result), between, near).q
         off = float(np.abs(rows.errors(between, reached)[0][:, rows.following]).max())
         if off <= allowed:
             return result
@@ -425,14 +391,10 @@ def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
     for k, drive in enumerate(linkage.drives):
         if drive.follow is not None:
             place = 3 * linkage.index(drive.body) + 2
-            table = np.column_stack(
-                [
-                    base * nodes,
-                    motion.position[:, place] - drive.speed * nodes,
-                    (motion.velocity[:, place] - drive.speed) / base,
-                    motion.acceleration[:, place] / base**2,
-                ]
-            )
+            turned = motion.position[:, place] - drive.speed * nodes
+            rate = (motion.velocity[:, place] - drive.speed) / base
+            faster = motion.acceleration[:, place] / base**2
+            table = np.column_stack([base * nodes, turned, rate, faster])
             drives[k] = replace(drive, frequency=base, table=table.tolist(), follow=None)
     return linkage.changed(drives=drives)
 

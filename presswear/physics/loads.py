@@ -37,19 +37,20 @@ from presswear.tools.user_function import UserFunction
 Array = NDArray[np.float64]
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
-# Branches of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
-# line back from the deepest place. Where a load unloads, OFF follows at the end of that line.
-OFF, RISING, WHOLE, ELASTIC = range(4)
+# Branches of a load in one sense of motion: none, growing with the speed, all of it; the elastic
+# line back from the deepest place, OFF behind its end; none until the table begins again.
+OFF, RISING, WHOLE, ELASTIC, RELEASED = range(5)
 RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
-# A load as the kernels see it
+# A load as the kernels see it. One that acts against its direction is turned round: its direction,
+# positions and sizes have the other sign, so that it acts where the position grows.
 LOAD = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
         ("turns", np.bool_),  # a moment over the body's angle, and no force at a point
         ("x", np.float64),  # the point in the body's frame, m
         ("y", np.float64),
-        ("cosine", np.float64),  # of the direction
+        ("cosine", np.float64),  # of the direction; of a moment 1 or -1
         ("sine", np.float64),
         ("kind", np.int64),
         ("first", np.int64),  # of its nodes
@@ -57,7 +58,7 @@ LOAD = np.dtype(
         ("period", np.float64),  # of a table over time, s; 0: it does not repeat
         ("zero", np.float64),  # position of the table's zero, m or rad
         ("held", np.bool_),  # beyond the table its ends are held
-        ("sense", np.float64),  # of motion in which it acts, 1 or -1; 0: both
+        ("sense", np.float64),  # 0: of both senses of motion; 1; -1: turned round
         ("release", np.bool_),
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
         ("mean", np.float64),  # of a series, N or N m
@@ -72,10 +73,9 @@ MODE = np.dtype(
         ("piece", np.int64),  # of the table: 0 before its first node, count behind its last
         ("turn", np.int64),  # periods that have passed
         ("branch", np.int64),
-        ("released", np.bool_),
         ("low", np.float64),  # positions, m or rad, between which the mode holds, or times, s
         ("high", np.float64),
-        ("slow", np.float64),  # speeds in the sense of the load between which it does
+        ("slow", np.float64),  # speeds between which it does
         ("fast", np.float64),
         ("deepest", np.float64),  # where the motion turned back last, m or rad
         ("borne", np.float64),  # size there, N or N m
@@ -91,20 +91,11 @@ MODE = np.dtype(
 
 
 class Loads(NamedTuple):
-    """Loads with a law as the kernels see them; None where a linkage has none.
+    """Loads with a law as the kernels see them; None where a linkage has none."""
 
-    Attributes
-    ----------
-    records : records of LOAD
-    nodes : ndarray, shape (nodes, 2)
-        Of their tables: position or time and size, or the two terms of a series.
-    modes : records of MODE
-        What holds of them through the present step.
-    """
-
-    records: Records
-    nodes: Array
-    modes: Records
+    records: Records  # of LOAD
+    nodes: Array  # of their tables, (n, 2): position or time and size, or two terms of a series
+    modes: Records  # of MODE, through the present step
 
 
 @inlined
@@ -119,45 +110,36 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
         return total
     if load.kind == USER:
         return call(load.address, (t, s, v))
-    if mode.released or mode.branch == OFF:
+    if mode.branch == OFF or mode.branch == RELEASED:
         return 0.0
     if mode.branch == ELASTIC:
         line: float = mode.borne - load.unloading * (s - mode.deepest)
         return line
-    piece = mode.piece
-    behind = load.first + piece
-    if piece == 0 or piece == load.count:
+    behind = load.first + mode.piece
+    if mode.piece == 0 or mode.piece == load.count:
         size: float = 0.0
         if load.held:
-            size = nodes[behind if piece == 0 else behind - 1, 1]
+            size = nodes[behind if mode.piece == 0 else behind - 1, 1]
     else:
-        at = t if load.kind == TIME else s
-        x0 = nodes[behind - 1, 0]
-        y0 = nodes[behind - 1, 1]
-        part = (at - mode.turn * load.period - x0) / (nodes[behind, 0] - x0)
-        size = y0 + part * (nodes[behind, 1] - y0)
+        at = (t if load.kind == TIME else s) - mode.turn * load.period
+        # From the node that comes first in the table of the user
+        near, far = (behind, behind - 1) if load.sense < 0.0 else (behind - 1, behind)
+        part = (at - nodes[near, 0]) / (nodes[far, 0] - nodes[near, 0])
+        size = nodes[near, 1] + part * (nodes[far, 1] - nodes[near, 1])
     if mode.branch == RISING:
-        size *= load.sense * v / RAMP_SPEED
+        size *= v / RAMP_SPEED
     return size
-
-
-@compiled
-def arm(load: Records, q: Array) -> tuple[float, float]:
-    """Return the vector from the mass centre to the point at which a load acts, m."""
-    if load.x == 0.0 and load.y == 0.0:
-        return 0.0, 0.0
-    return lever(load.body, load.x, load.y, q)
 
 
 @inlined
 def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Return the position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
-    if load.turns:
-        return q[b + 2] - load.zero, v[b + 2], a[b + 2]
-    rx, ry = arm(load, q)
     along = load.cosine
     across = load.sine
+    if load.turns:
+        return along * q[b + 2] - load.zero, along * v[b + 2], along * a[b + 2]
+    rx, ry = lever(b, load.x, load.y, q)
     spin = v[b + 2]
     turned = across * rx - along * ry
     place = along * (q[b] + rx) + across * (q[b + 1] + ry) - load.zero
@@ -179,12 +161,12 @@ def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array)
         s, speed, _ = load_motion(load, q, v, v)
         size = load_size(load, loads.nodes, loads.modes[k], t, s, speed)
         power += size * speed
-        if load.turns:
-            force[b + 2] += size
-            continue
-        rx, ry = arm(load, q)
         fx = size * load.cosine
+        if load.turns:
+            force[b + 2] += fx
+            continue
         fy = size * load.sine
+        rx, ry = lever(b, load.x, load.y, q)
         force[b] += fx
         force[b + 1] += fy
         force[b + 2] += rx * fy - ry * fx
@@ -217,7 +199,7 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
 
 # Transitions from a mode: past its high and low position, and past its high and low speed
 TRANSITIONS = 4
-MAX_TRANSITIONS = 8  # taken one by one after a step
+MAX_CHANGES = 8  # of a mode after a step
 TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, s
 
 
@@ -227,12 +209,8 @@ def switching(
 ) -> tuple[float, float, float, float]:
     """Return the switching function of a transition, and three time derivatives.
 
-    It is below zero before the transition; minus infinity where there is none.
-
-    Parameters
-    ----------
-    s, v, a, j : float
-        Position and three derivatives; see ``load_motion``.
+    It is below zero before the transition; minus infinity where there is none. ``s`` to ``j`` are
+    the position and three derivatives; see ``load_motion``.
     """
     if load.kind != POSITION:
         return -math.inf, 0.0, 0.0, 0.0
@@ -240,110 +218,88 @@ def switching(
         return s - mode.high, v, a, j
     if transition == 1:
         return mode.low - s, -v, -a, -j
-    sense = load.sense
     if transition == 2:
-        return sense * v - mode.fast, sense * a, sense * j, 0.0
-    return mode.slow - sense * v, -sense * a, -sense * j, 0.0
+        return v - mode.fast, a, j, 0.0
+    return mode.slow - v, -a, -j, 0.0
+
+
+@inlined
+def is_past(value: float, rate: float) -> bool:
+    """Return whether a switching function has risen through zero."""
+    return value > 0.0 or (value == 0.0 and rate > 0.0)
 
 
 @compiled
 def set_limits(load: Records, nodes: Array, mode: Records) -> None:
-    """Set the positions and speeds between which a mode holds."""
+    """Set the positions, or times, and speeds between which a mode holds."""
     mode.low = mode.slow = -math.inf
     mode.high = mode.fast = math.inf
     if load.kind == SERIES or load.kind == USER:
         return
-    first, piece, branch = load.first, mode.piece, mode.branch
-    unloads = load.unloading > 0.0
-    # The next nodes, and of a load in one sense: the one inwards, and where the table begins
-    low = mode.turn * load.period + nodes[first + piece - 1, 0] if piece > 0 else -math.inf
-    high = mode.turn * load.period + nodes[first + piece, 0] if piece < load.count else math.inf
-    inwards, outwards = math.inf * load.sense, -math.inf * load.sense
-    edge = nodes[first if load.sense > 0.0 else first + load.count - 1, 0]
-    if mode.released:
-        outwards = edge
-    elif unloads and branch == OFF:
-        inwards, outwards = mode.deepest + mode.borne / load.unloading, edge
-    elif unloads and branch == ELASTIC:
-        inwards, outwards = mode.deepest, mode.deepest + mode.borne / load.unloading
-    elif unloads:
-        inwards = high if load.sense > 0.0 else low
-        if piece != beginning(load):
-            mode.slow = 0.0
+    piece, branch, after = mode.piece, mode.branch, load.first + mode.piece
+    high = mode.turn * load.period + nodes[after, 0] if piece < load.count else math.inf
+    if branch == RELEASED:
+        mode.low = nodes[load.first, 0]
+    elif load.unloading > 0.0:
+        free = mode.deepest + mode.borne / load.unloading
+        if branch == OFF:
+            mode.low, mode.high = nodes[load.first, 0], free
+        elif branch == ELASTIC:
+            mode.low, mode.high = free, mode.deepest
+        else:
+            mode.high = high
+            mode.slow = 0.0 if piece > 0 else -math.inf
     else:
         if branch != OFF:
-            mode.low, mode.high = low, high
+            mode.high = high
+            if piece > 0:
+                mode.low = mode.turn * load.period + nodes[after - 1, 0]
         if load.sense != 0.0:
             mode.fast = (0.0, RAMP_SPEED, math.inf)[branch]
             mode.slow = (-math.inf, 0.0, RAMP_SPEED)[branch]
-        return
-    mode.low, mode.high = (outwards, inwards) if load.sense > 0.0 else (inwards, outwards)
-
-
-@inlined
-def beginning(load: Records) -> int:
-    """Return the piece before that in which the table of a load in one sense begins."""
-    return 0 if load.sense > 0.0 else load.count
 
 
 @compiled
-def place_mode(load: Records, nodes: Array, mode: Records, at: float) -> None:
-    """Find the piece of a table at a position or time."""
+def place_mode(
+    load: Records, nodes: Array, mode: Records, at: float, onward: float, v: float, a: float
+) -> None:
+    """Find the piece of a table at a position or time, and the branch from the motion there.
+
+    ``onward`` is above zero where a place at a node is in the piece after it.
+    """
     mode.turn = 0
     if load.period > 0.0:
         mode.turn = math.floor(at / load.period)
         at -= mode.turn * load.period
     mode.piece = 0
-    while mode.piece < load.count and nodes[load.first + mode.piece, 0] <= at:
+    while mode.piece < load.count and is_past(at - nodes[load.first + mode.piece, 0], onward):
         mode.piece += 1
     if load.period > 0.0:
         mode.piece = min(max(mode.piece, 1), load.count - 1)
-    mode.released = load.release and mode.piece == load.count - beginning(load)
-
-
-@compiled
-def set_branch(load: Records, mode: Records, v: float) -> None:
-    """Set the branch of a load from the speed."""
     mode.branch = WHOLE
-    if load.sense != 0.0 and load.unloading == 0.0 and load.sense * v <= RAMP_SPEED:
-        mode.branch = RISING if load.sense * v > 0.0 else OFF
+    if load.release and mode.piece == load.count:
+        mode.branch = RELEASED
+    elif load.sense != 0.0 and load.unloading == 0.0 and not is_past(v - RAMP_SPEED, a):
+        mode.branch = RISING if is_past(v, a) else OFF
 
 
 @compiled
-def take_transition(
-    load: Records, nodes: Array, mode: Records, transition: int, s: float, v: float
-) -> None:
-    """Change the mode by a transition."""
-    inwards = (load.sense > 0.0) == (transition == 0)
-    unloads = load.unloading > 0.0
-    if mode.released:  # back where the table begins
-        mode.released = False
-        mode.piece = beginning(load)
-        set_branch(load, mode, v)
-    elif unloads and transition > 1:  # turned back
-        # A step may have gone back over a node since it turned.
-        place_mode(load, nodes, mode, s)
-        mode.borne = load_size(load, nodes, mode, 0.0, s, v)
-        mode.deepest = s
-        mode.branch = ELASTIC
-    elif unloads and mode.branch == ELASTIC:
-        mode.branch = WHOLE if inwards else OFF
-    elif unloads and mode.branch == OFF:
-        mode.branch = ELASTIC if inwards else WHOLE
-        if not inwards:
-            mode.piece = beginning(load)
-    elif transition > 1:
-        mode.branch += 1 if transition == 2 else -1
-        if transition == 2 and mode.branch == RISING:
-            place_mode(load, nodes, mode, s)  # it was not followed while the branch was shut
+def change_mode(load: Records, nodes: Array, mode: Records, s: float, v: float, a: float) -> None:
+    """Change to the mode of a load over position that holds in a state past the present one's."""
+    unloads, before = load.unloading > 0.0, mode.branch
+    if unloads and before in (OFF, ELASTIC) and not is_past(s - mode.deepest, v):
+        free = mode.deepest + mode.borne / load.unloading
+        if not is_past(s - nodes[load.first, 0], v):
+            mode.branch, mode.piece = WHOLE, 0
+        else:
+            mode.branch = ELASTIC if is_past(s - free, v) else OFF
     else:
-        mode.piece += 1 if transition == 0 else -1
-        if mode.piece == (load.count if transition == 0 else 0):
-            if load.period > 0.0:
-                mode.turn += 1
-                mode.piece = 1
-            elif load.release and inwards:
-                mode.released = True
+        place_mode(load, nodes, mode, s, v, v, a)
+        if unloads and before == mode.branch == WHOLE and mode.piece > 0 and is_past(-v, -a):
+            # Turned back
+            mode.borne = load_size(load, nodes, mode, 0.0, s, v)
+            mode.deepest = s
+            mode.branch = ELASTIC
     set_limits(load, nodes, mode)
 
 
@@ -360,29 +316,27 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
         changes_before = changes
         s, speed, faster = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
-        if load.kind == TIME:
-            while mode.high <= t + TIME_NOISE:
-                take_transition(load, nodes, mode, 0, t, 0.0)
-                changes += 1
+        while load.kind == TIME and mode.high <= t + TIME_NOISE:
+            mode.piece += 1
+            if mode.piece == load.count and load.period > 0.0:
+                mode.turn += 1
+                mode.piece = 1
+            set_limits(load, nodes, mode)
+            changes += 1
         mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
         mode.time = t
         mode.place = s
         mode.speed = speed
         mode.faster = faster
-        for _ in range(MAX_TRANSITIONS):
-            chosen = -1
+        for _ in range(MAX_CHANGES):
+            past = False
             for transition in range(TRANSITIONS):
                 value, rate, _, _ = switching(load, mode, transition, s, speed, faster, 0.0)
-                if value > 0.0 or (value == 0.0 and rate > 0.0):
-                    chosen = transition
-            if chosen < 0:
+                past = past or is_past(value, rate)
+            if not past:
                 break
-            take_transition(load, nodes, mode, chosen, s, speed)
+            change_mode(load, nodes, mode, s, speed, faster)
             changes += 1
-        else:  # a step went over many pieces
-            place_mode(load, nodes, mode, s)
-            set_branch(load, mode, speed)
-            set_limits(load, nodes, mode)
         after = load_size(load, nodes, mode, t, s, speed)
         if changes > changes_before:
             mode.changed = t
@@ -415,9 +369,8 @@ def transition_value(
     """Return a switching function in a state, and its rate."""
     if loads is None:
         return -math.inf, 0.0
-    load = loads.records[k // TRANSITIONS]
+    load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
     s, speed, faster = load_motion(load, q, v, a)
-    mode = loads.modes[k // TRANSITIONS]
     value, rate, _, _ = switching(load, mode, k % TRANSITIONS, s, speed, faster, 0.0)
     return value, rate
 
@@ -465,12 +418,11 @@ def place_loads(loads: Loads, q: Array, v: Array) -> None:
         mode = loads.modes[k]
         s, speed, _ = load_motion(load, q, v, v)
         mode.place, mode.speed = s, speed
-        place_mode(load, loads.nodes, mode, 0.0 if load.kind == TIME else s)
-        set_branch(load, mode, speed)
+        place_mode(load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0)
         set_limits(load, loads.nodes, mode)
         # A motion out of the table begins at its deepest place.
-        if load.unloading > 0.0 and load.sense * speed < mode.slow:
-            take_transition(load, loads.nodes, mode, TRANSITIONS - 1, s, speed)
+        if load.unloading > 0.0 and speed < mode.slow:
+            change_mode(load, loads.nodes, mode, s, speed, 0.0)
 
 
 @compiled
@@ -486,20 +438,14 @@ def _follow_sizes(loads: Loads, motion: Array, sizes: Array, levels: Array) -> N
         for k in range(loads.records.shape[0]):
             load = loads.records[k]
             s, speed, _ = load_motion(load, q, v, a)
-            sizes[i, k] = load_size(load, loads.nodes, loads.modes[k], t, s, speed)
+            sizes[i, k] = load.cosine * load_size(load, loads.nodes, loads.modes[k], t, s, speed)
 
 
 def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) -> Array:
     """Return the sizes of loads over one coordinate in a recorded motion, shape (n, loads), N.
 
-    They are in the modes of the run that recorded it: a row stands at every change of them.
-
-    Parameters
-    ----------
-    linkage : Linkage
-        What they act on.
-    motion : ndarray, shape (n, 4)
-        Time, s, place, m, velocity and acceleration along the direction in which they act.
+    They are in the modes of the run that recorded it: a row stands at every change of them. Columns
+    of ``motion`` are time, s, and place, m, velocity and acceleration along the loads' direction.
     """
     chosen = tuple(laws)
     records = np.zeros(len(chosen), LOAD)
@@ -515,6 +461,7 @@ def pack_loads(linkage: Linkage) -> Loads | None:
     if not linkage.live_loads:
         return None
     loads = np.zeros(len(linkage.live_loads), LOAD)
+    loads["cosine"] = 1.0
     for record, load in zip(loads, linkage.live_loads, strict=True):
         record["body"] = 3 * linkage.index(load.body)
         record["turns"] = isinstance(load, Moment)
@@ -539,6 +486,10 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
             record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
             record["zero"], record["release"] = law.zero, law.release
             record["unloading"], table = law.unloading, law.table
+            if law.sense == "against":
+                for name in ("cosine", "sine", "zero"):
+                    record[name] *= -1.0
+                table = [(-place, -size) for place, size in reversed(table)]
         elif isinstance(law, UserFunction):
             kernel = compile_function(law, LOAD_PARAMETERS)
             record["kind"], record["address"] = USER, address_of(kernel, len(LOAD_PARAMETERS))

@@ -15,7 +15,7 @@ from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
-from presswear.physics.ideal import IdealMotion, bottom_of, ideal_motion
+from presswear.physics.ideal import IdealMotion, Motion, bottom_of, ideal_motion
 from presswear.physics.loads import place_loads, settle_loads
 from presswear.physics.packed import applied_forces, pack
 from presswear.tools.compile import Records
@@ -31,26 +31,12 @@ def needed_torques(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     """Return the torques of the drives, all joints closed, shape (n, drives), N m.
 
     With inertia, weights, springs and loads: the multipliers of the drives' constraint rows.
-
-    Parameters
-    ----------
-    linkage : Linkage
-        The ideal one, with its loads.
-    time : ndarray, shape (n,)
-        s; laws of loads that depend on the way are followed from the first instant.
+    Laws of loads that depend on the way are followed from the first instant of ``time``, s.
     """
-    return _multipliers(linkage, ideal, time)[:, -len(linkage.drives) :]
+    return constraint_forces(linkage, ideal, time)[:, -len(linkage.drives) :]
 
 
-def joint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> dict[str, Array]:
-    """Return the forces of pin joints on their first ends by name, each (n, 2), N."""
-    multipliers = _multipliers(linkage, ideal, time)
-    return {
-        joint.name: multipliers[:, 2 * k : 2 * k + 2] for k, joint in enumerate(linkage.revolutes)
-    }
-
-
-def _multipliers(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
+def constraint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m."""
     motion, packed = ideal.at(time), pack(linkage)
     right = packed.mass * motion.acceleration
@@ -105,36 +91,27 @@ def closed(linkage: Linkage) -> Linkage:
 class _Rest:
     """Position and unbalanced forces of a linkage as functions of the eccentricities of its pins.
 
-    The drives are held and the output point is pulled. The eccentricities are the only freedom:
-    they are added to the rows of the linkage with ideal joints, whose multipliers under all forces
-    are what is not balanced at the pins.
+    The drives are held and the output point is pulled. The eccentricities are added to the rows of
+    the linkage with ideal joints, whose multipliers under all forces are unbalanced at the pins.
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
-        ideal = ideal_motion(closed(linkage), linkage.period)
-        self.position = ideal.at(np.array([time])).position[0]
+        self.ideal = ideal_motion(closed(linkage), linkage.period)
+        self.position = self.ideal.at(np.array([time])).position[0]
         self.packed = pack(replace(linkage, loads=linkage.dead_loads))
+        self.tolerance = ROUND_OFF * self.ideal.rows.size
+        self.contacts = np.zeros(len(linkage.clearances), CONTACT)
+        self._linkage, self._time, self._pull = linkage, time, pull
         self._rows = constraints_of(closed(linkage))
         first = 2 * len(linkage.revolutes)
         self._pins = slice(first, first + 2 * len(linkage.clearances))
-        self._time, self._pull, self._output = time, pull, linkage.output
-        self._place = 3 * linkage.index(linkage.output.body)
-        self._direction = np.array(
-            [math.cos(linkage.output.direction), math.sin(linkage.output.direction)]
-        )
         self._still = np.zeros(self.position.size)
-        self._onset = np.zeros(len(linkage.clearances))
-        self.tolerance = ROUND_OFF * ideal.rows.size
-        self.contacts = np.zeros(len(linkage.clearances), CONTACT)
 
-    def _arm(self) -> Array:
-        """Return the vector from the mass centre of the output body to its point, m."""
-        return np.array(lever(self._place, self._output.x, self._output.y, self.position))
-
-    def height(self) -> float:
-        """Return the place of the output point along its direction, m."""
-        centre = self.position[self._place : self._place + 2]
-        return float(self._direction @ (centre + self._arm()))
+    def equilibrium(self) -> Equilibrium:
+        """Return the present position with its contacts."""
+        q, still = self.position[np.newaxis], self._still[np.newaxis]
+        height = Motion(np.array([self._time]), q, still, still).output(self._linkage)[0, 0]
+        return Equilibrium(self.position, float(height), self.contacts)
 
     def move(self, eccentricities: Array) -> None:
         """Move all bodies to eccentricities of the pins, shape (joints, 2), m."""
@@ -148,15 +125,17 @@ class _Rest:
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
         """Return the forces that push the pins out of the middle, shape (joints, 2), N."""
-        q, i = self.position, self._place
+        q, output = self.position, self._linkage.output
+        i = 3 * self._linkage.index(output.body)
         force = np.empty_like(q)
         applied_forces(self.packed, self._time, q, self._still, force)
-        (x, y), (fx, fy) = self._arm(), self._pull * self._direction
+        x, y = lever(i, output.x, output.y, q)
+        fx, fy = self._pull * math.cos(output.direction), self._pull * math.sin(output.direction)
         force[i : i + 3] += fx, fy, x * fy - y * fx
         if with_contacts:
-            joints, rates = self.packed.joints, np.zeros(JOINT_RATES * self._onset.size)
-            note_forces(joints, self._onset, self.contacts)
-            add_contacts(joints, self._onset, self.contacts, force, rates)
+            joints, onset = self.packed.joints, np.zeros(self.contacts.size)
+            note_forces(joints, onset, self.contacts)
+            add_contacts(joints, onset, self.contacts, force, np.zeros(JOINT_RATES * onset.size))
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
         return -np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2)
 
@@ -171,7 +150,7 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     eccentricities = np.zeros_like(needed)
     if not loaded.any():
         rest.move(eccentricities)
-        return Equilibrium(rest.position, rest.height(), rest.contacts)
+        return rest.equilibrium()
     direction = needed[loaded] / size[loaded, np.newaxis]
     joints = rest.packed.joints[loaded]
     law = joints["normal"]
@@ -197,7 +176,7 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
             f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
             "forces are not balanced"
         )
-    return Equilibrium(rest.position, rest.height(), rest.contacts)
+    return rest.equilibrium()
 
 
 def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
@@ -218,7 +197,7 @@ def pull_of(linkage: Linkage) -> float:
 def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     """Return the total clearance at bottom dead centre, m (JIS B 6402).
 
-    The output body is pulled up and down, the drives held: what its heights differ by is the
+    The output body is pulled up and down, the drives held: the difference of its heights is the
     play of all joints on the way of the load, worn surfaces included, and what they give under
     the force. Weight acts, so that the force has to be larger than what hangs.
 
@@ -227,8 +206,7 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     linkage : Linkage
         With clearance; on the surfaces of a stage it is ``scene.linkage(stage.surfaces)``.
     force : float or None
-        By which it is pulled either way, N; None: 100 N, or ten times the weight of all bodies
-        where that is more.
+        Pull either way, N; None: 100 N, or ten times the weight of all bodies where that is more.
 
     Raises
     ------
@@ -246,18 +224,8 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
 def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
     """Return the rise of bottom dead centre between two static loads, m, the drives held there.
 
-    Parameters
-    ----------
-    force, idle : float
-        On the output point along its direction, N; without the latter the linkage hangs by its
-        weight.
-
-    Raises
-    ------
-    InputError
-        For a force out of range, and where the output point stands.
-    RunFailed
-        Where the linkage does not come to rest.
+    ``force`` and ``idle`` act on the output point along its direction, N; without the latter the
+    linkage hangs by its weight. Errors are those of ``total_clearance``.
     """
     _FORCE.check("force", force)
     _FORCE.check("idle", idle)

@@ -51,7 +51,10 @@ def settle(packed: Loads, t: float, s: float, v: float, a: float = 0.0) -> None:
 
 
 def size(packed: Loads, t: float, s: float, v: float) -> float:
-    return load_size(packed.records[0], packed.nodes, packed.modes[0], t, s, v)
+    """Size at a position in the table and a speed, as its user counts them."""
+    turned = float(packed.records["cosine"][0]) if packed.records["turns"][0] else 1.0
+    record, mode = packed.records[0], packed.modes[0]
+    return turned * load_size(record, packed.nodes, mode, t, turned * s, turned * v)
 
 
 def table_of(spaces: list[float], sizes: list[float], ends: bool = False) -> Table:
