@@ -8,12 +8,13 @@ beyond it.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import matplotlib
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run
@@ -22,19 +23,8 @@ from presswear.recording.statistics import Estimate, pooled
 from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import MUTED, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
-from presswear.validation.cases import Check, Progress, finished, order_of
-from presswear.validation.trajectories import (
-    Difference,
-    Touchdown,
-    Trajectory,
-    divergence_time,
-    matched,
-    slider_difference,
-    touchdown_differences,
-    touchdowns_of,
-    trajectory_of,
-    velocity_difference,
-)
+from presswear.tools.arrays import Array
+from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
 
 DISTURBANCE = 1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
 GROWTH = 1000.0  # of the disturbance at the horizon
@@ -44,6 +34,7 @@ TOLERANCE_PARTS = (1, 10, 100, 1000)  # divide the tolerance of the tree; bounds
 FIRST_TOUCHDOWNS = 10  # touchdowns with bounds
 CYCLES = 8  # whose means are compared, unless the scene has a number
 PARTS = 40  # of a run; more make the recorded series and the longest steps finer
+GRID = 2001  # common times at which series are compared
 SLIDER_BOUND = 1e-6  # m, up to the horizon
 # Relative to the largest speed, up to the last of the first touchdowns. Later a bound would judge
 # the motion: a touchdown moved by 1e-5 s changes a velocity by much.
@@ -57,6 +48,142 @@ INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house inte
 
 
 @dataclass(frozen=True)
+class Touchdown:
+    """Start of a contact: its time, s, closing speed, m/s, and the peak force of the contact, N."""
+
+    joint: int
+    time: float
+    closing_speed: float
+    peak_force: float
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Recorded series that are compared."""
+
+    time: Array  # s, shape (n,)
+    slider: Array  # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
+    eccentricity: Array  # m, shape (n, 2 joints)
+    touchdowns: tuple[Touchdown, ...]  # in the order of their times
+
+    def slider_at(self, time: Array) -> tuple[Array, Array]:
+        """Return position, m, and velocity, m/s, at specified times."""
+        cubic = CubicHermiteSpline(self.time, self.slider[:, 0], self.slider[:, 1])
+        return cubic(time), cubic.derivative()(time)
+
+
+def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:
+    """Return the touchdowns of all recorded contacts, and of those that last to the end."""
+    touchdowns, records = [], run.recorder.records
+    for k, last in enumerate(records.memory):
+        columns = ("touchdown", "closing_speed", "peak_force")
+        contacts = contacts_of(run, k)
+        rows = np.column_stack([contacts[name] for name in columns]).tolist()
+        if records.onset[k] > 0.0 and not last["started_closed"]:
+            rows.append(map(float, (last["touchdown_time"], records.onset[k], last["peak_force"])))
+        touchdowns += [Touchdown(k, *row) for row in rows]
+    return tuple(sorted(touchdowns, key=lambda touchdown: touchdown.time))
+
+
+def common_times(one: Trajectory, two: Trajectory) -> Array:
+    """Return evenly spaced times in both trajectories, s."""
+    return np.linspace(0.0, min(one.time[-1], two.time[-1]), GRID)
+
+
+def slider_difference(one: Trajectory, two: Trajectory) -> Array:
+    """Return the distance of two sliders at common times, shape (n, 2): time, s, distance, m."""
+    time = common_times(one, two)
+    return np.column_stack([time, np.abs(one.slider_at(time)[0] - two.slider_at(time)[0])])
+
+
+def velocity_difference(reference: Trajectory, compared: Trajectory, end: float) -> float:
+    """Return the largest difference of slider velocity up to a time, s, relative to the largest."""
+    time = common_times(reference, compared)
+    time = time[time <= end]
+    difference = compared.slider_at(time)[1] - reference.slider_at(time)[1]
+    return float(np.abs(difference).max() / np.abs(reference.slider[:, 1]).max())
+
+
+def touchdown_differences(
+    reference: tuple[Touchdown, ...], compared: tuple[Touchdown, ...]
+) -> Array:
+    """Return the differences of touchdowns with the same number in the same joint, shape (n, 3).
+
+    They are time, s, and relative closing speed and peak force; infinite for a touchdown that the
+    compared run lacks.
+    """
+    left, differences = list(compared), np.full((len(reference), 3), math.inf)
+    for row, each in zip(differences, reference, strict=True):
+        twin = next((item for item in left if item.joint == each.joint), None)
+        if twin is not None:
+            left.remove(twin)
+            ratios = twin.closing_speed / each.closing_speed, twin.peak_force / each.peak_force
+            row[:] = twin.time - each.time, ratios[0] - 1.0, ratios[1] - 1.0
+    return np.abs(differences)
+
+
+def divergence_time(one: Trajectory, two: Trajectory, distance: float) -> float | None:
+    """Return the time, s, at which slider or eccentricities first differ by a distance, m."""
+    time, largest = slider_difference(one, two).T
+    for first, second in zip(one.eccentricity.T, two.eccentricity.T, strict=True):
+        between = np.interp(time, one.time, first) - np.interp(time, two.time, second)
+        largest = np.maximum(largest, np.abs(between))
+    late = np.flatnonzero(largest >= distance)
+    return float(time[late[0]]) if late.size else None
+
+
+class _Runner:
+    """Runs of the unworn linkage of a scene, with their progress."""
+
+    def __init__(self, scene: Scene, report: Progress) -> None:
+        self.linkage, self.start, self.report = scene.linkage(), start_of(scene), report
+        self.moved = disturbed(self.linkage, self.start, DISTURBANCE)  # None: no free direction
+
+    def run(self, word: str, engine: Engine, plan: Plan, is_moved: bool = False) -> Run:
+        """Run from the start, or from the disturbed start; RunFailed if the run fails."""
+        self.report(word, 0.0)
+        start = (is_moved and self.moved) or self.start
+        plan = replace(plan, report=lambda part, recorder: self.report(word, part))
+        return finished(engine.simulate(self.linkage, start, plan))
+
+    def trajectory(
+        self, word: str, engine: Engine, end: float, is_moved: bool = False
+    ) -> Trajectory:
+        run = self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), is_moved)
+        recorder, records = run.recorder, run.recorder.records
+        # The series holds displacements, and a disturbed initial state is displaced already.
+        position = recorder.series("displacement") + float(records.output["start"][0])
+        names = ("eccentricity_x", "eccentricity_y")
+        series = [recorder.series(n, k) for k in range(records.memory.size) for n in names]
+        return Trajectory(
+            recorder.series("time").copy(),
+            np.column_stack([position, recorder.series("velocity")]),
+            np.array(series).reshape(-1, position.size).T,
+            touchdowns_of(run),
+        )
+
+    def separation(
+        self, engine: Engine, end: float
+    ) -> tuple[float | None, Trajectory, Trajectory] | None:
+        """Return the horizon, s, and both trajectories; None if no direction is free.
+
+        The horizon is None if the trajectories stay together up to ``end``, s.
+        """
+        if self.moved is None:
+            return None
+        first = self.trajectory("dae", engine, end)
+        second = self.trajectory("dae, disturbed", engine, end, is_moved=True)
+        return divergence_time(first, second, GROWTH * DISTURBANCE), first, second
+
+
+def horizon(scene: Scene, engine: Engine, longest: float, report: Progress) -> float:
+    """Return the time up to which trajectories of a scene can be compared, s, at most a cycle."""
+    end = min(scene.mechanism.period, longest)
+    separation = _Runner(scene, report).separation(engine, end)
+    return end if separation is None or separation[0] is None else separation[0]
+
+
+@dataclass(frozen=True)
 class Crosscheck:
     """Result of a cross-check."""
 
@@ -65,7 +192,9 @@ class Crosscheck:
     diverged: bool  # whether trajectories diverged at the horizon; else it is the end of the runs
     checks: tuple[Check, ...]
     touchdowns: tuple[Touchdown, ...]  # of the reference up to the horizon
-    differences: tuple[Difference, ...]  # the disturbed initial state, then Exudyn, coarsest first
+    # Time, s, and distance of the slider from the reference, m, shape (n, 2): the disturbed initial
+    # state, then Exudyn, coarsest first.
+    differences: Mapping[str, Array]
     exudyn: tuple[str, ...]  # models that Exudyn ran, coarsest first
     statistics: dict[str, dict[str, Estimate]]  # means over cycles by engine and quantity
 
@@ -88,54 +217,11 @@ class Crosscheck:
             "checks": [{name: getattr(each, name) for name in fields} for each in self.checks],
             "touchdowns": [{**asdict(t), "joint": names[t.joint]} for t in self.touchdowns],
             "slider_difference_max_m": {
-                curve.label: float(curve.slider[curve.time <= self.horizon].max())
-                for curve in self.differences
+                label: float(distance[time <= self.horizon].max())
+                for label, (time, distance) in ((k, v.T) for k, v in self.differences.items())
             },
-            "statistics": {
-                engine: {name: asdict(mean) for name, mean in means.items()}
-                for engine, means in self.statistics.items()
-            },
+            "statistics": self.statistics,
         }
-
-
-class _Runner:
-    """Runs of the unworn linkage of a scene, with their progress."""
-
-    def __init__(self, scene: Scene, report: Progress) -> None:
-        self.linkage, self.start, self.report = scene.linkage(), start_of(scene), report
-
-    def run(self, word: str, engine: Engine, plan: Plan, is_moved: bool = False) -> Run:
-        """Run from the start, or from the disturbed start."""
-        self.report(word, 0.0)
-        start = disturbed(self.linkage, self.start, DISTURBANCE) if is_moved else self.start
-        assert start is not None, "the caller has checked that a direction is free"
-        plan = replace(plan, report=lambda part, recorder: self.report(word, part))
-        return finished(engine.simulate(self.linkage, start, plan))
-
-    def trajectory(
-        self, word: str, engine: Engine, end: float, is_moved: bool = False
-    ) -> Trajectory:
-        return trajectory_of(self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), is_moved))
-
-    def separation(
-        self, engine: Engine, end: float
-    ) -> tuple[float | None, Trajectory, Trajectory] | None:
-        """Return the horizon, s, and both trajectories; None if no direction is free.
-
-        The horizon is None if the trajectories stay together up to ``end``, s.
-        """
-        if disturbed(self.linkage, self.start, DISTURBANCE) is None:
-            return None
-        first = self.trajectory("dae", engine, end)
-        second = self.trajectory("dae, disturbed", engine, end, is_moved=True)
-        return divergence_time(first, second, GROWTH * DISTURBANCE), first, second
-
-
-def horizon(scene: Scene, engine: Engine, longest: float, report: Progress) -> float:
-    """Return the time up to which trajectories of a scene can be compared, s, at most a cycle."""
-    end = min(scene.mechanism.period, longest)
-    separation = _Runner(scene, report).separation(engine, end)
-    return end if separation is None or separation[0] is None else separation[0]
 
 
 def exudyn_of(scene: Scene) -> dict[str, Engine]:
@@ -170,18 +256,17 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     runner = _Runner(scene, report)
     precise = InHouse(integration_tolerance=REFERENCE_TOLERANCE, coordinates="all")
     separation = runner.separation(precise, end)
-    curves, diverged = [], False
+    curves, diverged = {}, False
     if separation is not None:
         time, calm, moved = separation
         diverged, end = time is not None, time or end
-        label = f"in-house, start moved by {DISTURBANCE:g} m"
-        curves.append(slider_difference(label, calm, moved))
+        curves[f"in-house, start moved by {DISTURBANCE:g} m"] = slider_difference(calm, moved)
     reference = runner.trajectory("dae to the horizon", precise, end)
     engines = exudyn_of(scene)
     compared = {word: runner.trajectory(word, engine, end) for word, engine in engines.items()}
-    curves += [slider_difference(word, reference, each) for word, each in compared.items()]
+    distances = {word: slider_difference(reference, each) for word, each in compared.items()}
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
-    checks = _exudyn_checks(is_tree, reference, compared, end)
+    checks = _exudyn_checks(is_tree, reference, compared, list(distances.values()), end)
     if diverged:
         checks += _reported("disturbed start", reference, moved, end)
     if first := reference.touchdowns[:FIRST_TOUCHDOWNS]:
@@ -192,25 +277,25 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
-    statistics: dict[str, dict[str, Estimate]] = {}
-    if diverged:
-        beyond, statistics = _check_means(scene, runner)
-        checks += beyond
-    touchdowns, models = reference.touchdowns, tuple(engines)
+    beyond, statistics = _check_means(scene, runner) if diverged else ([], {})
+    every, touchdowns, names = (*checks, *beyond), reference.touchdowns, tuple(engines)
     return Crosscheck(
-        scene, end, diverged, tuple(checks), touchdowns, tuple(curves), models, statistics
+        scene, end, diverged, every, touchdowns, curves | distances, names, statistics
     )
 
 
 def _exudyn_checks(
-    is_tree: bool, reference: Trajectory, compared: Mapping[str, Trajectory], horizon: float
+    is_tree: bool,
+    reference: Trajectory,
+    compared: Mapping[str, Trajectory],
+    distances: list[Array],
+    horizon: float,
 ) -> list[Check]:
     """Check Exudyn against the reference up to the horizon."""
     first = reference.touchdowns[:FIRST_TOUCHDOWNS]
     differences = [touchdown_differences(first, each.touchdowns) for each in compared.values()]
-    curves = [slider_difference(name, reference, each) for name, each in compared.items()]
     name, finest = list(compared.items())[-1]
-    distance = curves[-1].slider
+    time, distance = distances[-1].T
     checks = [Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")]
     if first:
         last = first[-1].time
@@ -226,33 +311,30 @@ def _exudyn_checks(
             *_reported(name, reference, finest, horizon),
         ]
         if is_tree:
-            early = float(distance[curves[-1].time <= last].max())
+            early = float(distance[time <= last].max())
             words = f"{name}: slider to touch {len(first)}"
             checks.append(Check(words, early, TREE_SLIDER_BOUND, "m"))
     if not is_tree:
         # Without touchdowns, the distance of the slider has the order.
-        errors = [float(curve.slider.max()) for curve in curves]
+        errors = [float(each[:, 1].max()) for each in distances]
         if first:
             errors = [float(np.sqrt(np.mean(each[:, 0] ** 2))) for each in differences]
         order = -order_of(FINENESS, errors)
-        words = f"Exudyn's order {order:.2f}, from 2"
-        checks.append(Check(words, abs(order - ORDER), ORDER_BOUND))
+        checks.append(Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND))
     return checks
 
 
-def _reported(name: str, reference: Trajectory, compared: Trajectory, end: float) -> list[Check]:
-    """Return differences up to the horizon, where no solver could keep a bound."""
+def _reported(
+    name: str, reference: Trajectory, compared: Trajectory, end: float
+) -> Iterator[Check]:
+    """Yield differences up to the horizon, where no solver could keep a bound."""
     # A touchdown just before the horizon may come just after it in the compared run.
-    times = [
-        abs(twin.time - each.time)
-        for each, twin in matched(reference.touchdowns, compared.touchdowns)
-        if twin is not None
-    ]
-    speed = velocity_difference(reference, compared, end)
-    return [
-        Check(f"{name}: slider velocity", speed, None, "relative"),
-        Check(f"{name}: {len(times)} touches, times", max(times, default=math.nan), None, "s"),
-    ]
+    times = touchdown_differences(reference.touchdowns, compared.touchdowns)[:, 0]
+    times = times[np.isfinite(times)]
+    speed, count = velocity_difference(reference, compared, end), len(times)
+    largest = float(times.max()) if count else math.nan
+    yield Check(f"{name}: slider velocity", speed, None, "relative")
+    yield Check(f"{name}: {count} touches, times", largest, None, "s")
 
 
 def _check_means(
@@ -287,7 +369,7 @@ def _check_means(
     return checks, means
 
 
-_COLOURS = ("#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
+_COLOURS = (MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
 
 
 @matplotlib.rc_context(SETTINGS)
@@ -295,25 +377,19 @@ def draw_differences(result: Crosscheck) -> Drawing:
     """Draw the distance of the slider from the reference over time, up to 1.5 horizons."""
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
-    end = max(float(curve.time[-1]) for curve in result.differences)
+    end = max(float(curve[-1, 0]) for curve in result.differences.values())
     end = min(end, 1.5 * result.horizon)
-    colours = _COLOURS if len(result.differences) == len(_COLOURS) else (MUTED, *_COLOURS)
-    for curve, colour in zip(result.differences, colours, strict=False):
-        shown = (curve.time <= end) & (curve.slider > 0.0)  # a logarithm shows no zeros
-        x, y = curve.time[shown], curve.slider[shown]
-        axes.semilogy(x, y, color=colour, linewidth=0.9, label=curve.label)
+    for (label, curve), colour in zip(result.differences.items(), _COLOURS, strict=False):
+        shown = curve[(curve[:, 0] <= end) & (curve[:, 1] > 0.0)]  # a logarithm shows no zeros
+        axes.semilogy(*shown.T, color=colour, linewidth=0.9, label=label)
     axes.axhline(SLIDER_BOUND, color=REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
     axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
     if result.diverged:
         axes.axvline(result.horizon, color=REFERENCE, linewidth=0.7)
-        axes.text(
-            result.horizon,
-            0.02,
-            f" horizon: grown {GROWTH:g} times ",
-            transform=axes.get_xaxis_transform(),
-            va="bottom",
-            ha="left" if result.horizon < 0.7 * end else "right",
-        )
+        side = "left" if result.horizon < 0.7 * end else "right"
+        place = (result.horizon, 0.02)
+        look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "va": "bottom"}
+        axes.text(*place, f" horizon: grown {GROWTH:g} times ", ha=side, **look)
     axes.set_xlim(0.0, end)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("distance of the slider from the\nin-house reference (m)")

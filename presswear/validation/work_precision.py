@@ -43,9 +43,13 @@ from presswear.validation.cases import (
     missing_energy,
     part_of,
 )
-from presswear.validation.crosscheck import FIRST_TOUCHDOWNS, horizon
+from presswear.validation.crosscheck import (
+    FIRST_TOUCHDOWNS,
+    horizon,
+    touchdown_differences,
+    touchdowns_of,
+)
 from presswear.validation.timing import TimedRun, Timing, time_runs
-from presswear.validation.trajectories import touchdown_differences, touchdowns_of
 
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
 TRAPEZOIDAL, EQUAL = "trapezoidal rule", "trapezoidal rule, equal steps"

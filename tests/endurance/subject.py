@@ -15,6 +15,7 @@ from presswear.__main__ import main
 from presswear.results.folder import read_stored
 from presswear.tools.files import holder, read_checked
 
+SEED = 20240131  # of all random moments, positions and scenes of the full trials
 PATIENCE = 60.0  # s of wall time, after which a command line that must be refused counts as hung
 # As ``python -m presswear``; a shell's background jobs have SIGINT ignored.
 _PROGRAM = """
@@ -24,6 +25,27 @@ from presswear.__main__ import main
 sys.exit(main(sys.argv[1:]))
 """
 Process = subprocess.Popen[str]
+
+
+@dataclass
+class Trial:
+    """Counts of attempts of one kind, with the first problem."""
+
+    attempts: int = 0
+    passes: int = 0
+    allowed: int = 0  # misses that are not failures of the program
+    note: str = ""
+    first_miss: str = ""
+
+    def add(self, problem: str = "", times: int = 1) -> None:
+        self.attempts += times
+        self.passes += 0 if problem else times
+        self.first_miss = self.first_miss or problem
+        if problem:
+            print(problem)  # pytest shows it for a trial that fails
+
+    def check(self) -> None:
+        assert 0 < self.attempts <= self.passes + self.allowed, self.first_miss
 
 
 def is_one_line(output: str) -> bool:

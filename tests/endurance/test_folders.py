@@ -13,9 +13,11 @@ import pytest
 
 from endurance.sameness import folder_differences
 from endurance.subject import (
+    SEED,
     TREE,
     Alone,
     Subject,
+    Trial,
     check_checkpoint,
     checkpoint_of,
     end,
@@ -24,7 +26,6 @@ from endurance.subject import (
     resume_option,
     wait_for,
 )
-from endurance.trial import SEED, Trial
 from presswear.results.result import load
 from presswear.tools.errors import InputError
 
@@ -46,7 +47,6 @@ def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
 
 @pytest.mark.endurance
 def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
-    trial.title, trial.note = "disk full", "one line; with room again it goes on, equal"
     whole = alone(TREE).folder
     for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
         with small_disk(tmp_path / size, size) as disk:
@@ -62,12 +62,11 @@ def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) ->
             else:
                 problems += folder_differences(whole, disk / "out")[:3]
             trial.add(f"{size}: {'; '.join(problems)}" if problems else "")
-    assert trial.passed, trial.first_miss
+    trial.check()
 
 
 @pytest.mark.endurance
 def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
-    trial.title, trial.note = "read-only folder", "refused with one line at the start"
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
     if os.access(closed, os.W_OK):  # as root
@@ -77,13 +76,11 @@ def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
         answer = TREE.finish(closed / "out")
     is_named = is_one_line(answer.errors) and "out" in answer.errors
     trial.add("" if answer.code == 2 and is_named else answer.problem)
-    assert trial.passed, trial.first_miss
+    trial.check()
 
 
 @pytest.mark.endurance
 def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bool) -> None:
-    trial.title = "folder deleted while running"
-    trial.note = "one line, and nothing is written in its place"
     wait = Random(SEED)
     for k in range(1 if is_quick else 5):
         out = tmp_path / f"out-{k}"
@@ -95,15 +92,13 @@ def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bo
         is_named = is_one_line(answer.errors) and str(out) in answer.errors
         wrong = "" if answer.code == 1 and is_named else answer.problem
         trial.add("something was written into its place" if out.exists() else wrong)
-    assert trial.passed, trial.first_miss
+    trial.check()
 
 
 @pytest.mark.endurance
 def test_two_runs_into_one_folder(
     trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
 ) -> None:
-    trial.title = "two runs into one folder"
-    trial.note = "the second is refused, the first ends as if alone"
     out = tmp_path / "out"
     first = TREE.start(out)
     wait_for(lambda: is_at_work(first, out))
@@ -114,7 +109,7 @@ def test_two_runs_into_one_folder(
     answer = end(first)
     assert answer.code == 0, answer.problem
     assert folder_differences(alone(TREE).folder, out) == []
-    assert trial.passed, trial.first_miss
+    trial.check()
 
 
 def missed(check: Callable[[Path], object], file: Path) -> str:
@@ -129,7 +124,6 @@ def missed(check: Callable[[Path], object], file: Path) -> str:
 @pytest.mark.endurance
 def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
     """Every file of data is cut off, changed in a bit, and removed."""
-    trial.title = "files cut off or altered"
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     shutil.copytree(alone(TREE).folder, whole)
     process = TREE.start(stopped)
@@ -141,7 +135,6 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
     checkpoint = checkpoint_of(stopped)
     assert checkpoint is not None
     cases.append((check_checkpoint, checkpoint))
-    trial.note = f"{len(cases)} files; every one is results and named"
     chance = Random(SEED)
     for check, file in cases:
         data = file.read_bytes()
@@ -159,4 +152,4 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
         trial.add(f"{file.name} gone: {wrong}" if wrong else "")
         file.write_bytes(data)
         check(file.parent)
-    assert trial.passed, trial.first_miss
+    trial.check()

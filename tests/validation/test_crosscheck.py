@@ -16,8 +16,8 @@ from presswear.engines.settings import ExudynTree
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import ideal, wear_times
-from presswear.validation.crosscheck import DISTURBANCE
-from presswear.validation.trajectories import (
+from presswear.validation.crosscheck import (
+    DISTURBANCE,
     Touchdown,
     Trajectory,
     divergence_time,
