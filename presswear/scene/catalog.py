@@ -56,41 +56,24 @@ ideal = _named(
     wear_updates=0,
     cycles=2,
 )
-wear_times = _named(
-    "wear-times",
-    "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)",
-    mechanism=Press(speed=3.5 * math.pi),
-    bearings=Bearing(clearance=0.8e-3, friction=0.02),
-    wear_updates=2,
-)
-friction = _named(
-    "friction",
-    "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)",
-    wear_times,
-    mechanism=Press(speed=6.0 * math.pi),
-    bearings=Bearing(clearance=0.6e-3, friction=0.05),
-    wear_updates=1,
-)
-friction_high = _named(
-    "friction-0.1",
-    "Friction 0.1, else as friction",
-    friction,
-    bearings=Bearing(clearance=0.6e-3, friction=0.1),
-)
-speed = _named(
-    "speed",
-    "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)",
-    wear_times,
-    mechanism=Press(speed=4.0 * math.pi),
-    bearings=Bearing(clearance=0.8e-3, friction=0.03),
-    wear_updates=1,
-)
-speed_high = _named(
-    "speed-8pi",
-    "Cranks at 8 pi rad/s, else as speed",
-    speed,
-    mechanism=Press(speed=8.0 * math.pi),
-)
+
+
+def _paper(
+    name: str, title: str, speed: float, clearance: float, friction: float, wear_updates: int = 1
+) -> Make:
+    """Register a scene of the paper: crank speed in units of pi rad/s, clearance in m."""
+    bearings = Bearing(clearance=clearance, friction=friction)
+    mechanism = Press(speed=speed * math.pi)
+    return _named(name, title, mechanism=mechanism, bearings=bearings, wear_updates=wear_updates)
+
+
+_WORN_TWICE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)"
+_FRICTION = "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)"
+wear_times = _paper("wear-times", _WORN_TWICE, 3.5, 0.8e-3, 0.02, wear_updates=2)
+friction = _paper("friction", _FRICTION, 6.0, 0.6e-3, 0.05)
+friction_high = _paper("friction-0.1", "Friction 0.1, else as friction", 6.0, 0.6e-3, 0.1)
+speed = _paper("speed", "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)", 4.0, 0.8e-3, 0.03)
+speed_high = _paper("speed-8pi", "Cranks at 8 pi rad/s, else as speed", 8.0, 0.8e-3, 0.03)
 clearance_a = _named(
     "clearance-a",
     "The press with clearance at A alone",
@@ -116,24 +99,14 @@ press_drawing = _named(
     process=Drawing(cushion=20.0),
 )
 
-press_servo_dwell = _named(
-    "press-servo-dwell",
-    "press-blanking with a dwell, by servo 7",
-    press_blanking,
-    mechanism=Press(servo=Dwell()),
-)
-press_servo_forming = _named(
-    "press-servo-forming",
-    "press-blanking at a constant speed",
-    press_blanking,
-    mechanism=Press(servo=Forming()),
-)
-press_pendulum = _named(
-    "press-pendulum",
-    "press-blanking while crank 7 swings",
-    press_blanking,
-    mechanism=Press(servo=Pendulum()),
-)
+
+def _servo_press(name: str, title: str, servo: Any) -> Make:
+    return _named(name, f"press-blanking {title}", press_blanking, mechanism=Press(servo=servo))
+
+
+press_servo_dwell = _servo_press("press-servo-dwell", "with a dwell, by servo 7", Dwell())
+press_servo_forming = _servo_press("press-servo-forming", "at a constant speed", Forming())
+press_pendulum = _servo_press("press-pendulum", "while crank 7 swings", Pendulum())
 
 _KNOWN = ("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution")
 # As Flores studied it.  The literature takes the stiffness with R_i - R_j.

@@ -1,6 +1,5 @@
 """Scenes from TOML files, every number with its unit, and measured surfaces from tables."""
 
-import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
@@ -142,12 +141,8 @@ def _settings(data: Any, folder: Path) -> dict[str, str]:
 
 
 _HEADER = "joint,side,angle (deg),depth (um)"
-_COLUMNS: dict[str, Quantity | None] = {
-    "joint": None,
-    "side": None,
-    "angle": Quantity("rad"),
-    "depth": Quantity("m"),
-}
+_MEANINGS = {"angle": Quantity("rad"), "depth": Quantity("m")}
+_COLUMNS = "joint", "side", *_MEANINGS
 
 
 def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
@@ -170,48 +165,20 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     if len(table) < 2:
         raise InputError(f"{file}: it has no rows; a header such as {_HEADER} is expected")
     (_, header), *rows = table
+    names = ["".join(takewhile(str.isalpha, word)) for word in header]
+    units = [word[len(name) :].strip(" ()[]") for name, word in zip(names, header, strict=True)]
     points: dict[str, tuple[list[Any], list[Any]]] = {}
-    line = ""
-    try:
-        sizes = dict(map(_column, header))
-        if len(sizes) < len(header):
-            raise InputError(f"a column is there twice; a header such as {_HEADER} is expected")
-        for name in _COLUMNS:
-            if name not in sizes:
-                raise InputError(f"it has no column {name}; a header such as {_HEADER} is expected")
-        for number, words in rows:
-            line = f", line {number}"
-            if len(words) != len(header):
-                raise InputError(f"{len(words)} values for {len(header)} columns")
-            row = dict(zip(sizes, words, strict=True))
+    if sorted(names) != sorted(_COLUMNS):
+        raise InputError(f"{file}: columns {', '.join(names)}: a header as {_HEADER} is expected")
+    for number, words in rows:
+        try:
+            if len(words) != len(names):
+                raise InputError(f"{len(words)} values for {len(names)} columns")
+            row = {n: f"{w} {u}".strip() for n, w, u in zip(names, words, units, strict=True)}
             if row["side"] not in SIDES:
                 raise unknown("side", row["side"], SIDES)
-            place = [_number(name, row[name]) * sizes[name] for name in ("angle", "depth")]
+            place = [parse_quantity(name, row[name], one) for name, one in _MEANINGS.items()]
             points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(place)
-    except InputError as error:
-        raise InputError(f"{file}{line}: {error}") from None
+        except InputError as error:
+            raise InputError(f"{file}, line {number}: {error}") from None
     return {name: (np.array(first), np.array(second)) for name, (first, second) in points.items()}
-
-
-def _column(word: str) -> tuple[str, float]:
-    """Return the name of a column, and the size of its unit where it has one."""
-    name = "".join(takewhile(str.isalpha, word))
-    unit = word[len(name) :].strip(" ()[]")
-    if name not in _COLUMNS:
-        raise unknown("column", word, _COLUMNS)
-    meaning = _COLUMNS[name]
-    if meaning is None:
-        return name, 1.0
-    if not unit:
-        raise InputError(f"{name} has no unit; a header such as {_HEADER} is expected")
-    return name, parse_quantity(name, f"1 {unit}", meaning)
-
-
-def _number(name: str, word: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{name} is {word!r}; a finite number is expected")
-    return value

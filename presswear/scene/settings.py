@@ -51,29 +51,36 @@ class Setting:
         return f"{value}  ({meaning.range_text()}; {meaning.origin})  {meaning.text}"
 
 
-def settings_of(scene: Scene) -> Iterator[Setting]:
-    """Yield all settings of a scene with their present values.
+def settings_of(scene: Scene) -> list[Setting]:
+    """Return all settings of a scene with their present values.
 
     Of bearings of single joints, ``JOINT.KEY``, those that differ from the common bearing.
     """
-    yield from _settings(scene, scene.origins)
     common = {setting.key: setting.value for setting in _settings(scene.bearings)}
-    for joint, bearing in scene.joint_bearings.items():
-        for setting in _settings(bearing):
-            if setting.value != common[setting.key]:
-                yield replace(setting, key=f"{joint}.{setting.key}")
+    single = (setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint))
+    differing = (one for one in single if one.value != common[one.key.rpartition(".")[2]])
+    return [*_settings(scene, scene.origins), *differing]
 
 
 def setting_of(scene: Scene, key: str) -> Setting:
     """Return the setting with a key, also one of a single joint; raise InputError for none."""
-    settings = {setting.key: setting for setting in settings_of(scene)}
-    for joint in scene.clearance_joints:
-        for setting in _settings(scene.bearing(joint)):
-            joint_key = f"{joint}.{setting.key}"
-            settings.setdefault(joint_key, replace(setting, key=joint_key))
+    settings = _by_key(scene)
     if key not in settings:
         raise unknown("key", key, sorted(settings))
     return settings[key]
+
+
+def _by_key(scene: Scene) -> dict[str, Setting]:
+    """Return all settings that a scene has, also those of each joint with clearance."""
+    settings = [*_settings(scene, scene.origins)]
+    for joint in scene.clearance_joints:
+        settings += _of_joint(scene, joint)
+    return {setting.key: setting for setting in settings}
+
+
+def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
+    for setting in _settings(scene.bearing(joint)):
+        yield replace(setting, key=f"{joint}.{setting.key}")
 
 
 def _settings(
@@ -121,21 +128,14 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     InputError
         For an unknown key or a value that does not fit.
     """
-    common_keys = {setting.key for setting in settings_of(scene) if "." not in setting.key}
-    joint_keys = {setting.key for setting in _settings(scene.bearings)}
-    parts = {s.key for s in settings_of(scene) if isinstance(s.meaning, Choice) and s.meaning.kinds}
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
+    common = {}
     for key, value in settings.items():
-        first, dot, last = key.rpartition(".")
-        if not dot and key not in common_keys:
-            raise unknown("key", key, sorted(common_keys))
-        if dot and first not in parts:
-            if first not in scene.mechanism.openable:
-                raise unknown(f"joint in {key}", first, scene.mechanism.openable)
-            if last not in joint_keys:
-                raise unknown(f"key of a joint in {key}", last, sorted(joint_keys))
+        first, _, last = key.rpartition(".")
+        if first in scene.mechanism.openable:
             single.setdefault(first, {})[last] = value
-    common = {key: value for key, value in settings.items() if key.rpartition(".")[0] not in single}
+        else:
+            common[key] = value
     bearings = {
         name: _changed(scene.bearing(name), common | values, message_prefix=f"{name}.")
         for name, values in single.items()
@@ -143,11 +143,24 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     origins = {**scene.origins, **dict.fromkeys(settings, SET)}
     # In one step: a new mechanism may have joints of other names.
     result: Scene = _changed(scene, common, joint_bearings=bearings, origins=origins)
+    allowed = _by_key(result)
     for key in settings:
-        joint = key.rpartition(".")[0]
-        if joint in single and joint not in result.clearance_joints:
-            raise InputError(f"{key}: joint {joint} has no clearance; joints = {result.joints}")
+        if key not in allowed:
+            raise _unknown_key(result, key, allowed)
     return result
+
+
+def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
+    first = key.rpartition(".")[0]
+    part = allowed.get(first)
+    if part is not None and part.value == NONE:
+        kinds = ", ".join(name for name in cast(Choice, part.meaning).words if name != NONE)
+        return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
+    if first in scene.mechanism.openable and first not in scene.clearance_joints:
+        return InputError(f"{key}: joint {first} has no clearance; joints = {scene.joints}")
+    inner = [name for name in allowed if first and name.startswith(f"{first}.")]
+    common = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]
+    return unknown("key", key, sorted(inner or common))
 
 
 def _changed(
@@ -169,8 +182,6 @@ def _changed(
             is_same = result == meaning.shown(value)
             result = value if is_same else meaning.convert(f"{message_prefix}{key}", result)
         inner = _inner_prefix(key, prefix, meaning)
-        if inner != prefix:
-            _check_part_keys(key, result, meaning, settings)
         if _has_settings(result) and item.name not in updates:
             result = _changed(result, settings, inner, message_prefix)
         if result is not value:
@@ -181,17 +192,6 @@ def _changed(
         return replace(owner, **updates)
     except InputError as error:
         raise InputError(f"{message_prefix}{prefix}{error}") from None
-
-
-def _check_part_keys(name: str, part: Any, meaning: Any, settings: Mapping[str, Any]) -> None:
-    """Raise InputError for keys ``NAME.KEY`` that an optional part does not have."""
-    for key in (key for key in settings if key.startswith(f"{name}.")):
-        if part is None:
-            kinds = ", ".join(meaning.kinds)
-            raise InputError(f"{key}: {name} = {NONE}; it needs {name} = {kinds}")
-        names, last = [item.name for item in fields(part)], key.removeprefix(f"{name}.")
-        if last not in names:
-            raise unknown(f"key of {part.kind} in {key}", last, names)
 
 
 def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
@@ -285,36 +285,30 @@ class Change:
         return f"{self.key.replace('_', ' ')} {self.value} {self.unit}".rstrip()
 
 
-_NEEDED_BY_LIFE = "joints", "wear_updates", "replicates"
-
-
 def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     """Return the changes of a scene against another one.
 
     Values that follow from a named set or a part that was changed are left out.
     """
-    before = {setting.key: setting.value for setting in settings_of(base)}
-    settings = list(settings_of(scene))
-    parts = [one for one in settings if one.is_part]
-    named = [one for one in parts if one.value in cast(Choice, one.meaning).words]
-    sets = {one.key: one.value for one in named if one.value != before.get(one.key, one.value)}
-    # A life is only accepted where something wears.
-    needed = {s.key: s.value for s in settings if "life" in sets and s.key in _NEEDED_BY_LIFE}
-    needed = {key: value for key, value in needed.items() if value is not None}
-    aligned = _changed(base, {**sets, **needed})
-    was = {setting.key: setting.value for setting in settings_of(aligned)}
-    was |= {key: before[key] for key in (*sets, *needed)}
-    # A set without a name is described by the values that differ in it.
-    was |= {one.key: one.value for one in parts if one not in named}
+    was, settings = {one.key: one.value for one in settings_of(base)}, settings_of(scene)
+    for one in settings:
+        if not isinstance(one.meaning, Choice) or not one.is_part:
+            continue
+        if one.value not in one.meaning.words:
+            was[one.key] = one.value  # a set without a name is described by its values
+        elif one.value != was.get(one.key, one.value) and one.value != NONE:
+            part, prefix = one.meaning.convert(one.key, one.value), f"{one.key}."
+            inner = _settings(part, prefix=prefix if one.meaning.kinds else "")
+            was |= {item.key: item.value for item in inner}
     for joint in scene.joint_bearings:
-        for setting in _settings(aligned.bearing(joint)):
-            was[f"{joint}.{setting.key}"] = setting.value
+        for key in [item.key for item in _settings(scene.bearings)]:
+            was.setdefault(f"{joint}.{key}", was[key])
     changes = [
-        _change(setting, was[setting.key])
-        for setting in settings
-        if setting.key in was and setting.value != was[setting.key]
+        _change(one, was[one.key])
+        for one in settings
+        if one.key in was and one.value != was[one.key]
     ]
-    return (*changes, *_part_changes(base, scene, {setting.key for setting in settings}))
+    return (*changes, *_part_changes(base, scene, {one.key for one in settings}))
 
 
 def _change(setting: Setting, was: Any) -> Change:
@@ -322,14 +316,11 @@ def _change(setting: Setting, was: Any) -> Change:
     numbers = [abs(value) for value in (setting.value, was) if isinstance(value, float)]
     if unit == "m" and numbers and max(numbers) < _MAX_MM:
         unit, factor = "mm", 1e3
-
-    def text(value: Any) -> str:
-        if isinstance(value, int | float):
-            return short_number(factor * value)
-        return NONE if value is None else f"{value}"
-
-    unit, meaning = unit.replace("^2", "²"), setting.meaning.text
-    return Change(setting.key, text(setting.value), text(was), unit, meaning)
+    value, before = (
+        short_number(factor * one) if isinstance(one, int | float) else one or NONE
+        for one in (setting.value, was)
+    )
+    return Change(setting.key, value, before, unit.replace("^2", "²"), setting.meaning.text)
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:

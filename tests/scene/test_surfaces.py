@@ -137,15 +137,24 @@ HEADER = "joint,side,angle (deg),depth (um)\n"
     [
         ("", ": it has no rows; a header such as joint,side,angle (deg),depth (um)"),
         (HEADER, ": it has no rows"),
-        ("joint,side,angle,depth (um)\nA,pin,0,1", ": angle has no unit; a header such as"),
-        ("joint,side,angle (turn),depth (um)\nA,pin,0,1", ": angle = '1 turn': unknown unit"),
-        ("joint,side,angle (deg)\nA,pin,0", ": it has no column depth; a header"),
-        ("joint,sides,angle (deg),depth (um)\nA,pin,0,1", "'sides'; did you mean side?"),
-        ("joint,side,side,angle (deg),depth (um)\nA,pin,pin,0,1", ": a column is there twice"),
+        ("joint,side,angle,depth (um)\nA,pin,0,1", ", line 2: angle = '0' has no unit"),
+        (
+            "joint,side,angle (turn),depth (um)\nA,pin,0,1",
+            ", line 2: angle = '0 turn': unknown unit",
+        ),
+        ("joint,side,angle (deg)\nA,pin,0", ": columns joint, side, angle: a header"),
+        (
+            "joint,sides,angle (deg),depth (um)\nA,pin,0,1",
+            ": columns joint, sides, angle, depth: a header",
+        ),
+        (
+            "joint,side,side,angle (deg),depth (um)\nA,pin,pin,0,1",
+            ": columns joint, side, side, angle, depth",
+        ),
         (f"{HEADER}A,pin,0", ", line 2: 3 values for 4 columns"),
         (f"{HEADER}A,pin,0,1\n\nA,bearng,0,1", ", line 4: unknown side 'bearng'; did you mean"),
-        (f"{HEADER}A,pin,0,deep", ", line 2: depth is 'deep'; a finite number is expected"),
-        (f"{HEADER}A,pin,nan,1", ", line 2: angle is 'nan'; a finite number is expected"),
+        (f"{HEADER}A,pin,0,deep", ", line 2: depth = 'deep um' is not a number"),
+        (f"{HEADER}A,pin,nan,1", ", line 2: angle = 'nan deg' is not a number"),
     ],
 )
 def test_a_table_that_cannot_be_read_is_told_in_one_line(
