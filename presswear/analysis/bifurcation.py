@@ -306,12 +306,7 @@ def compute(
         raise InputError("a bifurcation diagram needs a joint with clearance")
     scene.check_trusted()
     scene.check()
-    document = {
-        "schema": SCHEMA,
-        "scene": scene.as_dict(),
-        "parameter": parameter,
-        "cycles": cycles,
-    }
+    inputs = {"scene": scene.as_dict(), "parameter": parameter, "cycles": cycles}
     work: dict[int, Any] = {}
     for k, values in enumerate((parameter.values, parameter.values[::-1])):
         file = folder / f"{DIRECTIONS[k]}.npz"
@@ -320,11 +315,11 @@ def compute(
     try:
         if (folder / FILE).exists():
             stored = _document(folder)
-            for name, value in plain(document).items():
+            for name, value in plain(inputs).items():
                 if stored[name] != value:
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
-            write_json(folder / FILE, document)
+            write_json(folder / FILE, {"schema": SCHEMA, **inputs})
         with Workers(min(jobs or cores(), len(work)), (__name__,)) as workers:
             workers.run(
                 work,

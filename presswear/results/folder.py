@@ -17,7 +17,6 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Literal, NotRequired, Self, TypedDict
 
 import numpy as np
@@ -157,16 +156,10 @@ class ResultFolder(Observer):
         Time between two checkpoints within a stage, s; 0: one after every cycle.
     resume : bool
         Whether to resume a run of the same scene that is in the folder.
-
-    Attributes
-    ----------
-    resumed : State or None
-        Arrays of the checkpoint to resume from; None: from the start.
-    remarks : list of str
-        Lines for the user.
-    kept : str
-        Last stored cycle, once the folder is released.
     """
+
+    resumed: State | None = None  # arrays of the checkpoint to resume from; None: from the start
+    kept = "kept up to its end"  # last stored cycle, once the folder is released
 
     def __init__(
         self, path: Path, scene: Scene, interval: float = INTERVAL, resume: bool = False
@@ -181,9 +174,7 @@ class ResultFolder(Observer):
         if not free and not (path / FILE).is_file():
             raise InputError(f"--out {path}: it holds no run to go on with: it has no {FILE}")
         self.path, self.interval = path, interval
-        self.resumed: State | None = None
-        self.remarks: list[str] = []
-        self.kept = "kept up to its end"
+        self.remarks: list[str] = []  # lines for the user
         self._latest: Any = None
         self._lock = FolderLock(path)
         if self._lock.warning:
@@ -327,21 +318,15 @@ class ResultFolder(Observer):
     def discard(self) -> None:
         """Remove the files of a run that computed nothing."""
         stored = self._stored
-        if not stored.stages and self._lock.is_held():
-            last = [] if stored.checkpoint is None else [stored.checkpoint.file]
-            for name in (FILE, *stored.files, *last):
+        if not stored.stages and stored.checkpoint is None and self._lock.is_held():
+            for name in (FILE, *stored.files):
                 (self.path / name).unlink(missing_ok=True)
             self._lock.release()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         try:
             # After a signal any error is treated as an interrupt.
             if isinstance(error, KeyboardInterrupt) or (error is not None and is_stopped()):

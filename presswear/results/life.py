@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from presswear.recording.statistics import Estimate, quantile
-from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, readable
 from presswear.tools.serialize import plain
@@ -114,10 +113,6 @@ class LifeResult:
             return Estimate(self.strokes)
         factor = math.exp(self.error)
         return Estimate(self.strokes, self.strokes / factor, self.strokes * factor)
-
-    def hours(self, scene: Scene) -> float:
-        """Return the hours of the life at the rate of the scene, without a pause."""
-        return self.strokes * scene.mechanism.period / 3600.0
 
     @property
     def words(self) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,6 @@ def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
     return {name: "angle" if are_alike else f"{name}_angle" for name in bins}
 
 
-@final
 @dataclass(frozen=True)
 class OutputStatistics:
     """Motion of the output point over the settled cycles; ``_per_cycle``: mean of the largest."""
@@ -45,7 +44,6 @@ class OutputStatistics:
     acceleration_max_per_cycle: Estimate
 
 
-@final
 @dataclass(frozen=True)
 class BottomStatistics:
     """Accuracy and repeatability at bottom dead centre over the settled strokes; m and s."""
@@ -65,7 +63,6 @@ class BottomStatistics:
     delay_standard_deviation: Estimate | None = None
 
 
-@final
 @dataclass(frozen=True)
 class WearPeak:
     """Deepest place of the wear map that one wear update adds."""
@@ -75,7 +72,6 @@ class WearPeak:
     step_error: float | None = None  # error of the depth by the wear step, m; in the interval
 
 
-@final
 @dataclass(frozen=True)
 class JointStatistics:
     """Forces, contacts and wear of a clearance joint in a stage, of all replicates; SI units."""
@@ -96,7 +92,6 @@ class JointStatistics:
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
 
 
-@final
 @dataclass(frozen=True)
 class StageStatistics:
     """Statistics of a stage; SI units. If they are not finite, only the cycles are stored."""

@@ -20,31 +20,17 @@ from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.observer import Observer
 from presswear.results.folder import FILE, ResultFolder
 from presswear.results.result import load, unfinished
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.settings import changed
 from presswear.show.report import render_report
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.serialize import write_json
 
-SCENE = changed(
-    replace(
-        wear_times(),
-        conventions=CONVENTIONS["refined"],
-        cycles=2,
-        replicates=2,
-        wear_updates=1,
-        cycles_per_update=2e4,
-    ),
-    {
-        "speed": "60rad/s",
-        "engine": "dae",
-        "integrator": "dopri5",
-        "integration_tolerance": "1e-5",
-        "angles": "90",
-        "C.angles": "60",
-    },
-)
+SETTINGS: dict[str, Any] = {
+    **{"conventions": "refined", "cycles": 2, "replicates": 2, "wear_updates": 1},
+    **{"cycles_per_update": 2e4, "speed": "60rad/s", "engine": "dae", "integrator": "dopri5"},
+    **{"integration_tolerance": 1e-5, "angles": 90, "C.angles": 60},
+}
+SCENE = wear_times(**SETTINGS)
 """Two starts of two cycles, a wear in steps, and again: every kind of place to stop at.
 
 With maps of different bins at its joints.
@@ -105,16 +91,14 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
     """Stopped again and again, each time one place further: every place is one to go on from."""
     steps = load(whole).stages[0].wear_steps
     assert len(steps) > 1
-    path = tmp_path / "out"
-    places = 0
+    path, places = tmp_path / "out", 0
     while True:
         # The first place is the one that it goes on from.
         try:
             run(path, resume=True, stop=1 if places == 0 else 2)
+            break
         except Stop:
             places += 1
-            continue
-        break
     # Two cycles of two starts for each step and the last stage, and the end of the stage.
     assert places >= 4 * (len(steps) + 1)
     assert folder_differences(whole, path) == []

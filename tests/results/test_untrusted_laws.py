@@ -59,15 +59,6 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def _python(script: str, folder: Path) -> str:
-    """Run a script in a process that trusts nothing yet; return what it prints."""
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 READING = """
 from presswear.__main__ import main
 import presswear as pw
@@ -97,7 +88,11 @@ for compute in (
 
 def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
     """Report, export, replay and Python; what needs a law is refused or left out in a sentence."""
-    told = _python(READING, received)
+    # In a process that trusts nothing yet.
+    command = [sys.executable, "-c", READING]
+    done = subprocess.run(command, cwd=received, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    told = done.stdout
     assert told.count("refused:") == 4
     assert told.count("pw.load(folder, trust=True)") == 4
     assert not (received / "executed").exists()
