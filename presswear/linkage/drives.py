@@ -306,18 +306,14 @@ class Drive(_Motion):
     """Body with a prescribed angle: a mean speed, and what repeats with a cycle beside it.
 
     theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t),
-    f from a table or from rises, less its value at the start.
+    with a_k, b_k of ``harmonics``, rad, and f from a table or from rises, less its start.
 
     Attributes
     ----------
-    harmonics : tuple of (float, float)
-        a_k and b_k, rad.
     table : tuple of (float, float)
         Phase, rad, and f there, rad, nodes of a periodic cubic spline. A last row one turn behind
         the first gives the turn of the body in a cycle; without one it comes back. Rows of four
         have the first and second derivative by the phase as well; then pieces are of degree 5.
-    rises : tuple of Rise
-        f rises in some parts of the cycle and dwells in the others.
     follow : Follow or None
         Motion of a point in place of that of the body; ``angle`` is the body's at the start,
         ``speed`` its mean speed.

@@ -154,32 +154,17 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
 
 @dataclass(frozen=True)
 class Choice:
-    """Field that takes one of a few words, a named instance, a kind of part, or a free text.
+    """Field that takes one of a few words, a named instance, a kind of part, or a free text."""
 
-    Attributes
-    ----------
-    words : tuple of str, or callable
-        Allowed words; a callable returns those that the owner of the field allows.
-    parameters : tuple of str
-        Parameters that a user function in place of a word may have; empty: none is allowed.
-    several : bool
-        Whether words can be combined, except for the last one, which stands for none of them.
-        Words of one letter are written side by side, others with commas between.
-    instances : mapping or None
-        Data class instances by name; the field holds one of them, or a changed one.
-    kinds : mapping or None
-        Data classes by kind; the field holds an instance of one of them, or None.
-    example : str
-        Example of a free text that its owner reads.
-    """
-
-    words: tuple[str, ...] | Any
+    words: tuple[str, ...] | Any  # allowed words, or a function of the owner that returns them
     text: str = ""
-    parameters: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = ()  # allowed in a user function in place of a word
+    # Words can be combined, except for the last one, which stands for none of them. Words of one
+    # letter are written side by side, others with commas between.
     several: bool = False
-    instances: Mapping[str, Any] | None = None
-    kinds: Mapping[str, Any] | None = None
-    example: str = ""
+    instances: Mapping[str, Any] | None = None  # by name; the field holds one, or a changed one
+    kinds: Mapping[str, Any] | None = None  # classes by kind; the field holds an instance, or None
+    example: str = ""  # of a free text that its owner reads
 
     unit: ClassVar[str] = ""
 
@@ -257,18 +242,13 @@ class Choice:
 
 
 def quantity(
-    default: float | int | None,
-    unit: str,
-    low: float,
-    high: float,
-    origin: str,
-    text: str,
-    *,
-    open_low: bool = False,
-    whole: bool = False,
+    default: float | None, unit: str, low: float, high: float, origin: str, text: str, **more: bool
 ) -> Any:
-    """Return a data class field for a number with a unit; a default of None may stay None."""
-    meaning = Quantity(unit, low, high, origin, text, open_low, whole)
+    """Return a data class field for a number with a unit; a default of None may stay None.
+
+    ``more`` are ``open_low`` and ``whole`` of ``Quantity``.
+    """
+    meaning = Quantity(unit, low, high, origin, text, **more)
     return field(default=default, metadata={"meaning": meaning})
 
 
@@ -278,11 +258,7 @@ def count(default: int | None, low: int, high: int, origin: str, text: str) -> A
 
 
 def choice(
-    default: str | None,
-    words: Any,
-    text: str,
-    parameters: tuple[str, ...] = (),
-    several: bool = False,
+    default: str | None, words: Any, text: str, parameters: Any = (), several: bool = False
 ) -> Any:
     """Return a data class field for one of a few words, also those of a Literal; see ``Choice``."""
     meaning = Choice(get_args(words) or words, text, parameters, several)
@@ -309,10 +285,7 @@ def one_of(kinds: Mapping[str, Any], text: str) -> Any:
 def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
     """Return the meaning of a field, also from its annotation; None for a plain field.
 
-    Parameters
-    ----------
-    owner : data class instance
-        Needed for a choice whose words depend on it.
+    The owner is needed for a choice whose words depend on it.
     """
     for meaning in (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ())):
         if isinstance(meaning, Choice) and callable(meaning.words):
