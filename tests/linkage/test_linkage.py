@@ -135,10 +135,7 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (
-            {"joints": [Pin("O", (0, 0), "crnk.tail")]},
-            "unknown body in joint O 'crnk'; did you mean",
-        ),
+        ({"joints": [Pin("O", (0, 0), "crnk.tail")]}, "body in joint O 'crnk'; did you mean crank"),
         ({"joints": [Pin("O", (0, 0), "crank.tial")]}, "unknown point of crank in joint O 'tial'"),
         ({"joints": [Guide("g", "slider")]}, "unknown body in guide g 'slider'"),
         ({"drives": [Drive("crank", 1.0), Drive("crank", 2.0)]}, "drive of crank: the name stands"),
@@ -148,8 +145,8 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"loads": [Force("rocker.haed", 0.0, 1.0)]}, "unknown point of rocker in loads 'haed'"),
         ({"loads": [Moment("frame", wobble)]}, "unknown body in loads 'frame'"),
         (
-            {"loads": [Moment("crank", OverTime([(0.0, 1.0), (0.3, 2.0)]))]},
-            "with a cycle of 0.20944 s allowed",
+            {"loads": [Moment("crank", OverTime([(0, 1), (0.3, 2)]))]},
+            "a cycle of 0.20944 s allowed",
         ),
         ({"output": "rocker.nose"}, "unknown point of rocker in output 'nose'"),
         ({"bodies": [*FOUR_BAR.bodies, FOUR_BAR.bodies[0]]}, "body crank: the name stands twice"),
@@ -181,13 +178,9 @@ def test_parts_that_do_not_fit_together_are_refused(changes: dict[str, Any], mes
         (
             OverPosition,
             {**SHEET, "unloading": 4.9},
-            "unloading = 4.9 N/m or N m/rad: allowed is 5, the steepest rise of the table, to",
+            "unloading = 4.9 .* is 5, the steepest rise of",
         ),
-        (
-            OverPosition,
-            {**SHEET, "table": SHEET["table"][1:], "unloading": 9.0},
-            "-5 N or N m at 1 m or rad, where it begins; with unloading allowed is 0",
-        ),
+        (OverPosition, {**SHEET, "table": [(1, -5)], "unloading": 9.0}, "-5 N .*, where it begins"),
         (Harmonics, {"harmonics": [(1, 1)]}, "frequency = 0 rad/s: with harmonics"),
         (Moment, {"body": "crank", "law": 1.0}, "use Load for a constant moment"),
         (Moment, {"body": "crank", "law": "f.py:f"}, "there is no file"),
@@ -195,16 +188,8 @@ def test_parts_that_do_not_fit_together_are_refused(changes: dict[str, Any], mes
         (Force, {"point": "crank", "direction": 0.0, "law": math.pow}, "source of .* be read"),
         (Rise, {"start": 1.0, "end": 0.5, "by": 1.0}, "a rise from 1 to 0.5 rad: it must begin"),
         (Drive, {"table": [(k * 0.01, 0.0) for k in range(600)]}, "table of crank: 600 rows; all"),
-        (
-            Drive,
-            {"table": [ROW, (2.0, 0.1), (1.0, 0.2)]},
-            "phases from 0 to 1 rad; they must",
-        ),
-        (
-            Drive,
-            {"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]},
-            "from 0 to 7 rad; .*2 pi",
-        ),
+        (Drive, {"table": [ROW, (2.0, 0.1), (1.0, 0.2)]}, "phases from 0 to 1 rad; they must"),
+        (Drive, {"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "from 0 to 7 rad; .*2 pi"),
         (Drive, {"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, r"table\[1\] of crank = .*expected"),
         (Drive, {"table": [ROW, (1.0, 0.1, 0.0, 0.0), (2.0, 0.1)]}, "rows of one length are"),
         (Drive, {"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2"),

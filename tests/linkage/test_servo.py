@@ -17,8 +17,6 @@ from presswear.tools.errors import InputError
 
 IDEAL = pw.scenes.ideal()
 W = pw.Press().speed
-TURN = 2.0 * math.pi
-
 
 SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
 

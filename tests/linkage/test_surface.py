@@ -7,13 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
 from presswear.physics.foundation import BEARING, bin_of, packed_rows
 from presswear.physics.foundation import profile as packed_profile
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi
 ROUND_OFF = 8 * np.finfo(float).eps
@@ -21,7 +19,6 @@ ROUND_OFF = 8 * np.finfo(float).eps
 # Depths of a worn press span decades; zeros make flats and steps.
 depth_values = st.just(0.0) | st.floats(1e-12, 1e-2)
 depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=depth_values))
-angles = st.floats(-50.0, 50.0)
 
 
 def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
@@ -30,33 +27,26 @@ def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
     return packed_profile(packed_rows(surface, count), BEARING, count, angle)
 
 
-def _scale(surface: Surface) -> float:
-    return float(surface.depth.max(initial=0.0))
-
-
 @given(depths)
 def test_passes_through_the_bin_centres(depth: Array) -> None:
-    surface = Surface(depth)
-    at_centres = surface(bin_centres(depth.size))
+    surface, count = Surface(depth), depth.size
+    centres = bin_centres(count)
     # A centre is a rounded angle: its position within the bin is off by an ulp of the turn.
-    tolerance = _scale(surface) * depth.size * ROUND_OFF
-    np.testing.assert_allclose(at_centres, depth, rtol=0.0, atol=tolerance)
-    slopes = [profile(surface, float(a))[1] for a in bin_centres(depth.size)]
-    steepest = _scale(surface) * depth.size / TURN
-    tolerance = steepest * 12.0 * depth.size * ROUND_OFF
+    tolerance = depth.max() * count * ROUND_OFF
+    np.testing.assert_allclose(surface(centres), depth, rtol=0.0, atol=tolerance)
+    slopes = [profile(surface, float(angle))[1] for angle in centres]
+    tolerance *= 12.0 * count / TURN
     np.testing.assert_allclose(slopes, surface.slope, rtol=0.0, atol=tolerance)
 
 
-@given(depths, angles)
+@given(depths, st.floats(-50.0, 50.0))
 def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
-    surface = Surface(depth)
-    value = profile(surface, angle)[0]
-    left = math.floor(angle * depth.size / TURN - 0.5)
-    # On a knot, rounding may place the angle in either interval.
-    near = [depth[(left + k) % depth.size] for k in (-1, 0, 1, 2)]
+    value = profile(Surface(depth), angle)[0]
     position = angle * depth.size / TURN - 0.5
-    if min(position - left, left + 1 - position) > 1e-9:
-        near = near[1:3]
+    left = math.floor(position)
+    # On a knot, rounding may place the angle in either interval.
+    is_inside = min(position - left, left + 1 - position) > 1e-9
+    near = [depth[(left + k) % depth.size] for k in ((0, 1) if is_inside else (-1, 0, 1, 2))]
     rounding = ROUND_OFF * max(near)
     assert min(near) - rounding <= value <= max(near) + rounding
 
