@@ -170,15 +170,10 @@ def order_amplitudes(
 ) -> tuple[Array, Array]:
     """Return amplitudes at the orders of the crank and the orders of contact resonance.
 
-    ``period`` is the duration of a cycle, s, and ``cycles`` the number of cycles of the spectra.
-
-    Returns
-    -------
-    amplitude : ndarray, shape (1 + joints, MAX_ORDER)
-        Amplitudes within half an order of 1, 2, ...: acceleration of the output point, m/s^2, and
-        normal force of each joint, N. All NaN if the run fails.
-    resonance : ndarray, shape (joints,)
-        NaN if there is none.
+    The spectra are of ``cycles`` cycles, each of which lasts ``period``, s. Amplitudes, shape
+    (1 + joints, MAX_ORDER), are those within half an order of 1, 2, ...: of the acceleration of the
+    output point, m/s^2, and of the normal force of each joint, N. Resonances have the shape
+    (joints,). Numbers are NaN if the run fails or there is none.
     """
     joints, length = len(linkage.clearances), SETTLING_CYCLES + cycles
     amplitude = np.full((1 + joints, MAX_ORDER), math.nan)
@@ -291,16 +286,9 @@ def compute(
 ) -> Diagram:
     """Compute a diagram in a folder, or resume the diagram that the folder holds.
 
-    Each branch is a chain of runs, so that at most two processes are used.
-
-    Parameters
-    ----------
-    initial_state : callable
-        Initial state of a scene, such as ``presswear.campaign.replicates.start_of``.
-    jobs : int or None
-        Processes; None for as many as there are cores.
-    on_progress : callable
-        Receives the direction of a branch and its completed share.
+    Each branch is a chain of runs, so that at most two processes are used. ``initial_state``
+    returns the start of a scene, such as ``presswear.campaign.replicates.start_of``.
+    ``on_progress`` gets the direction of a branch and its completed share.
     """
     if not scene.clearance_joints:
         raise InputError("a bifurcation diagram needs a joint with clearance")

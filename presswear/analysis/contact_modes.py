@@ -105,16 +105,12 @@ def timeline(
     sliding: tuple[Array, Array],
     sticking_speed: float,
 ) -> Timeline:
-    """Return the contact modes of one joint between two times.
+    """Return the contact modes of one joint in a span from start to end, s.
 
     Parameters
     ----------
-    span : (float, float)
-        Start and end, s.
     contacts : ndarray, shape (n, 2)
         Touchdown and separation of successive contacts, s.
-    closing_speed : ndarray, shape (n,)
-        m/s.
     sliding : (ndarray, ndarray), shape (m,) each
         Times, s, and sliding speeds, m/s, linear in between.
     sticking_speed : float

@@ -175,19 +175,8 @@ def largest_exponent(
 ) -> Estimate:
     """Return the largest Lyapunov exponent of a linkage, 1/s, computed by the in-house engine.
 
-    Parameters
-    ----------
-    period : float
-        Duration of a cycle, s.
-    per_cycle : int
-        Intervals in a cycle, short enough that the pair does not saturate.
-
-    Raises
-    ------
-    InputError
-        If the linkage has closed loops or no joint with clearance.
-    RunFailed
-        If the motion ends early.
+    A cycle lasts ``period``, s, and has ``per_cycle`` intervals, short enough that the pair does
+    not saturate. RunFailed if the motion ends early.
     """
     if not linkage.clearances:
         raise InputError("an exponent needs a joint with clearance: no motion is free")

@@ -83,7 +83,7 @@ def power_spectrum(
     max_frequency : float
         Hz.
     cycles : int
-        Largest number of cycles in a segment; lines lie at multiples of 1 / cycles of an order.
+        Largest number of cycles in a segment.
     """
     from scipy.signal import welch  # slow to import
 

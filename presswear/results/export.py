@@ -179,14 +179,9 @@ def compare_tables(
     """Return differences column by column at the times of a table that lie within the run.
 
     The displacement of the run between rows is the cubic through displacements and velocities, the
-    velocity its derivative; other columns are monotone cubics.
-
-    Parameters
-    ----------
-    until : float or None
-        Last time compared, s; None: the whole overlap.
-    tolerance : float
-        Bound of the rms difference relative to the rms of the column.
+    velocity its derivative; other columns are monotone cubics. ``until`` is the last time compared,
+    s, None for the whole overlap. ``tolerance`` bounds the rms difference relative to the rms of
+    the column.
     """
     from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # slow to import
 

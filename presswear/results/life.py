@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 from presswear.recording.statistics import Estimate, quantile
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, readable
-from presswear.tools.serialize import plain
+from presswear.tools.serialize import NOT_STORED
 
 FILE = "life.npz"  # of the curves
 WORDS = {
@@ -86,7 +86,7 @@ class LifeResult:
     refinements: tuple[RefinementResult, ...]
     phases: tuple[Phase, ...]
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
-    curves: Mapping[str, Array] = field(default_factory=dict)
+    curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
 
     @property
     def first(self) -> LimitResult | None:
@@ -133,11 +133,6 @@ class LifeResult:
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
         limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
         return f"life: {self.words} until {limit}{scatter}"
-
-    def as_plain(self) -> dict[str, Any]:
-        """Return the life as ``result.json`` holds it."""
-        names = [item.name for item in fields(self) if item.name != "curves"]
-        return {name: plain(getattr(self, name)) for name in names}
 
 
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:

@@ -192,11 +192,9 @@ class JointTonnage:
 class Tonnage:
     """Tonnage and shock in the settled strokes of the first replicate of a stage.
 
-    The frame of this model is rigid and the work pushes one way: there is no tension at the punch,
-    and no strain energy of frame, tools or drives is released at fracture, which on a press causes
-    most of its reverse tonnage. Reversed forces are those that inertia, drives at their prescribed
-    motion and elastic contacts cause in each joint when the work gives way. They are no bound of a
-    press's reverse tonnage.
+    Reversed forces are those that inertia, drives at their prescribed motion and elastic contacts
+    cause in each joint when the work gives way. They are no bound of a press's reverse tonnage,
+    most of which is strain energy of frame, tools and drives.
     """
 
     strokes: int  # recorded settled strokes, from upper dead centre to the next
@@ -347,10 +345,7 @@ class DriveResult(NamedTuple):
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     """Return the drives of a stage by their bodies; empty if torques were not stored.
 
-    Raises
-    ------
-    UntrustedLaw
-        If the ideal torques need source code that is stored in a result.
+    UntrustedLaw if the ideal torques need source code that is stored in a result.
     """
     if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}

@@ -1,8 +1,7 @@
 """One stage of a result: statistics, recorded arrays, and the wear after it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,10 +15,9 @@ from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-from presswear.tools.serialize import plain
+from presswear.tools.serialize import NOT_STORED
 
 JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
-_NOT_STORED = ("arrays", "joint_names", "read_film")  # fields that result.json does not hold
 
 
 def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
@@ -222,9 +220,9 @@ class StageResult:
     wall_s: float
     diagnostics: Mapping[str, str | int | float | None]  # of the solver
     statistics: StageStatistics
-    arrays: Mapping[str, Array] = field(default_factory=dict)
-    joint_names: tuple[str, ...] = ()  # with clearance
-    read_film: Callable[[], Film] | None = None
+    arrays: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
+    joint_names: tuple[str, ...] = field(default=(), metadata=NOT_STORED)  # with clearance
+    read_film: Callable[[], Film] | None = field(default=None, metadata=NOT_STORED)
 
     @property
     def name(self) -> str:
@@ -330,8 +328,3 @@ class StageResult:
     def each_cycle(self, name: str) -> Array:
         """Return a number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI."""
         return self.arrays["cycles"][:, observe.CYCLE_FIXED.index(name)]
-
-    def as_plain(self) -> dict[str, Any]:
-        """Return the stage as ``result.json`` holds it."""
-        names = [item.name for item in fields(self) if item.name not in _NOT_STORED]
-        return {name: plain(getattr(self, name)) for name in names}

@@ -25,6 +25,7 @@ from presswear.tools.quantities import Choice, Quantity, meaning_of, plain_numbe
 T = TypeVar("T")
 
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
+NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
 _NAMES = ("name", "body")  # first fields by which messages tell the owner
 _WORDS: dict[Any, str] = {
     float: "finite number",
@@ -190,7 +191,7 @@ def plain(value: Any) -> Any:
     if hasattr(value, "as_plain"):
         return value.as_plain()
     if is_dataclass(value):
-        items = (item.name for item in fields(value) if item.init)
+        items = (item.name for item in fields(value) if item.init and item.metadata != NOT_STORED)
         return _kind_of(value) | {name: plain(getattr(value, name)) for name in items}
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
