@@ -139,22 +139,21 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.results.folder import provenance
     from presswear.show.figures import save
     from presswear.tools.serialize import write_json
-    from presswear.validation import feature_costs, work_precision
-    from presswear.validation.timing import write_csv
+    from presswear.validation import timing, work_precision
 
     module: Any = work_precision
     measure: Any = work_precision.work_precision
     full: Any = work_precision.FULL
     if arguments.features:
-        module, measure = feature_costs, feature_costs.feature_costs
-        full = feature_costs.FeatureExtent()
+        module, measure = timing, timing.feature_costs
+        full = timing.FeatureExtent()
     extent = module.QUICK if arguments.quick else full
     extent = replace(extent, repeats=arguments.repeats or extent.repeats)
     with only_writer(folder):
         with terminal.named_progress(console, "benchmark") as report:
             measured = measure(scene, extent, report)
         file = "features.csv" if arguments.features else "benchmark.csv"
-        write_csv(module.table(measured), folder / file)
+        timing.write_csv(module.table(measured), folder / file)
         if arguments.features:
             _print_features(console, measured)
         else:

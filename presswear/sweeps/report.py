@@ -160,34 +160,34 @@ def drawings(analysis: Analysis) -> list[Drawing]:
     return drawn + (figures.heat_map(points, (first, rest[0]), analysis.surrogate) if rest else [])
 
 
+def _percent(share: tuple[float, float, float]) -> str:
+    value, low, high = (readable(100.0 * part) for part in share)
+    return f"{value} % ({low} to {high} %)"
+
+
 def findings(analysis: Analysis) -> list[str]:
     """Return sentences on the most important parameter, on chaos and on the limit."""
-    points, limit, lines = analysis.points, analysis.limit, []
+    points, limit, spread, lines = analysis.points, analysis.limit, analysis.spread, []
     key = points.response.key
     if analysis.sensitivity is not None:
         strongest = points.parameters[analysis.sensitivity.order[0]].key
         lines.append(f"{key} depends most on {strongest}.")
     if analysis.chaos is not None:
-        share, low, high = (readable(100.0 * part) for part in analysis.chaos)
-        lines.append(
-            f"Chaos is {share} % ({low} to {high} %) of the variance of single runs of {key}."
-        )
+        share = _percent(analysis.chaos)
+        lines.append(f"Chaos is {share} of the variance of single runs of {key}.")
     if limit is None:
         return lines
     value = Display(points.response, points.means).text(limit.value)
     name = f"the {'lower' if limit.is_lower else 'upper'} limit {value} of {key}"
-    if analysis.spread is not None and analysis.spread.violation is not None:
-        share, low, high = (readable(100.0 * part) for part in analysis.spread.violation)
-        lines.append(
-            f"The probability that {name} is violated is {share} % ({low} to {high} %), "
-            f"{analysis.spread.source}."
-        )
+    if spread is not None and spread.violation is not None:
+        share = _percent(spread.violation)
+        text = f"The probability that {name} is violated is {share}, {spread.source}."
     else:
         rows = points.has_value
         fewest, most = limit.count(points.means[rows], points.censored[rows])
         count = whole(fewest) if fewest == most else f"{whole(fewest)} to {whole(most)}"
-        lines.append(f"{count} of {whole(int(rows.sum()))} points violate {name}.")
-    return lines
+        text = f"{count} of {whole(int(rows.sum()))} points violate {name}."
+    return [*lines, text]
 
 
 def result_tables(analysis: Analysis) -> list[tuple[str, Texts]]:
@@ -206,14 +206,12 @@ def result_tables(analysis: Analysis) -> list[tuple[str, Texts]]:
         head = ("parameter", *(f"{name} ({unit})" if unit else name for name in result.names))
         tables.append((f"{result.title} ({result.method})", Texts(head, (("", tuple(lines)),))))
     if (spread := analysis.spread) is not None:
-        cells = []
-        for percent in PERCENTILES:
-            columns = (spread.values, spread.low, spread.high)
-            value, low, high = (shown.number(column[percent - 1]) for column in columns)
+        cells = [f"single runs ({shown.unit or '1'})"]
+        for k in (percent - 1 for percent in PERCENTILES):
+            value, low, high = map(shown.number, (spread.values[k], spread.low[k], spread.high[k]))
             cells.append(f"{value} ({low} to {high})")
         head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
-        rows = Texts(head, (("", ((f"single runs ({shown.unit or '1'})", *cells),)),))
-        tables.append((f"Distribution, {spread.source}", rows))
+        tables.append((f"Distribution, {spread.source}", Texts(head, (("", (tuple(cells),)),))))
     return tables
 
 
@@ -224,22 +222,15 @@ def _columns(
     records = []
     for k, column in enumerate(columns):
         finite = values[np.isfinite(values[:, k]), k]
-        shown = Display(column, finite)
-        scatter = plan.distributions.get(column.key)
+        shown, scatter = Display(column, finite), plan.distributions.get(column.key)
         remark = scatter.text if scatter else ", ".join(column.choices) or NOTHING
-        bounds = 0 if table is None else int(table.censored[:, k].sum())
+        if table is not None and table.censored[:, k].any():
+            remark = f"{int(table.censored[:, k].sum())} lower bounds"
+        count = len(np.unique(finite)) if table is None else len(finite)
         ends = np.quantile(finite, (0.0, 0.5, 1.0)) if finite.size else [math.nan] * 3
-        low, median, high = ("" if column.choices else shown.text(value) for value in ends)
-        records.append(
-            {
-                "column": column,
-                "count": len(np.unique(finite)) if table is None else len(finite),
-                "low": low,
-                "median": median,
-                "high": high,
-                "remark": f"{bounds} lower bounds" if bounds else remark,
-            }
-        )
+        texts = ("" if column.choices else shown.text(value) for value in ends)
+        record = dict(zip(("low", "median", "high"), texts, strict=True))
+        records.append({"column": column, "count": count, "remark": remark, **record})
     return row_table(COLUMN_ROWS, records, numeric=False)
 
 

@@ -121,11 +121,7 @@ def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
     ``saltelli``: first-order and total Sobol' indices (`SALib.analyze.sobol`). ``sobol`` and
     ``latin``: first-order indices (`SALib.analyze.rbd_fast`). ``morris``: elementary effects of a
     jump by half of the range (`SALib.analyze.morris`). ``oat``: changes from the middle point.
-
-    Raises
-    ------
-    InputError
-        If SALib is not installed.
+    `InputError` if SALib is not installed.
     """
     if points.is_constant or not kind:
         return None
@@ -148,9 +144,8 @@ def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
     options: dict[str, Any] = {"num_resamples": RESAMPLES, "seed": seed}
     values, noise = points.means[rows], float(points.noise[rows].mean())
     if kind == "morris":
-        indices = morris.analyze(
-            problem, points.points[rows], values, num_levels=MORRIS_LEVELS, **options
-        )
+        options["num_levels"] = MORRIS_LEVELS
+        indices = morris.analyze(problem, points.points[rows], values, **options)
         # SALib divides by the jump between its own levels, which lie at the ends of the range.
         jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
         halves = [indices["mu_star_conf"], np.full(dimension, np.nan)]
@@ -162,28 +157,23 @@ def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
             jump * np.array(halves, float),
             noise=math.nan if points.noise_source == "none" else math.sqrt(4.0 / math.pi * noise),
         )
-    variance, keys = float(values.var()), ["S1"]
     if kind == "saltelli":
         indices = sobol.analyze(problem, values, calc_second_order=False, **options)
-        variance = float(points.means[blocks[:, [0, -1]]].var())
         method, keys = "Saltelli et al. 2010; total indices after Jansen 1999", ["S1", "ST"]
+        values = points.means[blocks[:, [0, -1]]]
     else:
         indices = rbd_fast.analyze(problem, points.points[rows], values, M=RBD_HARMONICS, **options)
-        method = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012"
+        method, keys = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012", ["S1"]
+    variance = float(values.var())
     if variance <= noise:
         return None
     # Chaos adds its variance to the denominator, and to the numerator of total indices.
     scale = variance / (variance - noise)
     shares = scale * np.array([indices[key] for key in keys], float)
+    widths = scale * np.array([indices[f"{key}_conf"] for key in keys], float)
     shares[1:] -= noise / (variance - noise)
-    return Sensitivity(
-        "Sobol' indices",
-        method,
-        ("first-order index", "total index")[: len(keys)],
-        shares,
-        scale * np.array([indices[f"{key}_conf"] for key in keys], float),
-        is_share=True,
-    )
+    measures = ("first-order index", "total index")[: len(keys)]
+    return Sensitivity("Sobol' indices", method, measures, shares, widths, is_share=True)
 
 
 def _changes(points: Points) -> Sensitivity | None:

@@ -3,8 +3,6 @@
 import math
 
 import numpy as np
-import pytest
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
 from presswear.engines.dae.dynamics import evaluate, state_size, system_of
@@ -15,18 +13,6 @@ from presswear.validation import reference_problems as references
 
 ANGLES = np.array(references.ANDREWS_ANGLES)
 RATES = np.array(references.ANDREWS_RATES)
-
-
-def test_bodies_join_at_the_start() -> None:
-    """The seven angles of the reference close all three loops."""
-    start = references.andrews_start()
-    constraints = constraints_of(references.andrews())
-    phi, phi_t, _, _ = constraints.evaluate(0.0, start.position, start.velocity)
-    assert constraints.rows == 20
-    assert np.abs(phi).max() < 1e-16
-    assert np.abs(phi_t).max() == 0.0
-    back = references.andrews_angles(start.position)
-    np.testing.assert_allclose(back, references.ANDREWS_START, rtol=0.0, atol=1e-15)
 
 
 def test_accelerations_at_the_start() -> None:
@@ -58,28 +44,3 @@ def test_projection_reaches_the_reference() -> None:
     assert np.abs(references.andrews_angles(run.end.velocity) - RATES).max() < 1e-5
     # Several turns, not an angle of one turn.
     assert angles[0] > 5.0 * math.pi
-
-
-def test_energy_is_the_work_of_the_moment() -> None:
-    """Kinetic and spring energy gained = 0.033 N m times the crank's turn."""
-    plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    linkage, start = references.andrews(), references.andrews_start()
-    end = InHouse().simulate(linkage, start, plan).end
-    spring = linkage.springs[0]
-    first, second = spring.ends
-
-    def stored(position: NDArray[np.float64]) -> float:
-        i = 3 * linkage.index(first.body)
-        x, y, angle = position[i : i + 3]
-        c, s = math.cos(angle), math.sin(angle)
-        place = (
-            x + c * first.x - s * first.y,
-            y + s * first.x + c * first.y,
-        )
-        stretch = math.dist(place, (second.x, second.y)) - spring.length
-        return 0.5 * spring.stiffness * stretch**2
-
-    mass = np.array([m for body in linkage.bodies for m in (body.mass, body.mass, body.inertia)])
-    kinetic = 0.5 * float(mass @ end.velocity**2)
-    work = linkage.dead_loads[0].moment * (end.position[2] - start.position[2])
-    assert kinetic + stored(end.position) - stored(start.position) == pytest.approx(work, rel=1e-10)

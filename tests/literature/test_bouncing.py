@@ -24,25 +24,14 @@ def rebound(run: Run) -> float:
     return float(run.end.velocity[0] - run.end.velocity[3])
 
 
-@pytest.mark.parametrize(("tolerance", "bound"), [(1e-9, 5e-8), (1e-11, 1e-8), (1e-13, 1e-8)])
-@pytest.mark.parametrize(("nominal", "expected"), DELIVERED.items())
-def test_dae_delivers_the_closed_form(
-    nominal: float, expected: float, tolerance: float, bound: float
-) -> None:
-    """Already at 1e-9, its default, the restitution is right to 5e-8."""
-    impact = references.Impact(nominal)
-    run = InHouse(integration_tolerance=tolerance).simulate(impact.linkage, impact.start, PLAN)
-    assert delivered(run, impact.speed) == pytest.approx(expected, abs=bound)
-    assert rebound(run) / impact.speed == pytest.approx(expected, abs=bound)
-
-
-def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
+@pytest.mark.parametrize(("tolerance", "bound"), [(1e-9, 5e-8), (1e-11, 1e-8)])
+def test_a_run_that_starts_on_the_touch_does_not_miss_it(tolerance: float, bound: float) -> None:
     impact = references.Impact(0.9)
     position = impact.start.position.copy()
     position[3] = impact.linkage.clearances[0].clearance
     start = Start(position, impact.start.velocity)
-    run = InHouse(integration_tolerance=1e-11).simulate(impact.linkage, start, PLAN)
-    assert rebound(run) / impact.speed == pytest.approx(DELIVERED[0.9], abs=1e-8)
+    run = InHouse(integration_tolerance=tolerance).simulate(impact.linkage, start, PLAN)
+    assert rebound(run) / impact.speed == pytest.approx(DELIVERED[0.9], abs=bound)
 
 
 def test_exudyn_delivers_to_second_order_in_the_step() -> None:
@@ -77,15 +66,6 @@ def test_depth_is_the_closed_form(nominal: float) -> None:
     impact = references.Impact(nominal, clearance=1e-5)
     run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
     assert deepest_penetration(run, impact.speed) == pytest.approx(impact.deepest, rel=1e-8)
-
-
-def test_ball_flies_as_thrown() -> None:
-    """Every flight takes 2 v / g, with v the rebound speed before it."""
-    ball = references.Ball(0.9)
-    seen = bounced(ball, 6.0)
-    thrown = np.concatenate([[ball.speed], seen.rebounds[:-1]])
-    assert len(seen.flights) > 15
-    np.testing.assert_allclose(seen.flights, 2.0 * thrown / ball.gravity, rtol=0.0, atol=1e-13)
 
 
 @pytest.mark.parametrize("nominal", [0.9, 0.8, 0.5])

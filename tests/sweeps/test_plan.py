@@ -3,8 +3,6 @@
 import csv
 import io
 import itertools
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -62,32 +60,6 @@ def test_plans_are_stored_as_plain_data() -> None:
     again = Plan.from_dict(plain(plan.as_dict()))
     assert again == plan
     assert [again.identity(row) for row in range(20)] == [plan.identity(row) for row in range(20)]
-
-
-SAMPLED = partial(Plan, SCENE, sample="sobol:8")
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (partial(Plan, SCENE), "nothing varies"),
-        (SAMPLED, "--sample and --range must be used together"),
-        (partial(SAMPLED, ranges=("friction=0:0.1",), sample="sobol"), "expected KIND:SIZE"),
-        (partial(SAMPLED, ranges=("engine=dae",)), "engine is not a number"),
-        (partial(SAMPLED, ranges=("friction",)), "expected KEY=DISTRIBUTION"),
-        (partial(Plan, SCENE, ("friction=0.1", "friction=0.2")), "friction varies twice"),
-        (partial(Plan, SCENE, ("seed=1,2",), replicates=2), "cannot be combined"),
-        (partial(Plan, SCENE, ("friction=0.1",), replicates=0), "replicates = 0: must be 1"),
-        (partial(Plan, SCENE, ("length_3=0.1m,0.11m",)), "no scene of this plan .*assembled"),
-        (
-            partial(Plan, SCENE, ("friction=0:0.1:10000", "clearance=0.1mm:1mm:10000")),
-            "the plan has 100000000 rows",
-        ),
-    ],
-)
-def test_wrong_plans_are_refused(make: Callable[[], Plan], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        make()
 
 
 def test_one_impossible_point_does_not_refuse_the_others() -> None:

@@ -143,24 +143,3 @@ def test_lower_bounds_may_leave_a_violation_open() -> None:
     values, censored = np.array([1.0, 1.0, 3.0, 3.0]), np.array([True, False, True, False])
     assert Limit(2.0, True).count(values, censored) == (1, 2)
     assert Limit(2.0, False).count(values, censored) == (2, 3)
-
-
-@pytest.mark.parametrize(
-    ("texts", "message"),
-    [
-        (["A.forcemax"], r"did you mean A\.force_max"),
-        (["B.depth"], "unknown response 'B.depth'"),
-        (["A.depth@2"], "the stage must be 0 to wear_updates = 1"),
-        (["A.depth@x"], "NAME@STAGE"),
-        (["A.depth", "A.depth"], "is repeated"),
-        (["life<2e6"], "expected RESPONSE>=VALUE or RESPONSE<=VALUE"),
-        (["lif>=2e6"], "unknown response 'lif'; did you mean life"),
-        (["A.force_max<=15"], "has no unit"),
-        (["life>=2e6", "life<=3e6"], "life already has a limit"),
-    ],
-)
-def test_wrong_responses_and_limits_are_refused(texts: list[str], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        parse_limits(texts, COLUMNS) if "<" in texts[0] or ">" in texts[0] else request(
-            SCENE, texts
-        )

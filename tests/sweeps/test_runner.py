@@ -111,20 +111,6 @@ def test_another_program_is_refused() -> None:
         runner.run_row(SCENE, REQUESTED, None, "this")
 
 
-@pytest.mark.parametrize(
-    ("on", "message"),
-    [
-        ("dsk", "MODULE:FACTORY"),
-        ("nowhere:Executor", "nowhere"),
-        ("builtins:dict", "dict is not an Executor"),
-        ("dask://nowhere", "expected dask://HOST:PORT"),
-    ],
-)
-def test_unknown_executors_are_refused(on: str, message: str) -> None:
-    with pytest.raises(InputError, match=message), runner.open_executor(on, 1):
-        pass
-
-
 WORDS = ["sweep", "slider-crank", "--engine", "dae", "--cycles", "3", "--set", "wear_updates=0"]
 WORDS += ["--set", "replicates=1", "--vary", "clearance=0.1mm:0.5mm:8", "--response", "bdc_error"]
 

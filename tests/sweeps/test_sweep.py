@@ -106,42 +106,6 @@ def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
     assert "1 failed, the first: " in str(sweep)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--vary", "clearence=1mm"], "did you mean clearance"),
-        (["--vary", "clearance=1mm", "--response", "A.forcemax"], "did you mean A.force_max"),
-        (["--vary", "clearance=1mm:3m:4"], "clearance = 3 m: allowed is"),
-        ([], "nothing varies"),
-        (["--vary", "clearance=1mm", "--on", "dsk"], "MODULE:FACTORY"),
-        (["--vary", "clearance=1mm", "--shard", "3/2"], "expected K/N"),
-        (["--vary", "clearance=1mm", "--replicates", "few"], "--replicates few"),
-        (["--vary", "clearance=1mm", "--seed", "-1"], "must be a whole number from 0"),
-        (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of responses, results"),
-        (["--vary", "clearance=1mm", "--set", "colour=red"], "unknown key 'colour'"),
-        (["--vary", "clearance=1mm", "--cycles", "1", "--set", "cycles=2"], "cannot be combined"),
-        (["--sample", "sobol:8"], "--sample and --range must be used together"),
-        (["--vary", "clearance=1mm", "--limit", "bdc_eror>=1mm"], "did you mean bdc_"),
-        (["--resume"], "--resume needs the folder"),
-        (["--resume", "--out", "."], "is not the folder of a sweep"),
-    ],
-)
-def test_bad_input_is_one_line_and_writes_nothing(
-    words: list[str],
-    message: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["sweep", "wear-times", *words]) == 2
-    line = capsys.readouterr().err
-    assert line.startswith("presswear: ")
-    assert line.count("\n") == 1
-    assert message in line
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_sweep_is_resumed_extended_reported_and_exported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -223,22 +187,6 @@ def test_a_sweep_may_be_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str
     scene, options = read_sweep(file)
     assert scene == scene_from(file)
     assert options.vary == ("clearance=0.1mm,0.2mm",)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (FILE.replace("vary", "varry"), r"unknown key of \[sweep\]"),
-        (FILE.replace("replicates = 2", 'replicates = "2"'), "replicates"),
-        (FILE.replace("wear-times", "wear-time"), "did you mean wear-times"),
-        (FILE + '\n[mechanism]\nkind = "x"\n', "the file describes one"),
-        ("sweep = 3\n", "a table is expected"),
-    ],
-)
-def test_a_wrong_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
-    (tmp_path / "my.toml").write_text(text)
-    with pytest.raises(InputError, match=message):
-        read_sweep(tmp_path / "my.toml")
 
 
 def test_without_dask_one_line_names_the_package(tmp_path: Path) -> None:

@@ -13,17 +13,18 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.laws import delivered_restitution
 from presswear.scene.catalog import wear_times
 from presswear.tools.errors import InputError, RunFailed
-from presswear.validation import feature_costs, work_precision
+from presswear.validation import timing, work_precision
 from presswear.validation.cases import order_of
-from presswear.validation.feature_costs import (
+from presswear.validation.reference_problems import REDUCED_MASS, Impact
+from presswear.validation.timing import (
     CLEARANCES,
     SWITCHES,
     FeatureCost,
     FeatureExtent,
+    feature_costs,
+    time_runs,
     timed_run,
 )
-from presswear.validation.reference_problems import REDUCED_MASS, Impact
-from presswear.validation.timing import time_runs
 from presswear.validation.work_precision import (
     Extent,
     Point,
@@ -186,7 +187,7 @@ def test_a_scene_without_clearance_is_refused() -> None:
     with pytest.raises(InputError, match="no clearance"):
         work_precision.work_precision(replace(SCENE, joints="none"), SHORT, silent)
     with pytest.raises(InputError, match="clearance at A and C"):
-        feature_costs.feature_costs(replace(SCENE, joints="A"), FeatureExtent(), silent)
+        feature_costs(replace(SCENE, joints="A"), FeatureExtent(), silent)
 
 
 def test_the_command_writes_table_and_figure(
@@ -227,7 +228,7 @@ def test_the_command_writes_table_and_figure(
 @pytest.fixture(scope="module")
 def costs() -> list[FeatureCost]:
     extent = FeatureExtent(repeats=2, tree_cycles=0.05, joints_cycles=0.02, wear_cycles=1)
-    return feature_costs.feature_costs(SCENE, extent, silent)
+    return feature_costs(SCENE, extent, silent)
 
 
 def test_every_feature_is_timed_on_and_off(costs: list[FeatureCost]) -> None:
@@ -258,7 +259,7 @@ def test_the_features_command_writes_its_table(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(feature_costs, "feature_costs", lambda *arguments: costs)
+    monkeypatch.setattr(timing, "feature_costs", lambda *arguments: costs)
     assert main(["benchmark", "--features", "--quick", "--out", str(tmp_path / "out")]) == 0
     assert "torques stored: on" in capsys.readouterr().out
     with (tmp_path / "out" / "features.csv").open() as file:
