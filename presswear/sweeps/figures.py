@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.ticker import NullFormatter
@@ -84,10 +83,9 @@ def bars(points: Points, result: Sensitivity) -> list[Drawing]:
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.grid(visible=False, axis="y")
     axes.axvline(0.0, color=REFERENCE, linewidth=0.8)
-    label = f"share of the variance of {points.response.key}" if result.is_share else shown.label
-    axes.set_xlabel(label)
+    axes.set_xlabel(shown.label)
     if result.is_share:
-        axes.set_xlim(0.0, 1.0)
+        axes.set(xlim=(0.0, 1.0), xlabel=f"share of the variance of {points.response.key}")
     if not math.isnan(result.noise):
         axes.axvline(factor * result.noise, color=MUTED, linestyle="dotted")
     return finished("sensitivity", sheet, pens, key=points.response.key, result=result)
@@ -136,12 +134,13 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
     x_axis = _axis(axes, "x", points.parameters[pair[0]], across, WIDTH)
     y_axis = _axis(axes, "y", points.parameters[pair[1]], up, 4.0)
     shown = Display(points.response, points.means)
-    least, most = (shown.factor * float(end(points.means)) for end in (np.nanmin, np.nanmax))
-    norm = Normalize(least, most)
+    means = shown.factor * points.means
+    norm = Normalize(float(np.nanmin(means)), float(np.nanmax(means)))
     if surrogate is not None:
-        spacing = (np.geomspace if is_logarithmic(one) else np.linspace for one in (across, up))
-        ends = ((one.min(), one.max(), CELLS) for one in (across, up))
-        x, y = (space(*end) for space, end in zip(spacing, ends, strict=True))
+        x, y = (
+            (np.geomspace if is_logarithmic(one) else np.linspace)(one.min(), one.max(), CELLS)
+            for one in (across, up)
+        )
         grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
         for k, values in zip(pair, np.meshgrid(x, y), strict=True):
             grid[:, k] = values.ravel()
@@ -149,12 +148,10 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
         x, y = x_axis.factor * x, y_axis.factor * y
         axes.pcolormesh(x, y, level, norm=norm, cmap=COLOURS, shading="gouraud")
     x, y = x_axis.factor * across, y_axis.factor * up
-    colours = colormaps[COLOURS](norm(shown.factor * points.means))
-    for marker, rows in (
-        ("o", points.has_value & ~points.censored),
-        ("^", points.has_value & points.censored),
-    ):
-        axes.scatter(x[rows], y[rows], c=colours[rows], marker=marker, edgecolors="white")
+    for marker, rows in (("o", ~points.censored), ("^", points.censored)):
+        rows = rows & points.has_value
+        look = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
+        axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **look)
     axes.scatter(x[~points.has_value], y[~points.has_value], color=REFERENCE, marker="x")
     axes.grid(visible=False)
     sheet.colorbar(ScalarMappable(norm, COLOURS), ax=axes, label=shown.label)
@@ -174,7 +171,5 @@ def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Dr
     if limit is not None:
         pens.append(Pen(f"limit {shown.text(limit.value)}", REFERENCE, LINES[3][1]))
         axes.axvline(shown.factor * limit.value, **pens[-1].look)
-    axes.set_ylim(0.0, 100.0)
-    axes.set_xlabel(shown.label)
-    axes.set_ylabel("probability of a smaller value (%)")
+    axes.set(ylim=(0.0, 100.0), xlabel=shown.label, ylabel="probability of a smaller value (%)")
     return finished("distribution", sheet, pens, key=points.response.key, source=spread.source)

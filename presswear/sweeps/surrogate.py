@@ -1,6 +1,5 @@
 """Surrogate of a response: a Gaussian process by scikit-learn, for values between the points."""
 
-import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -32,7 +31,6 @@ class Surrogate:
     process: Any  # regressor of scikit-learn; its noise is chaos and misfit
     is_logarithmic: bool  # whether the process models the logarithm of the response
     explained: float  # share of the variance that ten-fold cross-validation explains
-    likelihood: float  # logarithm of the marginal likelihood of the means
 
     def predict(self, points: Array) -> tuple[Array, Array]:
         """Return the response at points and its standard deviation for a single run, (n,) each.
@@ -57,8 +55,7 @@ class Surrogate:
         violation = None
         if limit is not None:
             parts = limit.violated(values).mean(axis=0)
-            ends = np.quantile(parts, (0.5, *ENDS))
-            violation = (float(ends[0]), float(ends[1]), float(ends[2]))
+            violation = tuple(np.quantile(parts, (0.5, *ENDS)).tolist())
         return Spread("by the surrogate", median, low, high, violation)
 
     def outside(self, distributions: Sequence[Distribution]) -> str:
@@ -75,15 +72,11 @@ class Surrogate:
 
 def is_logarithmic(column_values: Array) -> bool:
     """Return whether positive values are more evenly spaced in their logarithms."""
-    if column_values.min() <= 0.0:
+    if column_values.min() <= 0.0 or np.ptp(column_values) == 0.0:
         return False
+    from scipy.stats import skew  # slow to import
 
-    def skewness(values: Array) -> float:
-        deviations = values - values.mean()
-        scale = float(np.mean(deviations**2)) ** 1.5
-        return abs(float(np.mean(deviations**3))) / scale if scale > 0.0 else 0.0
-
-    return skewness(np.log(column_values)) < skewness(column_values) - 1e-6
+    return bool(abs(skew(np.log(column_values))) < abs(skew(column_values)) - 1e-6)
 
 
 def _scaled(points: Points, values: Array) -> Array:
@@ -101,7 +94,7 @@ def _scaled(points: Points, values: Array) -> Array:
 
 
 def fit(points: Points) -> Surrogate:
-    """Fit the surrogate of a response, or of its logarithm, whichever is more likely.
+    """Fit the surrogate of a response, or of its logarithm if that is less skewed.
 
     `InputError` if scikit-learn is not installed, values are censored, points are too few or too
     many, or cross-validation explains too little of the variance.
@@ -117,22 +110,6 @@ def fit(points: Points) -> Surrogate:
         )
     if points.is_constant:
         raise InputError(f"no surrogate of {name}: it has the same value at all points")
-    names = ("points", "means", "variances", "counts", "censored")
-    chosen = replace(points, **{name: getattr(points, name)[rows] for name in names})
-    scales = (False, True) if chosen.means.min() > 0.0 else (False,)
-    best = max((_fitted(chosen, scale) for scale in scales), key=lambda one: one.likelihood)
-    noise = float(chosen.noise.mean() / chosen.means.var(ddof=1))
-    needed = max(MIN_EXPLAINED * (1.0 - min(noise, 1.0)), MIN_EXPLAINED_TOTAL)
-    if best.explained < needed:
-        raise InputError(
-            f"no surrogate of {name}: in cross-validation it explains "
-            f"{100.0 * max(best.explained, 0.0):.0f} % of the variance; it needs "
-            f"{100.0 * needed:.0f} %"
-        )
-    return best
-
-
-def _fitted(points: Points, logarithmic: bool) -> Surrogate:
     try:
         from sklearn.exceptions import ConvergenceWarning  # slow to import
         from sklearn.gaussian_process import GaussianProcessRegressor
@@ -141,7 +118,9 @@ def _fitted(points: Points, logarithmic: bool) -> Surrogate:
         from sklearn.model_selection import KFold, cross_val_predict
     except ImportError:
         raise not_installed("a surrogate", "scikit-learn", "sweep") from None
-    inputs = _scaled(points, points.points)
+    names = ("points", "means", "variances", "counts", "censored")
+    points = replace(points, **{name: getattr(points, name)[rows] for name in names})
+    inputs, logarithmic = _scaled(points, points.points), is_logarithmic(points.means)
     values = np.log(points.means) if logarithmic else points.means
     shape = Matern(np.ones(inputs.shape[1]), (1e-2, 1e2), nu=2.5)
     kernel = ConstantKernel(1.0, (1e-3, 1e3)) * shape + WhiteKernel(0.1, (1e-8, 1e1))
@@ -151,9 +130,14 @@ def _fitted(points: Points, logarithmic: bool) -> Surrogate:
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit(inputs, values)
         fixed = GaussianProcessRegressor(process.kernel_, optimizer=None, normalize_y=True)
-        folds = KFold(min(FOLDS, len(values)), shuffle=True, random_state=1)
+        folds = KFold(min(FOLDS, count), shuffle=True, random_state=1)
         predicted = cross_val_predict(fixed, inputs, values, cv=folds)
-    explained = r2_score(points.means, np.exp(predicted) if logarithmic else predicted)
-    likelihood = process.log_marginal_likelihood_value_ - len(values) * math.log(values.std())
-    likelihood -= values.sum() if logarithmic else 0.0
-    return Surrogate(points, process, logarithmic, float(explained), float(likelihood))
+    explained = float(r2_score(points.means, np.exp(predicted) if logarithmic else predicted))
+    noise = float(points.noise.mean() / points.means.var(ddof=1))
+    needed = max(MIN_EXPLAINED * (1.0 - min(noise, 1.0)), MIN_EXPLAINED_TOTAL)
+    if explained < needed:
+        raise InputError(
+            f"no surrogate of {name}: in cross-validation it explains "
+            f"{100.0 * max(explained, 0.0):.0f} % of the variance; it needs {100.0 * needed:.0f} %"
+        )
+    return Surrogate(points, process, logarithmic, explained)

@@ -9,9 +9,10 @@ import re
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine
@@ -63,41 +64,33 @@ class Case:
     is_long: bool = False  # takes more than some ten seconds
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """Result of one check of a case, or of a case that was refused or failed."""
 
     case: Case
     check: Check | None  # None for a refusal or a failed run
     verdict: Status
-    message: str  # of a refusal or of a failure
+    label: str  # checked quantity, or message of a refusal or of a failure
     seconds: float  # wall time since the previous outcome
-
-    @property
-    def label(self) -> str:
-        """Name of the checked quantity, or the message."""
-        return self.message or (self.check.quantity if self.check else "")
 
 
 def outcomes(case: Case) -> Iterator[Outcome]:
     """Run a case and yield an outcome for every check and for every way to end."""
     started = clock.perf_counter()
-
-    def outcome(check: Check | None, verdict: Status, message: str = "") -> Outcome:
-        nonlocal started
-        seconds, started = clock.perf_counter() - started, clock.perf_counter()
-        return Outcome(case, check, verdict, message, seconds)
-
     try:
         for check in case.checks():
+            passed: Status = "pass" if check.passed and not case.refusal else "MISS"
+            label = "runs, but must be refused" if case.refusal else check.quantity
+            ended = clock.perf_counter()
+            yield Outcome(case, check, passed, label, ended - started)
+            started = ended
             if case.refusal:
-                yield outcome(check, "MISS", "runs, but must be refused")
                 return
-            yield outcome(check, "pass" if check.passed else "MISS")
     except (InputError, RunFailed, ArithmeticError) as error:
-        is_refusal = bool(case.refusal) and re.search(case.refusal, str(error)) is not None
-        is_refusal = is_refusal and isinstance(error, InputError | RunFailed)
-        yield outcome(None, "refused" if is_refusal else "MISS", str(error))
+        is_refusal = bool(case.refusal and re.search(case.refusal, str(error)))
+        is_refusal = is_refusal and not isinstance(error, ArithmeticError)
+        seconds = clock.perf_counter() - started
+        yield Outcome(case, None, "refused" if is_refusal else "MISS", str(error), seconds)
 
 
 def finished(run: Run, name: str = "") -> Run:
@@ -115,24 +108,25 @@ def run_sound(linkage: Linkage, start: Start, engine: Engine, plan: Plan) -> Run
 def sound(run: Run, plan: Plan) -> Run:
     """Return a run; RunFailed unless it is complete, finite and has all contacts resolved."""
     recorder = finished(run).recorder
-    arrays = {
+    records = recorder.records
+    energies = [x for x in run.diagnostics.values() if isinstance(x, float)]
+    contacts = [recorder.stored_contacts(k).ravel() for k in range(len(records.memory))]
+    arrays: dict[str, ArrayLike] = {
         "series": recorder.rows,
-        "cycles": np.array(recorder.cycles),
+        "cycles": recorder.cycles,
         "wear": recorder.maps.sampled,
-        "position": run.end.position,
-        "velocity": run.end.velocity,
-        "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
+        "state": np.concatenate([run.end.position, run.end.velocity]),
+        "energy": energies,
+        "contacts": np.concatenate([*contacts, np.zeros(0)]),
     }
-    for k in range(len(recorder.records.memory)):
-        arrays[f"contacts {k}"] = recorder.stored_contacts(k)
     for name, values in arrays.items():
-        if not np.all(np.isfinite(values)):
+        if not np.all(np.isfinite(np.asarray(values))):
             raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
         raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    counters = recorder.records.counters
-    if unresolved := int(counters["unresolved"].sum()):
-        raise RunFailed(f"{unresolved} of {int(counters['contacts'].sum())} contacts unresolved")
+    if unresolved := int(records.counters["unresolved"].sum()):
+        count = int(records.counters["contacts"].sum())
+        raise RunFailed(f"{unresolved} of {count} contacts unresolved")
     return run
 
 

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.integrate import quad
@@ -38,7 +38,9 @@ from presswear.validation.cases import Case, Check, contacts_of, finished, first
 
 TIGHT = InHouse(integration_tolerance=1e-11)  # the default, 1e-9, leaves 2e-8 in the restitution
 
-_ANDREWS = tomllib.loads(files("presswear.validation").joinpath("andrews.toml").read_text("utf-8"))
+_FILE = files("presswear.validation").joinpath("reference_problems.toml")
+_DATA = tomllib.loads(_FILE.read_text("utf-8"))
+_ANDREWS = _DATA["andrews"]
 ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
 ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
 ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
@@ -50,22 +52,14 @@ _TURNS[1, 1] = 1.0
 
 
 def free_bodies(
-    name: str,
-    bodies: tuple[Body, ...],
-    joints: tuple[ClearanceJoint, ...],
-    probe: str,
-    direction: float = 0.0,
-    gravity: float = 0.0,
-    loads: tuple[Load, ...] = (),
+    name: str, bodies: Sequence[Body], joints: Sequence[ClearanceJoint], probe: str, **rest: Any
 ) -> Linkage:
-    """Return bodies that are connected by clearance joints only.
+    """Return bodies that are connected by clearance joints only, without gravity.
 
-    The motion of the body ``probe`` along a direction, rad, is recorded.
+    The motion of the body ``probe`` along x is recorded.
     """
-    output = OutputPoint(probe, direction)
-    return assemble(
-        bodies, output=output, name=name, gravity=gravity, loads=loads, clearances=joints
-    )
+    options: dict[str, Any] = {"output": OutputPoint(probe, 0.0), "gravity": 0.0, **rest}
+    return assemble(tuple(bodies), name=name, clearances=tuple(joints), **options)
 
 
 def andrews() -> Linkage:
@@ -138,13 +132,9 @@ def andrews_checks() -> Iterator[Check]:
 # Free impact: F = K delta^n (1 + chi delta_dot / v); see ``presswear.linkage.laws``.
 # Duration of an elastic Hertz impact over delta_max / v: 0.8 B(2/5, 1/2).
 HERTZ_DURATION = 2.9432751843
-# Delivered restitution by law and nominal value: the root e' of
-# (1 + e') chi = ln((1 + chi) / (1 - chi e')) with the damping factor chi of the law.
-DELIVERED = {
-    "lankarani-nikravesh": {0.9: 0.9131766778, 0.8: 0.8471022798, 0.5: 0.7252411140},
-    "hunt-crossley": {0.9: 0.9090157413, 0.8: 0.8328697923, 0.5: 0.6629622000},
-    "flores": {0.9: 0.8939206927, 0.8: 0.78853913, 0.5: 0.47044478},
-    "gonthier": {0.9: 0.8764354239, 0.8: 0.7679997891, 0.5: 0.48774126},
+DELIVERED: dict[str, dict[float, float]] = {
+    law: {float(nominal): value for nominal, value in values.items()}
+    for law, values in _DATA["delivered"].items()
 }
 REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
 EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}  # 50 steps miss 1e-4 at 0.8 and 0.5
@@ -198,10 +188,9 @@ class Impact:
     def duration(self) -> tuple[float, float]:
         """Return the contact time for damping above 0 and its uncertainty, s.
 
-        With u = delta_dot / v the motion has an integral, G(u) = K delta^(n+1) / ((n+1) m v^2).
-        The contact time is the integral of m v du / (K delta(u)^n (1 + chi u)) from -e' to 1.
-        delta^n goes with the distance from an end to the power n / (n + 1); a substitution by
-        the power 1 / (n + 1) of that distance makes both integrands smooth.
+        It is the integral of m v du / (K delta^n (1 + chi u)) over u = delta_dot / v from -e' to 1,
+        with delta^(n+1) = (n+1) m v^2 / K times a function of u. A substitution by the power
+        1 / (n + 1) of the distance from either end makes the integrand smooth.
         """
         chi, n = self.damping, 1.5
         restitution = delivered_restitution(chi)
@@ -389,8 +378,9 @@ class Ball:
             width=0.02,
             normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
         )
-        bodies, up = (Body("ball", 0.1, 1e-4),), math.pi / 2.0
-        return free_bodies("bouncing ball", bodies, (joint,), "ball", up, self.gravity)
+        bodies, up = (Body("ball", 0.1, 1e-4),), OutputPoint("ball", 0.5 * math.pi)
+        options: dict[str, Any] = {"output": up, "gravity": self.gravity}
+        return free_bodies("bouncing ball", bodies, (joint,), "ball", **options)
 
     @property
     def start(self) -> Start:
@@ -401,27 +391,18 @@ class Ball:
 BOUNCES = 20
 
 
-class Bounces(NamedTuple):
-    """Flights between bounces, s, and rebound speeds, m/s."""
-
-    flights: Array
-    rebounds: Array
-
-
-def bounced(ball: Ball, duration: float) -> Bounces:
-    """Run a bouncing ball for a time, s, in ``dae``."""
+def bounced(ball: Ball, duration: float) -> tuple[Array, Array]:
+    """Run a bouncing ball for a time, s, in ``dae``; return flights, s, and rebounds, m/s."""
     run = TIGHT.simulate(ball.linkage, ball.start, Plan(duration, 1, recorded_cycles=1))
-    first_contact(run)
-    contacts = contacts_of(run)
+    contacts = contacts_of(finished(run))
     left = np.concatenate([[0.0], contacts["separation"][:-1]])
-    return Bounces(contacts["touchdown"] - left, -contacts["release_speed"])
+    return contacts["touchdown"] - left, -contacts["release_speed"]
 
 
 def stiff_limit(stiff: float, stiffer: float, ratio: float) -> float:
-    """Return the limit for short contacts of a quantity, from its values at two stiffnesses.
+    """Return the limit of a quantity for short contacts from its values at two stiffnesses.
 
-    The effect of gravity during contact is proportional to the contact time, K^(-2/5). The ratio is
-    that of the stiffnesses, above 1.
+    The effect of gravity goes with the contact time, K^(-2/5). The ratio of stiffnesses is above 1.
     """
     return stiffer + (stiffer - stiff) / (ratio**0.4 - 1.0)
 
@@ -433,45 +414,25 @@ def bouncing_checks() -> Iterator[Check]:
     series = 2.0 / stiffer.gravity / (1.0 - restitution)
     totals, rebounds = [], []
     for ball in (replace(stiffer, stiffness=0.1 * stiffer.stiffness), stiffer):
-        bounces = bounced(ball, 6.0)
-        if len(bounces.rebounds) < BOUNCES:
-            raise RunFailed(f"expected {BOUNCES} bounces, found {len(bounces.rebounds)}")
-        last = float(bounces.rebounds[BOUNCES - 1])
-        totals.append(float(bounces.flights[:BOUNCES].sum()) + series * last)
-        rebounds.append(last)
+        flights, speeds = bounced(ball, 6.0)
+        if len(speeds) < BOUNCES:
+            raise RunFailed(f"expected {BOUNCES} bounces, found {len(speeds)}")
+        rebounds.append(float(speeds[BOUNCES - 1]))
+        totals.append(float(flights[:BOUNCES].sum()) + series * rebounds[-1])
     total, rebound = (stiff_limit(one[0], one[1], 10.0) for one in (totals, rebounds))
     yield Check.against("bouncing ball, dae: total time (s)", series * stiffer.speed, total, 1e-6)
     expected = stiffer.speed * restitution**BOUNCES
     yield Check.against(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
 
 
-_CASES = (
-    (
-        "Andrews' squeezer",
-        "IVP test set (Mazzia and Magherini, University of Bari), after Giles 1978 and Manning "
-        "1981; IFToMM library A03. Order 2 is that of the trapezoidal rule.",
-        andrews_checks,
-    ),
-    (
-        "impact",
-        "Roots e' of (1 + e') chi = ln((1 + chi) / (1 - chi e')) for chi of Lankarani and "
-        "Nikravesh 1990, Hunt and Crossley 1975, Flores and others 2011, Gonthier and others 2004; "
-        "depth and duration in closed form (Hertz).",
-        impact_checks,
-    ),
-    (
-        "friction",
-        "code_aster V5.01.100, test SDND100; creep and slowing under the ramp law in closed form.",
-        friction_checks,
-    ),
-    (
-        "bouncing ball",
-        "Geometric series of the delivered restitution in the limit of short contacts.",
-        bouncing_checks,
-    ),
-)
-
-
 def reference_cases() -> list[Case]:
     """Return the cases with a published solution or a closed form."""
-    return [Case(name, source, "all", checks) for name, source, checks in _CASES]
+    return [Case(name, _DATA["sources"][name], "all", checks) for name, checks in _CASES.items()]
+
+
+_CASES = {
+    "Andrews' squeezer": andrews_checks,
+    "impact": impact_checks,
+    "friction": friction_checks,
+    "bouncing ball": bouncing_checks,
+}
