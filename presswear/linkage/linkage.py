@@ -164,10 +164,7 @@ class Linkage(Checked):
 
     def index(self, body: str) -> int:
         """Return the position of a body in ``bodies``."""
-        for position, candidate in enumerate(self.bodies):
-            if candidate.name == body:
-                return position
-        raise KeyError(f"no body {body!r} in linkage {self.name!r}")
+        return [one.name for one in self.bodies].index(body)
 
     def opened(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
         """Return the linkage with clearance joints in place of revolutes of the same name."""

@@ -144,10 +144,7 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"loads": [Load("rod")]}, "unknown body in loads 'rod'"),
         ({"loads": [Force("rocker.haed", 0.0, 1.0)]}, "unknown point of rocker in loads 'haed'"),
         ({"loads": [Moment("frame", wobble)]}, "unknown body in loads 'frame'"),
-        (
-            {"loads": [Moment("crank", OverTime([(0, 1), (0.3, 2)]))]},
-            "a cycle of 0.20944 s allowed",
-        ),
+        ({"loads": [Moment("crank", OverTime([(0, 1), (0.3, 2)]))]}, "cycle of 0.20944 s allowed"),
         ({"output": "rocker.nose"}, "unknown point of rocker in output 'nose'"),
         ({"bodies": [*FOUR_BAR.bodies, FOUR_BAR.bodies[0]]}, "body crank: the name stands twice"),
         ({"bodies": []}, "bodies: at least one is needed"),
@@ -178,7 +175,7 @@ def test_parts_that_do_not_fit_together_are_refused(changes: dict[str, Any], mes
         (
             OverPosition,
             {**SHEET, "unloading": 4.9},
-            "unloading = 4.9 .* is 5, the steepest rise of",
+            "4.9 N.m .* is 5, the steepest rise of",
         ),
         (OverPosition, {**SHEET, "table": [(1, -5)], "unloading": 9.0}, "-5 N .*, where it begins"),
         (Harmonics, {"harmonics": [(1, 1)]}, "frequency = 0 rad/s: with harmonics"),
