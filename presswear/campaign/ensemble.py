@@ -88,20 +88,20 @@ class Ensemble:
         state = replace(state, runs=state.runs[: len(runs)])
         return Ensemble(scene.linkage(), depth, tuple(runs), scene.replicate_count, state)
 
-    def _set(self, part: slice) -> "Ensemble":
-        return replace(self, depth=self.depth[part], runs=self.runs[part])
-
     @property
     def together(self) -> "Ensemble":
         """The first set, which the statistics of a stage are of."""
-        return self._set(slice(self.replicates))
+        first = slice(self.replicates)
+        return replace(self, depth=self.depth[first], runs=self.runs[first])
 
     @property
     def alone(self) -> "Ensemble":
         """The last set, whose runs are independent: each replicate on surfaces of its own."""
+        if len(self.runs) <= self.replicates:
+            return self
         # If one of them failed there are fewer runs than surfaces.
-        is_twice = len(self.runs) > self.replicates
-        return self._set(slice(self.replicates, len(self.runs))) if is_twice else self
+        last = slice(self.replicates, len(self.runs))
+        return replace(self, depth=self.depth[last], runs=self.runs[last])
 
     @property
     def recorders(self) -> tuple[Recorder, ...]:
@@ -129,10 +129,9 @@ class Ensemble:
     @property
     def status(self) -> Status:
         """``failed``, ``enough`` if the maps were known early, or ``completed``."""
-        statuses = [run.status for run in self.runs]
-        if statuses[-1] == "failed":
-            return "failed"
-        return "enough" if "enough" in statuses else "completed"
+        statuses: set[Status] = {run.status for run in self.runs}
+        order: tuple[Status, ...] = ("failed", "enough", "completed")
+        return next(status for status in order if status in statuses)
 
     @property
     def surface_depth(self) -> Array:
@@ -196,10 +195,20 @@ class Runner:
         runs beside the others, if these are long enough. The state is kept whenever it changes.
         """
         rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
-        self.workers.run(rounds.jobs(), rounds.on_end, rounds.on_report)
-        ensemble = Ensemble.of(self.scene, spec, depth, rounds.state())
+        jobs = {**rounds.units(range(len(depth))), **rounds.check()}
+        self.workers.run(jobs, rounds.on_end, rounds.on_report)
+        ensemble = Ensemble.of(self.scene, spec, depth, rounds.state)
         self.done += ensemble.state.cycles / self.scene.replicate_count
         return ensemble
+
+    def report(self, part: float, whole: float, word: str, linkage: Linkage, film: Any) -> None:
+        """Report cycles of each replicate in the present ensemble, and as many as are needed."""
+        share = (self.done + part) / (self.done + whole + self.later)
+        self.shown = max(self.shown, min(share, 1.0))
+        campaign = (self.index + self.shown) / (self.scene.wear_updates + 1)
+        progress = Progress(self.index, self.shown, campaign, word, linkage, film)
+        for observer in self.observers:
+            observer.on_progress(progress)
 
 
 class _Rounds:
@@ -215,66 +224,58 @@ class _Rounds:
         step_check: Job | None,
     ) -> None:
         self._runner, self._depth, self._spec, self._keep = runner, depth, spec, keep
-        self._step_check, self._step_errors = step_check, state.step_errors
+        self._step_check, self._started = step_check, clock.perf_counter() - state.wall
         self._size = size = runner.scene.replicate_count
         first = (spec.cycles,) * size
         if spec.tolerance is not None:
             first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
         sets = len(depth) // size
-        self._runs = list(state.runs) or [None] * len(depth)
-        self._until = list(state.until) or [*first * sets]
+        runs, until = state.runs or (None,) * len(depth), state.until or first * sets
+        self.state = replace(state, runs=runs, until=until)
         self._linkages = [linkage_on(runner.scene, surfaces) for surfaces in depth]
-        self._wall, self._started = state.wall, clock.perf_counter() - state.wall
-        self._done = [0.0 if run is None else float(run.cycles) for run in self._runs]
+        self._done = [0.0 if run is None else float(run.cycles) for run in runs]
         # Most often the first round is enough, which shows only at its end.
-        self._needed, self._reached = [float(max(self._until))] * sets, [""] * sets
+        self._needed, self._reached = [float(max(until))] * sets, [""] * sets
 
     def _deal(self, total: int) -> tuple[int, ...]:
         """Return cycles for the runs of a set, with a total, as equal as possible."""
         each = ((total + self._size - 1 - k) // self._size for k in range(self._size))
         return tuple(min(cycles, self._spec.cycles) for cycles in each)
 
-    def state(self) -> EnsembleState:
-        """Return the present state."""
-        return EnsembleState(tuple(self._runs), tuple(self._until), self._wall, self._step_errors)
-
     def _last(self) -> int:
         """Return the index of the last run that counts: the first that failed."""
-        failed = (k for k, run in enumerate(self._runs) if run and run.status == "failed")
-        return next(failed, len(self._runs) - 1)
+        runs = self.state.runs
+        failed = (k for k, run in enumerate(runs) if run and run.status == "failed")
+        return next(failed, len(runs) - 1)
 
     def _is_over(self, index: int) -> bool:
-        run = self._runs[index]
+        run = self.state.runs[index]
         if run is None or run.status is None:
             return False
-        return run.status != "enough" or run.cycles >= self._until[index]
+        return run.status != "enough" or run.cycles >= self.state.until[index]
 
-    def jobs(self) -> dict[int, Job]:
-        """Return the initial jobs."""
-        return {**self._units(range(len(self._runs))), **self._check()}
-
-    def _check(self) -> dict[int, Job]:
+    def check(self) -> dict[int, Job]:
         """Start the step check once the runs are long enough."""
-        if self._step_check is None or sum(self._until) < STEP_CHECK_CYCLES:
+        if self._step_check is None or sum(self.state.until) < STEP_CHECK_CYCLES:
             return {}
         job, self._step_check = self._step_check, None
         return {STEP_CHECK: job}
 
-    def _units(self, indices: Iterable[int]) -> dict[int, Job]:
+    def units(self, indices: Iterable[int]) -> dict[int, Job]:
         """Return the work units that runs lack until the end of their round."""
         runner, last = self._runner, self._last()
         frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)
         units: dict[int, Job] = {}
         for index in indices:
-            run = self._runs[index]
+            run = self.state.runs[index]
             if index <= last and not self._is_over(index):
                 units[index] = WorkUnit(
                     runner.scene,
                     self._spec,
                     self._depth[index],
                     index + self._size * self._spec.number,
-                    self._until[index],
+                    self.state.until[index],
                     None if run is None else run.arrays,
                     runner.workers.lasts,
                     frames,
@@ -285,19 +286,20 @@ class _Rounds:
     def on_end(self, index: int, outcome: Any) -> dict[int, Job | None]:
         """Store the outcome of a job; return the next jobs, None for those not needed any more."""
         if index == STEP_CHECK:
-            self._step_errors = outcome
+            self.state = replace(self.state, step_errors=outcome)
             return {}
         run: RunState = outcome
-        self._runs[index], self._done[index] = run, float(run.cycles)
-        self._wall = clock.perf_counter() - self._started
+        runs = (*self.state.runs[:index], run, *self.state.runs[index + 1 :])
+        self.state = replace(self.state, runs=runs, wall=clock.perf_counter() - self._started)
+        self._done[index] = float(run.cycles)
         following: dict[int, Job | None] = {}
         if run.status is None:
-            following |= self._units([index])
+            following |= self.units([index])
         elif run.status == "failed":
-            following |= dict.fromkeys([*range(index + 1, len(self._runs)), STEP_CHECK])
+            following |= dict.fromkeys([*range(index + 1, len(runs)), STEP_CHECK])
         else:
-            following |= {**self._units(self._next_round(index // self._size)), **self._check()}
-        self._keep(self.state())
+            following |= {**self.units(self._next_round(index // self._size)), **self.check()}
+        self._keep(self.state)
         return following
 
     def _next_round(self, number: int) -> Sequence[int]:
@@ -305,9 +307,9 @@ class _Rounds:
         spec, members = self._spec, range(number * self._size, (number + 1) * self._size)
         if spec.tolerance is None or self._last() < members[-1]:
             return ()
-        maps = [run.maps for run in self._runs[members.start : members.stop] if run]
-        if len(maps) < len(members) or not all(map(self._is_over, members)):
+        if not all(map(self._is_over, members)):
             return ()
+        maps = [run.maps for run in self.state.runs[members.start : members.stop] if run]
         error = float(map_errors(*map_batches(maps)).max())
         cycles = [run.cycles for run in maps]
         _LOG.info("wear maps known to %.2g after %d cycles", error, sum(cycles))
@@ -316,15 +318,17 @@ class _Rounds:
         lacking = max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
         if lacking == 0.0 or min(cycles) >= spec.cycles:
             return ()
-        until = self._deal(sum(cycles) + math.ceil(ROUND_FRACTION * lacking))
-        self._until[members.start : members.stop] = until
+        until = [*self.state.until]
+        dealt = self._deal(sum(cycles) + math.ceil(ROUND_FRACTION * lacking))
+        until[members.start : members.stop] = dealt
+        self.state = replace(self.state, until=tuple(until))
         needed = (sum(cycles) + lacking) / len(maps)
-        self._needed[number] = min(max(needed, *until), spec.cycles)
+        self._needed[number] = min(max(needed, *dealt), spec.cycles)
         return members
 
     def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
         """Report the progress of the runs."""
-        runner, is_compiling, size = self._runner, math.isnan(done), self._size
+        is_compiling, size = math.isnan(done), self._size
         if index != STEP_CHECK and not is_compiling:
             self._done[index] = done
         number = max(index, 0) // size
@@ -334,20 +338,9 @@ class _Rounds:
         if size > 1:
             where += f" of {size} replicates" + (" alone" if number else "")
         word = ", ".join(filter(None, (self._spec.label, where + self._reached[number])))
-        film = None
+        linkage, film = self._linkages[index], None
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
-            film = Film.of(rows, len(self._linkages[index].clearances))
+            film = Film.of(rows, len(linkage.clearances))
         part, whole = (float(sum(each)) / size for each in (np.minimum(self._done, needed), needed))
-        share = (runner.done + part) / (runner.done + whole + runner.later)
-        runner.shown = max(runner.shown, min(share, 1.0))
-        progress = Progress(
-            runner.index,
-            runner.shown,
-            (runner.index + runner.shown) / (runner.scene.wear_updates + 1),
-            COMPILING if is_compiling else word,
-            self._linkages[index],
-            film,
-        )
-        for observer in runner.observers:
-            observer.on_progress(progress)
+        self._runner.report(part, whole, COMPILING if is_compiling else word, linkage, film)

@@ -28,6 +28,7 @@ from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
 from presswear.campaign.wear_update import (
     FIRST_REFINEMENT,
     WearUpdate,
+    by_joint,
     by_side,
     largest_change,
     wear_per_cycle,
@@ -597,7 +598,7 @@ def wear_between(
             continue
         depth, lost = surfaces_at(end)
         change = (lost - surfaces_at(at)[1]).mean(axis=0) / block.cycles
-        forces = [float(block.samples[f"{joint.name}.force_max"].mean()) for joint in joints]
+        forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
         steps.append(
             WearStep(
                 cycles_per_update=end - at,
@@ -605,7 +606,7 @@ def wear_between(
                 factor=(end - at) / block.cycles,
                 clearance_change=largest_change(joints, change),
                 max_depth=by_side(joints, depth.max(axis=3).mean(axis=0)),
-                peak_force=dict(zip((joint.name for joint in joints), forces, strict=True)),
+                peak_force=by_joint(joints, forces),
                 wall_s=block.wall_s,
             )
         )

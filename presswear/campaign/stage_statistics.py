@@ -4,6 +4,7 @@ The largest value of a run is one sample of a chaotic motion; means over cycles 
 The start-up cycles are left out, where enough more ran.
 """
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -49,6 +50,8 @@ from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Recorders = Sequence[Recorder]
+
+_OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"
 
 COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")  # of ``deviation``: m, m/s, s, m
 SHARP = 0.01  # of the scatter of bottom dead centre, over which its instant is sharp
@@ -147,9 +150,10 @@ def _statistics(
     count = sum(len(run.cycles) for run in recorders)
     if not recorders:
         return StageStatistics(cycles=0)
-    names = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
-    settled = {name: np.concatenate(_settled(recorders, name)) for name in names}
     joints = ensemble.linkage.clearances
+    output: dict[str, Any] = {name: _largest(recorders, name) for name in _OUTPUTS}
+    output["velocity_min"] = -_largest(recorders, "velocity_min", sign=-1.0)
+    output |= {f"{name}_per_cycle": _mean(recorders, alone, name) for name in _OUTPUTS}
     made = float(diagnostics.get("contact_made_J", 0.0))
     dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + made
     dissipated += float(diagnostics.get("friction_loss_J", 0.0))
@@ -157,15 +161,7 @@ def _statistics(
         cycles=count,
         energy_made_per_cycle=_mean(recorders, alone, "contact_made"),
         drive_work_per_cycle=_mean(recorders, alone, "drive_work"),
-        output=OutputStatistics(
-            displacement_max=float(settled["displacement_max"].max()),
-            velocity_min=float(settled["velocity_min"].min()),
-            velocity_max=float(settled["velocity_max"].max()),
-            acceleration_max=float(settled["acceleration_max"].max()),
-            displacement_max_per_cycle=_mean(recorders, alone, "displacement_max"),
-            velocity_max_per_cycle=_mean(recorders, alone, "velocity_max"),
-            acceleration_max_per_cycle=_mean(recorders, alone, "acceleration_max"),
-        ),
+        output=OutputStatistics(**output),
         joints={
             joint.name: _joint_statistics(joint, k, recorders, alone, wear)
             for k, joint in enumerate(joints)
@@ -178,24 +174,22 @@ def _statistics(
         load_distance_step_error=ensemble.state.step_errors.get("load_distance_step_error"),
         peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
     )
-    return statistics if _all_finite(asdict(statistics)) else StageStatistics(count)
+    try:
+        json.dumps(asdict(statistics), allow_nan=False)
+    except ValueError:  # of a run that failed
+        return StageStatistics(count)
+    return statistics
 
 
-def _settled(recorders: Recorders, name: str, joint: int | None = None) -> list[Array]:
-    return [after_startup(recorder.each_cycle(name, joint)) for recorder in recorders]
+def _largest(recorders: Recorders, name: str, joint: int | None = None, sign: float = 1.0) -> float:
+    settled = (after_startup(recorder.each_cycle(name, joint)) for recorder in recorders)
+    return max(float((sign * rows).max()) for rows in settled)
 
 
 def _mean(recorders: Recorders, alone: Recorders, name: str, joint: int | None = None) -> Estimate:
     """Return the mean over cycles of a quantity; see ``pooled``."""
     rows = ([run.each_cycle(name, joint) for run in runs] for runs in (recorders, alone))
     return pooled(*rows)[0]
-
-
-def _all_finite(value: Any) -> bool:
-    """Return whether all numbers in nested containers are finite."""
-    if isinstance(value, dict | tuple):
-        return all(map(_all_finite, value.values() if isinstance(value, dict) else value))
-    return not isinstance(value, float) or math.isfinite(value)
 
 
 def _joint_statistics(
@@ -214,7 +208,7 @@ def _joint_statistics(
         half = math.hypot(half_width(volumes) or 0.0, off)
     error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
     return JointStatistics(
-        peak_force=float(np.concatenate(_settled(recorders, "force_max", k)).max()),
+        peak_force=_largest(recorders, "force_max", k),
         peak_force_per_cycle=_mean(recorders, alone, "force_max", k),
         contacts=contacts,
         contacts_per_cycle=_mean(recorders, alone, "contacts", k),
@@ -244,11 +238,10 @@ def _wear_peaks(
     angles = bin_centres(joint.bins)
     peaks = {}
     for name, rows in sides.items():
-        depth = added[rows].sum(axis=0)
-        deepest, error = float(depth.max()), None
+        depth, error = added[rows].sum(axis=0), None
         if coarser is not None:
-            error = abs(float(deepest - coarser[rows].sum(axis=0).max()))
-        peak = Estimate(deepest), Estimate(float(angles[int(depth.argmax())]))
+            error = abs(float(depth.max() - coarser[rows].sum(axis=0).max()))
+        peak = Estimate(float(depth.max())), Estimate(float(angles[int(depth.argmax())]))
         if len(maps):
             samples = maps[:, rows].sum(axis=1)
             centre = np.average(samples, axis=0, weights=weights)
@@ -281,18 +274,14 @@ def bottom_statistics(
     span, count = mean_range(heights)
     near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
     dwell = dwell_of(scene.ideal, near)
-    delay: dict[str, Estimate | None] = {}
+    delay = angle = delay_scatter = None
     if dwell < DWELL * ideal.period:
         delays, alone_delays = (
             [ideal.delay(run.each_cycle("bottom_time")) for run in runs]
             for runs in (finished, alone)
         )
-        mean = pooled(delays, alone_delays)[0]
-        delay = {
-            "delay": mean,
-            "delay_angle": mean.scaled(2.0 * math.pi / ideal.period),
-            "delay_standard_deviation": spread(delays),
-        }
+        delay, delay_scatter = pooled(delays, alone_delays)[0], spread(delays)
+        angle = delay.scaled(2.0 * math.pi / ideal.period)
     return BottomStatistics(
         strokes=sum(run.size for run in settled),
         ideal_height=ideal.height,
@@ -304,7 +293,9 @@ def bottom_statistics(
         range=span,
         range_strokes=count,
         standard_deviation=scatter,
-        **delay,
+        delay=delay,
+        delay_angle=angle,
+        delay_standard_deviation=delay_scatter,
     )
 
 
@@ -338,12 +329,10 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
     if recorder.sections_per_cycle:
         arrays["sections"] = recorder.sections
     deviations = [deviation(scene, run) for run in recorders]
-    for name, rows in (
-        ("cycle_start", [run.cycles for run in recorders]),
-        ("deviation_start", deviations),
-    ):
-        arrays[name] = np.repeat(np.arange(float(len(rows))), list(map(len, rows)))
-    each = np.concatenate(deviations)
+    each, cycles = np.concatenate(deviations), [run.cycles for run in recorders]
+    numbers = np.arange(float(len(recorders)))
+    arrays["cycle_start"] = np.repeat(numbers, list(map(len, cycles)))
+    arrays["deviation_start"] = np.repeat(numbers, list(map(len, deviations)))
     arrays["deviation"] = each[:, : len(COLUMNS)].copy()
     for k, joint in enumerate(joints):
         name = joint.name
@@ -385,15 +374,10 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
         off, faster, wanted = moved[rows] - ideal[:, 0], speed[rows] - ideal[:, 1], ideal[:, 1]
         centred, square = off - _time_mean(at, off), _time_mean(at, wanted**2)
         lag = -_time_mean(at, centred * wanted) / square if square > 0.0 else 0.0
-        deviations.append(
-            [
-                math.sqrt(_time_mean(at, off**2)),
-                math.sqrt(_time_mean(at, faster**2)),
-                lag,
-                float(np.ptp(moved[rows])),
-                *(_time_mean(at, flight[rows]) for flight in flights),
-            ]
-        )
+        means = (off**2, faster**2, *(flight[rows] for flight in flights))
+        off_mean, faster_mean, *open_parts = (_time_mean(at, values) for values in means)
+        stroke = float(np.ptp(moved[rows]))
+        deviations.append([math.sqrt(off_mean), math.sqrt(faster_mean), lag, stroke, *open_parts])
     return np.array(deviations).reshape(len(deviations), len(COLUMNS) + len(flights))
 
 

@@ -13,7 +13,7 @@ their distance from those together is counted as an error.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -86,20 +86,17 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     added = cycles_per_update * per_cycle
     depth = before + added
     recorders, joints = together.recorders, ensemble.linkage.clearances
-    cycles = sum(maps.samples for maps in together.maps)
+    cycles, indices = sum(maps.samples for maps in together.maps), range(len(joints))
+    peaks = [
+        [after_startup(run.each_cycle("force_max", k)).max() for k in indices] for run in recorders
+    ]
     step = WearStep(
         cycles_per_update=cycles_per_update,
         cycles=cycles,
         factor=cycles_per_update * len(recorders) / cycles,
         clearance_change=largest_change(joints, added[0]),
         max_depth=by_side(joints, depth[0].max(axis=2)),
-        peak_force={
-            joint.name: max(
-                float(after_startup(recorder.each_cycle("force_max", k)).max())
-                for recorder in recorders
-            )
-            for k, joint in enumerate(joints)
-        },
+        peak_force=by_joint(joints, np.max(peaks, axis=0)),
         wall_s=ensemble.state.wall,
     )
     return WearUpdate(depth, added, (step,))
@@ -110,7 +107,6 @@ def cycle_by_cycle(
 ) -> WearUpdate:
     """Return a wear update cycle by cycle, after one in half as many cycles, if any."""
     joints, recorders = ensemble.linkage.clearances, ensemble.recorders
-    depth = np.array([recorder.surface_depth for recorder in recorders])
     growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
@@ -119,28 +115,33 @@ def cycle_by_cycle(
         [[run.each_cycle("force_max", k) for k in range(len(joints))] for run in recorders], axis=0
     )[:, STARTUP_CYCLES:]
     cycles = growth.shape[1]
+    share = cycles_per_update / cycles
     steps = tuple(
         WearStep(
-            cycles_per_update=cycles_per_update / cycles,
+            cycles_per_update=share,
             cycles=len(recorders),
-            factor=cycles_per_update / cycles,
+            factor=share,
             clearance_change=float(change[n]),
             max_depth=by_side(joints, deepest[n]),
-            peak_force={joint.name: float(forces[k, n]) for k, joint in enumerate(joints)},
+            peak_force=by_joint(joints, forces[:, n]),
             wall_s=ensemble.state.wall / cycles,
         )
         for n in range(cycles)
     )
+    depth = ensemble.surface_depth
     added = depth - ensemble.depth
     return WearUpdate(depth, added, steps, None if coarser is None else coarser.added)
 
 
+def by_joint(joints: Sequence[ClearanceJoint], values: Iterable[float]) -> dict[str, float]:
+    """Return numbers by joint."""
+    return dict(zip((joint.name for joint in joints), map(float, values), strict=True))
+
+
 def by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[str, float]]:
     """Return depths of shape (joints, 2) by joint and side."""
-    return {
-        joint.name: dict(zip(SIDES, map(float, sides), strict=True))
-        for joint, sides in zip(joints, depths, strict=True)
-    }
+    rows = (dict(zip(SIDES, map(float, sides), strict=True)) for sides in depths)
+    return dict(zip((joint.name for joint in joints), rows, strict=True))
 
 
 def largest_change(joints: Sequence[ClearanceJoint], added: Array) -> float:

@@ -8,16 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 from fake_engine import FakeEngine, Seen, use
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.campaign.campaign import run_campaign
-from presswear.campaign.wear_update import FIRST_REFINEMENT, WearUpdate, wear_error, wear_per_cycle
+from presswear.campaign.wear_update import FIRST_REFINEMENT
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.recording.statistics import STARTUP_CYCLES, MapBatches, half_width, mean_map
+from presswear.recording.statistics import MapBatches, half_width, mean_map
 from presswear.results.stage import JointResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
@@ -277,28 +275,3 @@ def test_press_wears_in_steps() -> None:
             deepest = [step.max_depth[name][side] for step in first.wear_steps]
             assert deepest == sorted(deepest)
     assert len({step.peak_force["A"] for step in first.wear_steps}) == 4
-
-
-def test_wear_without_a_coarser_refinement_is_not_known() -> None:
-    joints = wear_times().linkage().clearances
-    added = np.ones((3, 2, 2, 360))
-    errors = [
-        wear_error(joints, WearUpdate(added, added, (), coarser))
-        for coarser in (None, added, 1.5 * added)
-    ]
-    assert errors == [math.inf, pytest.approx(0.0, abs=1e-14), pytest.approx(0.5)]
-
-
-@given(st.integers(0, 10_000))
-def test_no_cycle_gives_material_back(seed: int) -> None:
-    """A correction that is below zero at places takes its volume from the others."""
-    draw = np.random.default_rng(seed)
-    added = draw.random((2, 2, 16)) * 1e-12
-    extra = draw.normal(-1e-12, 6e-12, (2, 2, 16))
-    extra[0, 0] = -1e-10
-    lost = wear_per_cycle(10.0, extra)(STARTUP_CYCLES + 1, added)
-    assert lost.min() >= 0.0
-    volume = np.maximum((10.0 * added + extra).sum(axis=-1), 0.0)
-    np.testing.assert_allclose(lost.sum(axis=-1), volume, rtol=1e-12, atol=1e-24)
-    plain = wear_per_cycle(10.0)(STARTUP_CYCLES + 1, added)
-    np.testing.assert_array_equal(plain, 10.0 * added)

@@ -190,19 +190,6 @@ def test_life_resumes_after_any_block() -> None:
         assert [each.strokes[-1] for each in resumed] == [each.strokes[-1] for each in whole]
 
 
-def test_samples_keep_their_value_until_a_stroke_runs_after_maintenance() -> None:
-    levels, removed, bottom = {"A.depth": np.zeros(2)}, np.zeros((1, 2, 1)), np.array([1e-5, 3e-5])
-
-    def block(strokes: float, cycles: int, interval: int, bottom: Array) -> LoadBlock:
-        samples = {"bdc_error": bottom} if cycles else {}
-        return LoadBlock(strokes, cycles, interval, levels, samples, 0.0, removed)
-
-    blocks = (*(block(4.0 + 100.0 * k, 4, 0, bottom) for k in range(3)), block(204, 0, 1, bottom))
-    np.testing.assert_allclose(Refinement(blocks=blocks).curve("bdc_error"), np.full(4, 2e-5))
-    after = Refinement(blocks=(*blocks, block(208.0, 4, 1, 2.0 * bottom)))
-    np.testing.assert_allclose(after.curve("bdc_error"), [2e-5, 2e-5, 2e-5, 4e-5, 4e-5])
-
-
 def worn_at(rates: list[float], noise: float, seed: int = 1) -> Refinement:
     """Blocks of a thousand strokes with wear rates, after a first one of four strokes."""
     draw, blocks = np.random.default_rng(seed), []

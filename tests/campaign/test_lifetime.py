@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +17,6 @@ from presswear.campaign.service_life import (
     LifeProblem,
     LoadBlock,
     Refinement,
-    WearHistories,
     life_result,
 )
 from presswear.engines import driver
@@ -172,23 +170,6 @@ def test_maintained_bushing_lasts_as_long_again(
     k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])
     assert strokes[k] == pytest.approx(at, rel=1e-9, abs=0.0)
     assert depth[k + 1] == (0.0 if service == "replaced" else depth[k])
-
-
-def test_maintenance_leaves_the_pin_and_turns_the_profile() -> None:
-    scene = scene_of(share=0.5)
-    bins = scene.linkage().clearances[0].bins
-    worn = np.random.default_rng(1).uniform(0.0, 1e-4, (2, 1, 2, bins))
-    runner = cast(Any, SimpleNamespace(scene=scene))
-    histories = WearHistories(runner, np.zeros_like(worn), ("depth",))
-    last = LoadBlock(100.0, 4, 0, {}, {}, 1e-9, np.zeros(0), worn)
-    services = (Service("B", 100.0, is_turned) for is_turned in (False, True))
-    new, turned = (histories.advance(1, [last], service) for service in services)
-    for block in (new, turned):
-        assert (block.strokes, block.cycles, block.interval) == (100.0, 0, 1)
-        assert np.array_equal(block.depth[:, :, 1], worn[:, :, 1])
-    assert not new.depth[:, :, 0].any()
-    assert new.levels["B.depth"] == pytest.approx(worn[:, 0, 1].max(axis=1))
-    assert np.array_equal(turned.depth[:, 0, 0], np.roll(worn[:, 0, 0], bins // 2, axis=1))
 
 
 def test_limit_that_is_not_exceeded_ends_with_the_strokes(whole: tuple[Path, LifeResult]) -> None:

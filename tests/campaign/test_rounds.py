@@ -15,7 +15,7 @@ from endurance.sameness import folder_differences
 
 from presswear.campaign import ensemble
 from presswear.campaign.campaign import Checkpoint, run, run_into, run_stage, workers_of
-from presswear.campaign.ensemble import FEWEST, Ensemble
+from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.replicates import RunState, StepCheck, WorkUnit
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
@@ -77,16 +77,6 @@ class Reversed(Workers):
                 waiting.pop(other, None)
                 if job is not None:
                     waiting[other] = job
-
-
-def saved(runs: Ensemble) -> list[bytes]:
-    return [array.tobytes() for run in runs.recorders for _, array in sorted(run.save().items())]
-
-
-def test_no_number_depends_on_the_order() -> None:
-    """Nor on how often a run is handed over: here after each cycle."""
-    first = run_stage(UNTIL_KNOWN, 0)[1]
-    assert saved(first) == saved(run_stage(UNTIL_KNOWN, 0, workers=Reversed(lasts=0.0))[1])
 
 
 @pytest.mark.parametrize("workers", [Workers(), Workers(lasts=0.0), Reversed()])

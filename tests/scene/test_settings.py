@@ -220,14 +220,6 @@ def test_a_joint_can_have_other_values() -> None:
     assert not changed(every, {"friction": "0.05"}).joint_bearings
 
 
-def test_a_named_law_and_a_user_law_replace_each_other(tmp_path: Path) -> None:
-    (tmp_path / "laws.py").write_text("def soft(penetration):\n    return 1e9 * penetration\n")
-    scene = changed(PRESS, {"normal_law": f"{tmp_path}/laws.py:soft", "C.normal_law": "flores"})
-    assert str(scene.bearing("A").normal_law).startswith("user law soft")
-    assert scene.bearing("C").normal_law == "flores"
-    assert changed(scene, {"normal_law": "gonthier"}).bearing("A").normal_law == "gonthier"
-
-
 def test_constructors_take_numbers_with_units() -> None:
     face: Any = pw  # annotations promise floats, which texts become
     bar = face.Bar("crank", length="50 mm", mass="300 g")
