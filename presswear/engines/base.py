@@ -1,5 +1,6 @@
-"""The start, the plan and the outcome of a run, the same for every engine."""
+"""Start, plan, recorder and outcome of a run, the same for every engine."""
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Literal
@@ -9,17 +10,40 @@ from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
-from presswear.physics.energy import SETTLED
+from presswear.physics.contact import CONTACT
+from presswear.physics.drive_motion import motions_of
+from presswear.physics.energy import LEDGER, SETTLED
 from presswear.physics.loads import place_loads
-from presswear.recording.observe import ROWS_AT_LEAST
+from presswear.physics.packed import pack
+from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
+from presswear.physics.wear import map_shape
+from presswear.recording.film import empty_film
+from presswear.recording.observe import (
+    CONTACTS_AT_MOST,
+    DRIVE,
+    FORCE_STEP,
+    OUTPUT,
+    ROWS_AT_LEAST,
+    ROWS_AT_MOST,
+    ROWS_IN_ALL,
+    SERIES_FIXED,
+    SERIES_JOINT,
+    WEAR_INTEGRALS,
+    RecorderState,
+    cycle_columns,
+    output_motion,
+)
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
+from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 
 Status = Literal["completed", "enough", "failed"]
+
+STROKE_NOISE = 1e-9  # of a cycle, by which a stroke ends earlier than planned
 
 
 @dataclass(frozen=True)
@@ -49,7 +73,9 @@ class Plan:
     wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None  # of a run with the same linkage, start, engine and plan
     run_up: float = 0.0  # time before the first cycle, s; it is in the series, and in no cycle
-    stroke: tuple[float, float] | None = None  # see ``Recorder.of``
+    # Times from the start of a cycle between which the bottom of its stroke is searched, s; the
+    # first may be negative.  None: start and end of the cycle.
+    stroke: tuple[float, float] | None = None
 
     @property
     def duration(self) -> float:
@@ -85,37 +111,56 @@ class Run:
 
 
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
-    """The empty recorder of a run, the modes of its loads those of the start."""
-    recorder = Recorder.of(
-        linkage,
-        start.position,
-        plan.recorded_cycles,
-        plan.cycle,
-        torques=plan.torques,
-        wearing=plan.wear is not None,
-        run_up=plan.run_up,
-        stroke=plan.stroke,
-        rows_per_cycle=plan.rows_per_cycle,
-        sections=len(plan.sections),
+    """Return the empty recorder of a run, the branches of its loads those of the start."""
+    count, drives, cycle = len(linkage.clearances), len(linkage.drives), plan.cycle
+    counters = np.zeros(count, COUNTERS)
+    counters["fewest_steps"] = np.iinfo(np.int64).max
+    output, point = np.zeros(1, OUTPUT), linkage.output
+    output["room"] = np.iinfo(np.int64).max
+    output["interval"] = cycle / plan.rows_per_cycle
+    output["force_step"] = FORCE_STEP
+    output["index"] = 3 * linkage.index(point.body)
+    output["cos"], output["sin"] = math.cos(point.direction), math.sin(point.direction)
+    output["x"], output["y"] = point.x, point.y
+    output["start"] = output_motion(output[0], start.position, start.position, start.position)[0]
+    first, end = plan.stroke or (0.0, cycle)
+    output["velocity"] = output["bottom"] = math.inf
+    output["period"], output["stroke_length"] = cycle, end - first
+    # A cycle may end a rounding before its time; the first stroke holds the very start.
+    output["stroke_end"] = plan.run_up + end - STROKE_NOISE * cycle
+    output["stroke_begin"] = plan.run_up + max(first, 0.0) - STROKE_NOISE * cycle
+    rows = plan.recorded_cycles + math.ceil(plan.run_up / cycle)
+    rows = min(rows * (ROWS_AT_MOST if count else 2 * plan.rows_per_cycle), ROWS_IN_ALL)
+    shape = map_shape(linkage.clearances)
+    film, sampler = empty_film(len(linkage.bodies), count, cycle)
+    records = RecorderState(
+        packed=pack(linkage, plan.wear is not None),
+        motions=motions_of(linkage),
+        contacts=np.zeros(count, CONTACT),
+        onset=np.zeros(count),
+        memory=np.zeros(count, MEMORY),
+        counters=counters,
+        stored_contacts=np.zeros((count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT),
+        output=output,
+        series=np.zeros((rows, SERIES_FIXED + SERIES_JOINT * count + drives * plan.torques)),
+        film=film,
+        sampler=sampler,
+        cycle=np.zeros(cycle_columns(count, drives)),
+        depth=np.zeros(shape),
+        wear_integrals=np.zeros(count, WEAR_INTEGRALS),
+        shares=np.zeros(shape[1:]),
+        torque=np.zeros(drives),
+        drives=np.zeros(drives, DRIVE),
+        ledger=np.zeros(1, LEDGER),
     )
-    loads = recorder.records.packed.loads
-    if loads is not None:
-        place_loads(loads, start.position, start.velocity)
-    return recorder
+    if records.packed.loads is not None:
+        place_loads(records.packed.loads, start.position, start.velocity)
+    return Recorder(records, MapBatches(shape), len(plan.sections))
 
 
 def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> str:
-    """A sentence on the model that was built.
-
-    Parameters
-    ----------
-    model : str
-        The coordinates and joints that the engine solves for.
-    prescribed : iterable of str
-        Bodies whose motion is prescribed, which it does not solve for.
-    """
-    names = sorted(prescribed)
-    if names:
+    """Return a sentence on the model that an engine solves, and on its prescribed bodies."""
+    if names := sorted(prescribed):
         model = f"{model}, {listed(names)} prescribed"
     named = [load.name for load in linkage.live_loads if isinstance(load, Force) and load.name]
     if named:
@@ -134,6 +179,6 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names in a sentence: ``a``, ``a and b``, ``a, b and c``."""
+    """Return names in a sentence: ``a``, ``a and b``, ``a, b and c``."""
     *most, last = names
     return f"{', '.join(most)} and {last}" if most else last

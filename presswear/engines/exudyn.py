@@ -1,10 +1,10 @@
-"""Parts that both Exudyn engines share: the callback after a step, the solve, how it ends."""
+"""Parts that both Exudyn engines share: the callbacks of a step, the solve, how it ends."""
 
 import math
 import time as clock
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,161 +19,172 @@ exu = exudyn_module()
 
 # Exudyn ends a run this close to its end time, s; a cycle is closed the same way.
 END_TOLERANCE = 1e-10
-
-_PROGRESS_STEPS = 512
-
 STEP_SAFETY = 0.9  # Exudyn's own factor behind the step that an error of DOPRI5 allows
-
-
-@dataclass
-class Solve:
-    """State of the solve of the present cycle, and its end."""
-
-    recorder: Recorder
-    plan: Plan
-    counts: Mapping[str, str]  # attributes of Exudyn's iteration by name of a count
-    # Over all cycles so far: accepted steps (``steps``), those counts, and the wall time, s; the
-    # time of the last accepted step, and the next step as the contacts allow it (``following``)
-    # and as the solver proposes it, s
-    sums: dict[str, float]
-    end: float = 0.0  # of the present cycle, s
-    has_ended: bool = False  # the cycle ran to its end
-    is_broken: bool = False
-    reason: str = ""  # why the contacts end the run
-    error: BaseException | None = None
-    iteration: Any = None
-
-    @staticmethod
-    def of(recorder: Recorder, plan: Plan, counts: Mapping[str, str]) -> "Solve":
-        """Return the initial state of a solve."""
-        names = ("steps", "sent_back", *counts, "wall", "time", "following", "proposed")
-        return Solve(recorder, plan, counts, dict.fromkeys(names, 0.0))
-
-    @property
-    def time(self) -> float:
-        """Time of the last accepted step, s."""
-        return self.sums["time"]
-
-    def is_sound(self) -> bool:
-        """Return whether the contacts have made no energy."""
-        records = self.recorder.records
-        ledger = records.ledger[0]
-        if self.time > self.plan.settled:
-            lost, exchange = ledger["contact_loss"], ledger["drive_exchange"]
-            self.reason = made_energy(records.packed, lost, exchange)
-        return not self.reason
+_PROGRESS_STEPS = 512
 
 
 class StuckError(RuntimeError):
     """Raised inside Exudyn where it repeats a step for ever."""
 
 
-def proposed_step(iteration: Any) -> float:
-    """Return the step, s, that error control takes next; Exudyn tells only behind PostStep."""
-    error = iteration.automaticStepSizeError
-    if not error > 0.0:
-        return float(iteration.maxStepSize)
-    proposed = STEP_SAFETY * iteration.currentStepSize * error ** (-1.0 / 5.0)
-    return float(min(proposed, iteration.maxStepSize))
+@dataclass
+class Solver:
+    """Exudyn's solver in one run, made anew for every cycle.
 
-
-class StepLimit:
-    """Limits the next step of a solver with error control.
-
-    Such a solver has chosen its next step before it calls PostStep, so the limit is
-    applied in PreStep, to the step and to the time it will end at.  A step that is
-    repeated because of its error is Exudyn's own to shorten.
+    With error control Exudyn has chosen its next step before it calls PostStep.  The step that
+    contacts allow is therefore applied in PreStep, to the step and to the time it will end at.
+    A step that is repeated because of its error is Exudyn's own to shorten.
     """
 
-    def __init__(self, solve: Solve):
-        self._solve = solve
-        self._iteration: Any = None
-        self._limit = 0.0
+    recorder: Recorder
+    plan: Plan
+    accept: Callable[[float], float]  # next step, s, from the time of an accepted one; NaN: broken
+    kind: Any  # exudyn.DynamicSolverType
+    settings: Any
+    longest: float  # step, s
+    remedy: str  # what may help where the solver gives up
+    counts: Mapping[str, str]  # attributes of Exudyn's iteration by name of a count
+    # Over all cycles so far: accepted steps (``steps``), those counts, and the wall time, s; the
+    # time of the last accepted step, and the next step as the contacts allow it (``following``)
+    # and as the solver proposes it, s
+    sums: dict[str, float] = field(init=False)
+    _end: float = 0.0  # of the present cycle, s
+    _has_ended: bool = False  # the cycle ran to its end
+    _is_broken: bool = False
+    _limit: float = 0.0  # of the step to come, s
+    _made: str = ""  # why energy that contacts made ends the run
+    _error: BaseException | None = None
+    _iteration: Any = None
 
-    def write(self, iteration: Any, step: float) -> None:
-        """Note the limit, s, for the step to come."""
-        self._iteration, self._limit = iteration, step
+    def __post_init__(self) -> None:
+        names = ("steps", "sent_back", *self.counts, "wall", "time", "following", "proposed")
+        self.sums = dict.fromkeys(names, 0.0)
 
-    def pre_step(self, system: Any, t: float) -> bool:
-        """Apply the limit; the function for Exudyn's PreStep."""
+    @property
+    def time(self) -> float:
+        """Time of the last accepted step, s."""
+        return self.sums["time"]
+
+    def install(self, system: Any) -> None:
+        """Set the functions that Exudyn calls before and after a step."""
+        if self.kind == exu.DynamicSolverType.DOPRI5:
+            system.SetPreStepUserFunction(self._pre_step)
+        system.SetPostStepUserFunction(self._post_step)
+
+    def _take(self, step: float) -> None:
+        if self.kind == exu.DynamicSolverType.DOPRI5:
+            self._limit = step
+        else:
+            self._iteration.currentStepSize = step
+
+    def _pre_step(self, system: Any, t: float) -> bool:
         if self._limit > 0.0:
             iteration = self._iteration
             step = min(self._limit, iteration.currentStepSize)
             iteration.currentStepSize = step
-            iteration.currentTime = self._solve.sums["time"] + step
+            iteration.currentTime = self.time + step
             self._limit = 0.0
         return True
 
-
-def post_step(
-    solve: Solve, accept: Callable[[float], float], limit: StepLimit | None = None
-) -> Callable[..., bool]:
-    """Return the function for PostStep: accounts for a step and hands on the next.
-
-    Parameters
-    ----------
-    accept : callable
-        Returns the next step, s, from the time of an accepted one; NaN for a broken state.
-    limit : StepLimit or None
-        Takes the next step of a solver with error control.
-    """
-    sums = solve.sums
-
-    def write(iteration: Any, step: float) -> None:
-        if limit is None:
-            iteration.currentStepSize = step
-        else:
-            limit.write(iteration, step)
-
-    def after(system: Any, t: float) -> bool:
+    def _post_step(self, system: Any, t: float) -> bool:
+        """Account for a step and hand on the next; False ends the solve."""
+        sums, plan, records = self.sums, self.plan, self.recorder.records
         try:
-            iteration = solve.iteration
+            iteration = self._iteration
             if iteration is None:
-                iteration = solve.iteration = system.sys["dynamicSolver"].it
-                if solve.time > 0.0:
+                iteration = self._iteration = system.sys["dynamicSolver"].it
+                if self.time > 0.0:
                     # Exudyn shows the state that a cycle starts from; it is accounted for.
-                    write(iteration, min(sums["following"], solve.end - t))
+                    self._take(min(sums["following"], self._end - t))
                     return True
                 sums["steps"] -= 1.0
-            following = accept(t)
+            following = self.accept(t)
             sums["time"] = t
             sums["steps"] += 1.0
-            solve.is_broken = following != following
-            solve.has_ended = not solve.is_broken and t >= solve.end - END_TOLERANCE
-            if solve.has_ended:
-                sums["following"], sums["proposed"] = following, proposed_step(iteration)
-            if solve.is_broken or solve.has_ended:
+            self._is_broken = following != following
+            if self._is_broken:
                 return False
-            write(iteration, min(following, solve.end - t))
+            if t >= self._end - END_TOLERANCE:
+                self._has_ended = True
+                sums["following"], sums["proposed"] = following, iteration.maxStepSize
+                # Exudyn tells the step that error control takes next only behind PostStep.
+                if iteration.automaticStepSizeError > 0.0:
+                    factor = iteration.automaticStepSizeError ** (-1.0 / 5.0)
+                    proposed = STEP_SAFETY * iteration.currentStepSize * factor
+                    sums["proposed"] = min(proposed, iteration.maxStepSize)
+                return False
+            self._take(min(following, self._end - t))
             if sums["steps"] % _PROGRESS_STEPS == 0:
-                solve.plan.advanced(t, solve.recorder)
-                return solve.is_sound()
+                plan.advanced(t, self.recorder)
+                if t > plan.settled:
+                    lost, exchange = records.ledger[0][["contact_loss", "drive_exchange"]]
+                    self._made = made_energy(records.packed, lost, exchange)
+                return not self._made
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
-            solve.error = error
+            self._error = error
             return False
         return True
 
-    return after
+    def run(self, system: Any, live: Mapping[str, Any], end: float) -> Finding | None:
+        """Run from the present state up to the end of a cycle; return what went wrong.
+
+        Exudyn does not say which step it would take behind its own end: that lies further off,
+        and PostStep ends the solve.
+
+        Parameters
+        ----------
+        live : mapping of str to ndarray
+            Live arrays that the solver begins from, by the names that Exudyn gives them.
+        end : float
+            End of the cycle, s.
+        """
+        self._end, self._has_ended, self._iteration = end, False, None
+        data, initial = system.systemData, exu.ConfigurationType.Initial
+        for name, values in live.items():
+            getattr(data, f"Set{name}")(np.array(values), initial)
+        integration = self.settings.timeIntegration
+        steps = math.ceil((end - self.time) / self.longest) + 2
+        integration.startTime = self.time
+        integration.endTime = self.time + steps * self.longest
+        integration.numberOfSteps = steps
+        if integration.automaticStepSize:
+            integration.initialStepSize = self.sums["proposed"]
+        message = ""
+        began = clock.perf_counter()
+        try:
+            with quiet():
+                system.SolveDynamic(self.settings, solverType=self.kind)
+        except (exu.ExudynError, StuckError) as error:
+            # What a user function raises comes wrapped from the safe module, not from the fast.
+            stuck = isinstance(error, StuckError) or StuckError.__name__ in str(error)
+            if stuck or isinstance(error, exu.SolverError):
+                message = "the solver found no solution at the shortest step"
+            elif "not factorized" in str(error):
+                message = "the matrix of the equations is singular or not finite"
+            else:
+                raise
+        if self._error is not None:
+            raise self._error
+        solver = system.sys["dynamicSolver"]
+        self.sums["wall"] += clock.perf_counter() - began
+        for name, counter in self.counts.items():
+            self.sums[name] += getattr(solver.it, counter)
+        if self._has_ended:
+            return None
+        if self._made:
+            advice = made_remedy(self.recorder.records.packed, self.remedy)
+            return Finding("energy", self._made, self.time, "", advice)
+        if solver.output.simulationStoppedByUser and not self._is_broken:
+            raise KeyboardInterrupt
+        if not message and not self._is_broken:
+            raise RuntimeError(f"Exudyn ended at {self.time:.17g} s, not at {end:.17g} s")
+        message = message or "the state is no longer finite"
+        return Finding("state", message, self.time, "", self.remedy)
 
 
-def add_node(system: Any, kind: str, **values: Any) -> Any:
-    """Add a node to a system; gives its number."""
-    return system.AddNode({"nodeType": kind, **values})
-
-
-def add_object(system: Any, kind: str, **values: Any) -> Any:
-    """Add an object to a system; gives its number."""
-    return system.AddObject({"objectType": kind, **values})
-
-
-def add_marker(system: Any, kind: str, **values: Any) -> Any:
-    """Add a marker to a system; gives its number."""
-    return system.AddMarker({"markerType": kind, **values})
-
-
-def add_load(system: Any, kind: str, **values: Any) -> Any:
-    """Add a load to a system; gives its number."""
-    return system.AddLoad({"loadType": kind, **values})
+def add(system: Any, item: str, kind: str, **values: Any) -> Any:
+    """Add a Node, Object, Marker or Load of a kind to a system; return its number."""
+    return getattr(system, f"Add{item}")({f"{item.lower()}Type": kind, **values})
 
 
 def settings_of(longest: float, shortest: float) -> Any:
@@ -188,81 +199,6 @@ def settings_of(longest: float, shortest: float) -> Any:
     integration.startTime, integration.endTime = 0.0, longest
     integration.numberOfSteps = 1
     return settings
-
-
-def run_to_end(
-    system: Any,
-    live: Mapping[str, Any],
-    settings: Any,
-    kind: Any,
-    solve: Solve,
-    longest: float,
-    end: float,
-    remedy: str,
-) -> Finding | None:
-    """Run Exudyn's solver from the present state up to the end of a cycle.
-
-    Exudyn makes a new solver for every cycle.  It does not say which step it would take behind
-    its own end: that lies further off, and PostStep ends the solve.
-
-    Parameters
-    ----------
-    live : mapping of str to ndarray
-        Live arrays that the solver begins from, by the names that Exudyn gives them.
-    kind : exudyn.DynamicSolverType
-    longest : float
-        Longest step, s.
-    end : float
-        End of the cycle, s.
-    remedy : str
-        What may help where the solver gives up.
-
-    Returns
-    -------
-    Finding or None
-        What went wrong, if anything.
-    """
-    solve.end, solve.has_ended, solve.iteration = end, False, None
-    data, initial = system.systemData, exu.ConfigurationType.Initial
-    for name, values in live.items():
-        getattr(data, f"Set{name}")(np.array(values), initial)
-    integration = settings.timeIntegration
-    steps = math.ceil((end - solve.time) / longest) + 2
-    integration.startTime, integration.endTime = solve.time, solve.time + steps * longest
-    integration.numberOfSteps = steps
-    if integration.automaticStepSize:
-        integration.initialStepSize = solve.sums["proposed"]
-    message = ""
-    began = clock.perf_counter()
-    try:
-        with quiet():
-            system.SolveDynamic(settings, solverType=kind)
-    except (exu.ExudynError, StuckError) as error:
-        # What a user function raises comes wrapped from the safe module, as it is from the fast.
-        stuck = isinstance(error, StuckError) or StuckError.__name__ in str(error)
-        if stuck or isinstance(error, exu.SolverError):
-            message = "the solver found no solution at the shortest step"
-        elif "not factorized" in str(error):
-            message = "the matrix of the equations is singular or not finite"
-        else:
-            raise
-    if solve.error is not None:
-        raise solve.error
-    solver = system.sys["dynamicSolver"]
-    solve.sums["wall"] += clock.perf_counter() - began
-    for name, counter in solve.counts.items():
-        solve.sums[name] += getattr(solver.it, counter)
-    if solve.has_ended:
-        return None
-    if solve.reason:
-        advice = made_remedy(solve.recorder.records.packed, remedy)
-        return Finding("energy", solve.reason, solve.time, "", advice)
-    if solver.output.simulationStoppedByUser and not solve.is_broken:
-        raise KeyboardInterrupt
-    if not message and not solve.is_broken:
-        raise RuntimeError(f"Exudyn ended at {solve.time:.17g} s, not at {solve.end:.17g} s")
-    message = message or "the state is no longer finite"
-    return Finding("state", message, solve.time, "", remedy)
 
 
 @contextmanager
@@ -281,11 +217,3 @@ def quiet() -> Iterator[None]:
     finally:
         exu.config.printToConsole = console
         exu.special.exceptions.writeErrorsToLogFile = log
-
-
-@contextmanager
-def timed(diagnostics: dict[str, Any], name: str) -> Iterator[None]:
-    """Note the wall time of a stage of the run under a name, s."""
-    began = clock.perf_counter()
-    yield
-    diagnostics[name] = clock.perf_counter() - began

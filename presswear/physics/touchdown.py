@@ -6,15 +6,17 @@ derivatives in the last state (``time_to_event``), a step ends just behind it, a
 root of the cubic through values and rates at both ends of the step (``joint_crossing``,
 ``load_crossing``). An engine that can repeat a step does so where the prediction was missed; the
 in-house solver repeats until the step ends on the event. In contact a step is a set part of the
-expected duration of the contact.
+expected duration of the contact. ``records`` is the ``RecorderState`` of a run.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.contact import note_contact, penetration_acceleration
+from presswear.physics.forces import note_forces
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     bristle_in_contact,
@@ -23,7 +25,6 @@ from presswear.physics.friction_and_normal import (
     normal_force,
 )
 from presswear.physics.loads import Loads, count_transitions, transition_at_start, transition_value
-from presswear.physics.packed import Packed
 from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
@@ -78,18 +79,33 @@ STORED_CONTACT = np.dtype(
         ("steps", np.float64),
     ]
 )
-# Its numbers, where they are stored as columns
-CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()
+CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()  # where they are stored as columns
+
+# Step lengths of a fixed-order integrator
+STEPS = np.dtype(
+    [
+        ("free", np.float64),  # longest step in free flight, s
+        ("per_contact", np.float64),  # steps in one free impact
+        ("sustained", np.float64),  # steps in half a period of a pin at rest on its bearing
+        ("least", np.float64),  # shortest step, s
+    ]
+)
 
 POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
-
 FORCE_SLOPE = 1e-3  # part of a step over which the slope of the force is taken
-
-# Halvings that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
-PEAK_HALVINGS = 12
+PEAK_HALVINGS = 12  # that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
 MAX_PEAK_RATIO = 1.05  # of a peak and the larger force at the ends of its step; 1.02 was found
-
 LEAST_STEPS = 20  # steps that every contact gets, unless it is shorter than so many shortest steps
+LANDING = 0.02  # a step towards a touchdown ends this part of a contact step behind it
+FLIGHT_STEPS_PER_BIN = 4.0  # in which a pin that skims a worn surface crosses one bin of its map
+STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
+# Steps of an error-controlled method, at least: in a free impact, enough to show its peak, and
+# in which a pin crosses one bin of a worn map
+LEAST_PARTS = 15
+SKIM_STEPS = 2.0
+OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
+EVENT_TOL = 1e-9  # what passes a change of a load's law no further is not sent back; SI units
+EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
 @compiled
@@ -219,8 +235,10 @@ def load_crossing(
 
 
 @compiled
-def touch_down(last: Records, t: float, started_closed: bool) -> None:
-    """Begin a contact."""
+def touch_down(records: Any, k: int, t: float, closing: float, started_closed: bool) -> None:
+    """Begin a contact: a joint counts as closed while its onset speed is not zero."""
+    records.onset[k] = max(closing, 1e-300)
+    last = records.memory[k]
     last.touchdown_time = t
     last.started_closed = started_closed
     last.steps = 0
@@ -229,30 +247,23 @@ def touch_down(last: Records, t: float, started_closed: bool) -> None:
 
 
 @compiled
-def separate(
-    last: Records,
-    counters: Records,
-    stored_contacts: Records,
-    onset_speed: float,
-    t: float,
-    rate: float,
-    needed: int,
-) -> None:
+def separate(records: Any, k: int, t: float, rate: float, needed: int) -> None:
     """End a contact and file it; one of fewer than ``needed`` steps counts as unresolved.
 
     A contact in which the run began is not whole and is not counted.
     """
+    last, counters = records.memory[k], records.counters[k]
     if last.started_closed:
         return
     counters.contacts += 1
     counters.fewest_steps = min(counters.fewest_steps, last.steps)
     if last.steps < needed:
         counters.unresolved += 1
-    if counters.rows < stored_contacts.shape[0] and not counters.full:
-        row = stored_contacts[counters.rows]
+    if counters.rows < records.stored_contacts.shape[1] and not counters.full:
+        row = records.stored_contacts[k, counters.rows]
         row.touchdown = last.touchdown_time
         row.separation = t
-        row.closing_speed = onset_speed
+        row.closing_speed = records.onset[k]
         row.release_speed = rate
         row.peak_force = last.peak_force
         row.steps = last.steps
@@ -346,7 +357,6 @@ def remember(last: Records, joint: Records, onset_speed: float, contact: Records
 
     A state that is noted again at the same time leaves the peak as it is.
     """
-    turns = joint.map_turns
     h = t - last.time
     if h > 0.0:
         last.step_peak = peak_within(joint, onset_speed, last, contact, h)
@@ -361,10 +371,9 @@ def remember(last: Records, joint: Records, onset_speed: float, contact: Records
     if joint.friction.bristle_stiffness > 0.0:
         last.bristle = contact.bristle
         last.sliding = contact.sliding
-    last.sweep = max(
-        abs(contact.turning - turns * contact.bearing_spin),
-        abs(contact.turning - turns * contact.pin_spin),
-    )
+    over_bearing = contact.turning - joint.map_turns * contact.bearing_spin
+    over_pin = contact.turning - joint.map_turns * contact.pin_spin
+    last.sweep = max(abs(over_bearing), abs(over_pin))
 
 
 @compiled
@@ -396,25 +405,16 @@ def advance_bristles(joints: Records, memory: Records, contacts: Records, t: flo
 
 
 @compiled
-def settle(
-    joints: Records,
-    onset: Array,
-    memory: Records,
-    counters: Records,
-    stored_contacts: Records,
-    contacts: Records,
-    t: float,
-    needed: int = LEAST_STEPS,
-) -> int:
-    """Bring memory up to an accepted state: latch closing speeds, file contacts that ended.
+def settle(records: Any, t: float, needed: int) -> int:
+    """Bring contacts and their forces up to an accepted state.
 
-    Returns the number of joints that have touched down or separated. ``onset`` holds the latched
-    closing speeds, m/s, 0 where open; a contact of fewer than ``needed`` steps is unresolved.
+    Latches closing speeds and files contacts that ended, those of fewer than ``needed`` steps as
+    unresolved. Returns the number of joints that have touched down or separated.
     """
+    joints, onset = records.packed.joints, records.onset
     events = 0
     for k in range(joints.shape[0]):
-        last = memory[k]
-        contact = contacts[k]
+        last, contact = records.memory[k], records.contacts[k]
         if onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             started_closed = last.penetration > 0.0 or h <= 0.0
@@ -422,49 +422,17 @@ def settle(
             if not started_closed:
                 s = joint_crossing(last, contact, False, h)[0]
                 touchdown, closing = last.time + s * h, rate_within(last, contact, h, s)
-            # A joint counts as closed while its onset speed is not zero.
-            onset[k] = max(closing, 1e-300)
-            touch_down(last, touchdown, started_closed)
+            touch_down(records, k, touchdown, closing, started_closed)
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
-            separate(last, counters[k], stored_contacts[k], onset[k], t, contact.rate, needed)
+            separate(records, k, t, contact.rate, needed)
             onset[k] = 0.0
             events += 1
         if onset[k] > 0.0:
             last.steps += 1
         remember(last, joints[k], onset[k], contact, t)
+    note_forces(joints, onset, records.contacts)
     return events
-
-
-# Step lengths of a fixed-order integrator
-STEPS = np.dtype(
-    [
-        ("free", np.float64),  # longest step in free flight, s
-        ("per_contact", np.float64),  # steps in one free impact
-        ("sustained", np.float64),  # steps in half a period of a pin at rest on its bearing
-        ("least", np.float64),  # shortest step, s
-    ]
-)
-
-LANDING = 0.02  # A step towards a touchdown ends this part of a contact step behind it
-
-# Steps in which a pin that skims a worn surface crosses one bin of its map
-FLIGHT_STEPS_PER_BIN = 4.0
-
-# Steps of an error-controlled method in a free impact, at least: enough to show its peak
-LEAST_PARTS = 15
-
-# Steps in the time in which a pin would cross the clearance from rest, at least
-STEPS_PER_FLIGHT = 20.0
-
-# Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least
-SKIM_STEPS = 2.0
-
-# A step that ends more than this part of a contact step behind a touchdown is redone
-OVERSHOOT = 0.2
-# What passes a change of a load's law no further is not sent back, m, rad, m/s or rad/s.
-EVENT_TOL = 1e-9
-EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
 @compiled
@@ -475,12 +443,10 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
     that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touchdown
     of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
-    mass = joint.effective_mass
-    stiffness = joint.normal.estimated_stiffness
-    exponent = joint.normal.estimated_exponent
+    mass, depth = joint.effective_mass, max(penetration, 0.0)
     if math.isinf(mass):
         return math.inf
-    depth = max(penetration, 0.0)
+    stiffness, exponent = joint.normal.estimated_stiffness, joint.normal.estimated_exponent
     energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
     reach = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
     if reach <= 0.0:
@@ -562,107 +528,78 @@ def early_separation(last: Records, steps: Records, contact: Records, h: float) 
 
 @compiled
 def shorter_step(
-    packed: Packed,
-    onset: Array,
-    memory: Records,
-    steps: Records,
-    contacts: Records,
-    h: float,
-    q: Array,
-    v: Array,
-    a: Array,
+    records: Any, steps: Records, contacts: Records, h: float, q: Array, v: Array, a: Array
 ) -> float:
     """Return the step, s, with which a trial step of length ``h`` has to be repeated; -1 if none.
 
     ``contacts`` is working space.
     """
-    joints, loads, least = packed.joints, packed.loads, steps[0].least
+    packed, least = records.packed, steps[0].least
     shortest = math.inf
-    for k in range(joints.shape[0] if h > least else 0):
-        note_contact(packed, k, q, v, contacts[k])
-        if onset[k] > 0.0:
-            wanted = early_separation(memory[k], steps[0], contacts[k], h)
+    for k in range(contacts.shape[0] if h > least else 0):
+        last, contact = records.memory[k], contacts[k]
+        note_contact(packed, k, q, v, contact)
+        if records.onset[k] > 0.0:
+            wanted = early_separation(last, steps[0], contact, h)
         else:
-            wanted = late_touchdown(joints[k], memory[k], steps[0], contacts[k], h)
+            wanted = late_touchdown(packed.joints[k], last, steps[0], contact, h)
         shortest = min(shortest, wanted)
-    for k in range(count_transitions(loads)):
-        s = load_crossing(loads, k, q, v, a, h, EVENT_TOL)[0]
+    for k in range(count_transitions(packed.loads)):
+        s = load_crossing(packed.loads, k, q, v, a, h, EVENT_TOL)[0]
         if s <= 1.0 and (1.0 - s) * h > 2.0 * EVENT_MARGIN * least:
             shortest = min(shortest, s * h + EVENT_MARGIN * least)
     return shortest if shortest < math.inf else -1.0
 
 
 @compiled
-def step_after_touchdown(joints: Records, onset: Array, memory: Records, longest: float) -> float:
-    """Return the step limit, s, of an error-controlled method just after a touchdown.
+def longest_step(records: Any, longest: float) -> float:
+    """Limit the step, s, of an error-controlled method by contacts just begun and worn surfaces.
 
-    A contact that the surrounding motion pulls open again may be far shorter than a free
-    impact; its ``longest_step`` tells how short.
+    A contact that the surrounding motion pulls open again may be far shorter than a free impact;
+    its ``longest_step`` tells how short. The error estimate sees a bump that a pin runs over only
+    where a stage happens to fall on it.
     """
-    for k in range(joints.shape[0]):
-        if onset[k] > 0.0 and memory[k].steps < 2 * LEAST_PARTS:
-            part = contact_step(joints[k], 0.0, onset[k], LEAST_PARTS)
-            longest = min(longest, part, memory[k].longest_step)
-    return longest
-
-
-@compiled
-def skim_step(packed: Packed, memory: Records, longest: float) -> float:
-    """Return the step limit, s, of an error-controlled method from the bumps that a pin runs over.
-
-    Its error estimate sees a bump only where a stage happens to fall on it.
-    """
-    if packed.surfaces.shape[2] == 0:
-        return longest
-    for k in range(memory.shape[0]):
-        last = memory[k]
-        joint = packed.joints[k]
-        worn = joint.surface_bins > 0
-        if worn and last.sweep > 0.0 and last.penetration > -joint.relief:
+    for k in range(records.memory.shape[0]):
+        joint, last = records.packed.joints[k], records.memory[k]
+        if records.onset[k] > 0.0 and last.steps < 2 * LEAST_PARTS:
+            part = contact_step(joint, 0.0, records.onset[k], LEAST_PARTS)
+            longest = min(longest, part, last.longest_step)
+        if joint.surface_bins > 0 and last.sweep > 0.0 and last.penetration > -joint.relief:
             bins = 2.0 * math.pi / joint.surface_bins / last.sweep
             longest = min(longest, bins / SKIM_STEPS)
     return longest
 
 
 @compiled
-def next_step(
-    packed: Packed,
-    onset: Array,
-    memory: Records,
-    steps: Records,
-    contacts: Records,
-    a: Array,
-) -> float:
+def next_step(records: Any, steps: Records, a: Array) -> float:
     """Return the length of the next step, s, from the state just settled."""
-    chosen = steps[0].free
-    for k in range(memory.shape[0]):
-        joint = packed.joints[k]
-        last = memory[k]
-        depth = last.penetration
-        rate = last.rate
-        part = contact_step(joint, depth, rate, steps[0].per_contact)
+    packed, free, parts = records.packed, steps[0].free, steps[0].per_contact
+    chosen = free
+    for k in range(records.memory.shape[0]):
+        joint, last, is_closed = packed.joints[k], records.memory[k], records.onset[k] > 0.0
+        depth, rate = last.penetration, last.rate
         acceleration = penetration_acceleration(
-            joint, packed.surfaces[k, :, : joint.surface_bins], contacts[k], a
+            joint, packed.surfaces[k, :, : joint.surface_bins], records.contacts[k], a
         )
+        wanted = math.inf
         if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
             bins = 2.0 * math.pi / joint.surface_bins / last.sweep
-            share = 0.5 * steps[0].per_contact if onset[k] > 0.0 else FLIGHT_STEPS_PER_BIN
-            chosen = min(chosen, max(bins / share, steps[0].least))
-        if onset[k] > 0.0:
-            wanted = step_in_contact(last, steps[0], part, acceleration)
-            chosen = min(chosen, max(wanted, steps[0].least))
+            wanted = bins / (0.5 * parts if is_closed else FLIGHT_STEPS_PER_BIN)
+        if is_closed:
+            part = contact_step(joint, depth, rate, parts)
+            wanted = min(wanted, step_in_contact(last, steps[0], part, acceleration))
             last.acceleration = acceleration
-            continue
-        # Free flight: part of the time in which the present acceleration crosses the clearance,
-        # and the time at which the present motion closes the gap.
-        if acceleration != 0.0:
-            flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
-            chosen = min(chosen, max(flight / STEPS_PER_FLIGHT, steps[0].least))
-        arrival, closing, doubt = time_to_event(depth, rate, acceleration, 0.0)
-        if arrival < chosen:
-            part = contact_step(joint, 0.0, closing, steps[0].per_contact)
-            behind = min(LANDING * part, steps[0].free)
-            landing = step_to_event(arrival, doubt, True, behind, joint.normal.abrupt)
-            chosen = min(chosen, max(landing, steps[0].least))
+        else:
+            # Part of the time in which the present acceleration crosses the clearance, and the
+            # time at which the present motion closes the gap.
+            if acceleration != 0.0:
+                flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
+                wanted = min(wanted, flight / STEPS_PER_FLIGHT)
+            arrival, closing, doubt = time_to_event(depth, rate, acceleration, 0.0)
+            if arrival < min(chosen, max(wanted, steps[0].least)):
+                behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
+                landing = step_to_event(arrival, doubt, True, behind, joint.normal.abrupt)
+                wanted = min(wanted, landing)
+        chosen = min(chosen, max(wanted, steps[0].least))
     return chosen

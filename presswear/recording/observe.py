@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
-from presswear.physics.forces import note_forces
 from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
-from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
 from presswear.recording.film import take_frame
 from presswear.tools.compile import Records, compiled, inlined
@@ -54,10 +52,7 @@ def cycle_columns(joints: int, drives: int) -> int:
 
 
 SECTION_NAMES = ("place", "velocity")
-SECTION_JOINT_NAMES = (
-    *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
-    "normal",
-)
+SECTION_JOINT_NAMES = (*("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"), "normal")
 # Columns of a Poincare section: of the output point, then of each joint; see OUTPUT and CONTACT.
 
 ROWS_AT_LEAST = 2000  # series rows in a cycle without contact
@@ -139,38 +134,6 @@ class RecorderState(NamedTuple):
     ledger: Records  # one of LEDGER, filled by engines that sum powers by steps
 
 
-@compiled
-def deposit(records: RecorderState, k: int) -> None:
-    """Add the wear of the last step to the maps of joint ``k``."""
-    joint = records.packed.joints[k]
-    contact = records.contacts[k]
-    bins = joint.map_bins
-    depth = records.depth[k, :, :bins]
-    if joint.over_arc:
-        work, shares = records.wear_integrals[k].work, records.shares[:, :bins]
-        deposit_over_arc(depth, joint, records.packed.surfaces[k], contact, work, shares)
-    else:
-        deposit_in_bin(depth, joint, contact, records.wear_integrals[k].pressure)
-
-
-@compiled
-def settle_state(records: RecorderState, t: float, needed: int) -> int:
-    """Update contacts of an accepted state; see ``settle``."""
-    joints = records.packed.joints
-    events = settle(
-        joints,
-        records.onset,
-        records.memory,
-        records.counters,
-        records.stored_contacts,
-        records.contacts,
-        t,
-        needed,
-    )
-    note_forces(joints, records.onset, records.contacts)
-    return events
-
-
 @inlined
 def output_motion(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Return position, m, velocity and acceleration of the output along its direction."""
@@ -190,9 +153,7 @@ def output_motion(state: Records, q: Array, v: Array, a: Array) -> tuple[float, 
 
 @compiled
 def lowest_between(
-    h: float,
-    before: tuple[float, float, float],
-    after: tuple[float, float, float],
+    h: float, before: tuple[float, float, float], after: tuple[float, float, float]
 ) -> tuple[float, float]:
     """Return the lowest position in a step, m, and the time since the step began, s.
 
@@ -325,12 +286,18 @@ def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: A
             memory[k].peak_force = max(memory[k].peak_force, peak)
             cycle[base + FORCE_MAX] = max(cycle[base + FORCE_MAX], peak)
         if contact.normal > 0.0:
-            duration = min(h, t - memory[k].touchdown_time)
-            counts.closed_time += duration
+            counts.closed_time += min(h, t - memory[k].touchdown_time)
             counts.deepest = max(counts.deepest, contact.penetration)
-        cycle[base + LOAD_DISTANCE] += records.wear_integrals[k].work
-        if records.wear_integrals[k].work > 0.0:
-            deposit(records, k)
+        integrals, joint = records.wear_integrals[k], records.packed.joints[k]
+        cycle[base + LOAD_DISTANCE] += integrals.work
+        if integrals.work > 0.0:
+            depth = records.depth[k, :, : joint.map_bins]
+            if joint.over_arc:
+                shares = records.shares[:, : joint.map_bins]
+                surfaces = records.packed.surfaces[k]
+                deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
+            else:
+                deposit_in_bin(depth, joint, contact, integrals.pressure)
         cycle[base + CONTACTS] = counts.contacts - counts.contacts_before
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k

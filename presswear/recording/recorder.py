@@ -6,32 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
-from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.drive_motion import motions_of
-from presswear.physics.energy import LEDGER
-from presswear.physics.packed import depths_of, pack, pack_surfaces
-from presswear.physics.touchdown import (
-    CONTACT_COLUMNS,
-    COUNTERS,
-    LEAST_STEPS,
-    MEMORY,
-    STORED_CONTACT,
-)
-from presswear.physics.wear import map_shape
-from presswear.recording.film import Film, empty_film
+from presswear.physics.contact import note_contacts
+from presswear.physics.packed import depths_of, pack_surfaces
+from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, settle
+from presswear.recording.film import Film
 from presswear.recording.observe import (
-    CONTACTS_AT_MOST,
     CYCLE_FIXED,
     CYCLE_JOINT,
     DISPLACEMENT_MAX,
-    DRIVE,
-    FORCE_STEP,
-    OUTPUT,
-    ROWS_AT_LEAST,
-    ROWS_AT_MOST,
-    ROWS_IN_ALL,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
     SERIES_FIXED,
@@ -40,18 +23,12 @@ from presswear.recording.observe import (
     SERIES_NAMES,
     VELOCITY_MAX,
     VELOCITY_MIN,
-    WEAR_INTEGRALS,
     RecorderState,
-    cycle_columns,
-    output_motion,
-    settle_state,
 )
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
-
-STROKE_NOISE = 1e-9  # of a cycle, by which a stroke ends earlier than planned
 
 _KEPT = ("packed", "motions", "series", "stored_contacts", "film", "shares")
 _SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)  # saved whole
@@ -85,79 +62,7 @@ class Recorder:
     def __post_init__(self) -> None:
         self.cycles = np.zeros((0, self.records.cycle.size))
         self.growth = np.zeros((0, 2, self.records.memory.size, 2))
-
-    @staticmethod
-    def of(
-        linkage: Linkage,
-        position: Array,
-        recorded_cycles: int,
-        cycle: float,
-        torques: bool = True,
-        wearing: bool = False,
-        run_up: float = 0.0,
-        stroke: tuple[float, float] | None = None,
-        rows_per_cycle: int = ROWS_AT_LEAST,
-        sections: int = 0,
-    ) -> "Recorder":
-        """Return an empty recorder for a linkage that starts in a position; see ``Plan``.
-
-        Parameters
-        ----------
-        wearing : bool
-            Whether the surfaces wear while the linkage runs; see ``wear``.
-        stroke : (float, float) or None
-            Times from the start of a cycle between which the bottom of its stroke is searched, s;
-            the first may be negative. None: start and end of the cycle.
-        sections : int
-            Poincare sections in a cycle.
-        """
-        count = len(linkage.clearances)
-        counters = np.zeros(count, COUNTERS)
-        counters["fewest_steps"] = np.iinfo(np.int64).max
-        output = np.zeros(1, OUTPUT)
-        output["room"] = np.iinfo(np.int64).max
-        output["interval"] = cycle / rows_per_cycle
-        output["force_step"] = FORCE_STEP
-        output["index"] = 3 * linkage.index(linkage.output.body)
-        output["cos"] = math.cos(linkage.output.direction)
-        output["sin"] = math.sin(linkage.output.direction)
-        output["x"], output["y"] = linkage.output.x, linkage.output.y
-        output["start"] = output_motion(output[0], position, position, position)[0]
-        first, end = stroke or (0.0, cycle)
-        output["velocity"] = output["bottom"] = math.inf
-        output["period"], output["stroke_length"] = cycle, end - first
-        # A cycle may end a rounding before its time.
-        output["stroke_end"] = run_up + end - STROKE_NOISE * cycle
-        # What is observed at the very start lies in the first stroke too.
-        output["stroke_begin"] = run_up + max(first, 0.0) - STROKE_NOISE * cycle
-        rows = recorded_cycles + math.ceil(run_up / cycle)
-        rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
-        columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
-        shape = map_shape(linkage.clearances)
-        film, sampler = empty_film(len(linkage.bodies), count, cycle)
-        records = RecorderState(
-            packed=pack(linkage, wearing),
-            motions=motions_of(linkage),
-            contacts=np.zeros(count, CONTACT),
-            onset=np.zeros(count),
-            memory=np.zeros(count, MEMORY),
-            counters=counters,
-            output=output,
-            series=np.zeros((rows, columns)),
-            stored_contacts=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT),
-            film=film,
-            sampler=sampler,
-            cycle=np.zeros(cycle_columns(count, len(linkage.drives))),
-            depth=np.zeros(shape),
-            wear_integrals=np.zeros(count, WEAR_INTEGRALS),
-            shares=np.zeros(shape[1:]),
-            torque=np.zeros(len(linkage.drives)),
-            drives=np.zeros(len(linkage.drives), DRIVE),
-            ledger=np.zeros(1, LEDGER),
-        )
-        recorder = Recorder(records, MapBatches(shape), sections)
-        recorder.start_cycle()
-        return recorder
+        self.start_cycle()
 
     @property
     def rows(self) -> Array:
@@ -256,7 +161,7 @@ class Recorder:
         self.growth = np.append(self.growth, [growth], axis=0)
         note_contacts(records.packed, records.contacts, q, v)
         step = records.memory["step"].copy()
-        settle_state(records, self.last_time, LEAST_STEPS)
+        settle(records, self.last_time, LEAST_STEPS)
         records.memory["step"] = step
 
     def end_cycle(self) -> Array:

@@ -24,17 +24,10 @@ FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
 def oscillator() -> Linkage:
     """A mass on a spring along x: x = A cos(w t)."""
     spring = Spring(
-        "spring",
-        Attachment(GROUND, -1.0, 0.0),
-        Attachment("mass", 0.0, 0.0),
-        FREQUENCY**2,
-        1.0,
+        "spring", Attachment(GROUND, -1.0, 0.0), Attachment("mass", 0.0, 0.0), FREQUENCY**2, 1.0
     )
     return assemble(
-        (Body("mass", 1.0, 1.0),),
-        output=OutputPoint("mass"),
-        gravity=0.0,
-        springs=(spring,),
+        (Body("mass", 1.0, 1.0),), output=OutputPoint("mass"), gravity=0.0, springs=(spring,)
     )
 
 

@@ -73,7 +73,7 @@ UNEVEN = PRESS.changed(
     drives=[
         replace(PRESS.drives[0], harmonics=[(0.1, 0.3), (0.0, -0.05)]),
         replace(PRESS.drives[1], harmonics=[(0.0, 0.1)]),
-    ],
+    ]
 )
 SPRUNG = PUMP.changed(
     springs=[

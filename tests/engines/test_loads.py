@@ -13,15 +13,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, Guide, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import (
-    Force,
-    Harmonics,
-    Law,
-    Moment,
-    OverPosition,
-    OverTime,
-    Spring,
-)
+from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Spring
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import ideal, wear_times
 from presswear.tools.arrays import State
@@ -313,15 +305,11 @@ def loaded_press() -> Linkage:
                 UP,
                 OverPosition([(-0.6, 40.0), (-0.57, 20.0), (-0.565, 0.0)], "against", "hold"),
             ),
-            Force(
-                slider,
-                UP,
-                OverPosition([(-0.58, 0.0), (-0.57, -30.0)], "along", release=True),
-            ),
+            Force(slider, UP, OverPosition([(-0.58, 0.0), (-0.57, -30.0)], "along", release=True)),
             Force("plate 4", 0.3, Harmonics(1.0, 40.0, [(2.0, 1.0)])),
             Force("rod 5", 0.3, OverTime([(0.0, 1.0), (0.02, 3.0), (0.03, -2.0)], 0.04)),
             Moment("crank 7", Harmonics(0.0, 1.5, [(0.0, 0.5)])),
-        ],
+        ]
     )
 
 

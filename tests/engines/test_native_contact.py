@@ -13,7 +13,7 @@ from free_pair import free_pair
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start
-from presswear.engines.exudyn import add_marker, add_node, add_object, quiet
+from presswear.engines.exudyn import add, quiet
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
@@ -40,26 +40,30 @@ def native(linkage: Linkage, nominal: float, step: float) -> NDArray[np.float64]
     markers = {}
     for i, body in enumerate(linkage.bodies):
         place = slice(3 * i, 3 * i + 3)
-        node = add_node(
+        node = add(
             system,
+            "Node",
             "RigidBody2D",
             referenceCoordinates=[0.0, 0.0, 0.0],
             initialCoordinates=list(START.position[place]),
             initialVelocities=list(START.velocity[place]),
         )
-        rigid = add_object(
-            system, "RigidBody2D", mass=body.mass, inertia=body.inertia, nodeNumber=node
+        rigid = add(
+            system, "Object", "RigidBody2D", mass=body.mass, inertia=body.inertia, nodeNumber=node
         )
         point = joint.bearing if joint.bearing.body == body.name else joint.pin
         local = [point.x, point.y, 0.0]
-        markers[body.name] = add_marker(system, "BodyRigid", bodyNumber=rigid, localPosition=local)
+        markers[body.name] = add(
+            system, "Marker", "BodyRigid", bodyNumber=rigid, localPosition=local
+        )
     initial = [joint.clearance, 0.0, 0.0, 0.0]
-    add_object(
+    add(
         system,
+        "Object",
         "ContactSphereSphere",
         markerNumbers=[markers[joint.pin.body], markers[joint.bearing.body]],
-        nodeNumber=add_node(
-            system, "GenericData", numberOfDataCoordinates=4, initialCoordinates=initial
+        nodeNumber=add(
+            system, "Node", "GenericData", numberOfDataCoordinates=4, initialCoordinates=initial
         ),
         spheresRadii=[joint.pin_radius, joint.bearing_radius],
         isHollowSphere1=True,

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from presswear.linkage.elements import GROUND, Attachment, Body
 from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.packed import pack
+from presswear.physics.packed import Packed, pack
 from presswear.physics.touchdown import (
     COUNTERS,
     LANDING,
@@ -31,6 +32,7 @@ from presswear.physics.touchdown import (
     settle,
     shorter_step,
 )
+from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
 
@@ -85,6 +87,17 @@ def test_the_mass_that_meets_is_that_of_two_free_bodies() -> None:
     assert pack(held).joints[0]["effective_mass"] == pytest.approx(1.0 / pin, rel=1e-14)
 
 
+class _Records(NamedTuple):
+    """Part of ``RecorderState`` that contacts need."""
+
+    packed: Packed
+    contacts: Records
+    onset: Array
+    memory: Records
+    counters: Records
+    stored_contacts: Records
+
+
 @dataclass
 class _Line:
     """A pin on the x axis inside a bearing on the frame, pushed by a constant force."""
@@ -105,6 +118,8 @@ class _Line:
         self.steps["sustained"], self.steps["least"] = 10.0, LEAST
         self.stored = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
+        states = self.contacts, self.onset, self.memory, self.counters, self.stored
+        self.records = _Records(self.packed, *states)
         self.settle()
 
     def start(self, x: float, speed: float) -> "_Line":
@@ -115,8 +130,7 @@ class _Line:
 
     def settle(self) -> None:
         note_contacts(self.packed, self.contacts, self.q, self.v)
-        states = self.memory, self.counters, self.stored, self.contacts
-        settle(self.packed.joints, self.onset, *states, self.time)
+        settle(self.records, self.time, LEAST_STEPS)
 
     def acceleration(self, x: float, speed: float) -> float:
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
@@ -125,7 +139,7 @@ class _Line:
     def wanted(self) -> float:
         """Next step from the settled state."""
         a = np.array([self.acceleration(self.q[0], self.v[0]), 0.0, 0.0])
-        return next_step(self.packed, self.onset, self.memory, self.steps, self.contacts, a)
+        return next_step(self.records, self.steps, a)
 
     def moved(self, h: float) -> tuple[float, float]:
         """Place and speed a step later (Runge-Kutta, exact in free flight)."""
@@ -148,8 +162,7 @@ class _Line:
     def shorter(self, h: float, x: float, speed: float) -> float:
         """Step with which a step that ended in a state has to be repeated; or -1."""
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
-        states = self.memory, self.steps, np.zeros(1, CONTACT)
-        return shorter_step(self.packed, self.onset, *states, h, q, v, v)
+        return shorter_step(self.records, self.steps, np.zeros(1, CONTACT), h, q, v, v)
 
     def accept(self, h: float, x: float, speed: float) -> None:
         self.time += h

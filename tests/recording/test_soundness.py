@@ -10,7 +10,7 @@ import pytest
 
 from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
+from presswear.engines.base import Plan, recorder_of
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import Surface
@@ -53,7 +53,7 @@ def state(level: str, place: int, value: float) -> Change:
 
 def examined(change: Change) -> Finding | None:
     """Examine a sound run at its start, with a change."""
-    recorder = Recorder.of(LINKAGE, START.position, 1, SCENE.mechanism.period)
+    recorder = recorder_of(LINKAGE, START, Plan(SCENE.mechanism.period, 1, 1))
     ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
     position, velocity = START.position.copy(), START.velocity.copy()
     now = Condition(0.0, ledger, position, velocity, "finer steps", constraints_of(LINKAGE))
@@ -146,7 +146,7 @@ def test_steep_worn_surfaces_of_the_radial_contact_are_named(
     scene = changed(SCENE, {"contact": contact})
     notched = Surface(np.where(np.arange(360) % 30 == 0, depth, 0.0))
     linkage = scene.linkage(dict.fromkeys("AC", (notched, Surface())))
-    packed = Recorder.of(linkage, START.position, 1, scene.mechanism.period).records.packed
+    packed = recorder_of(linkage, START, Plan(scene.mechanism.period, 1, 1)).records.packed
     what = made_energy(packed, -1.5, 2.0)
     assert ("worn surfaces are too steep" in what) == is_steep
     assert "the steps are too coarse" in what

@@ -10,12 +10,7 @@ from hypothesis import strategies as st
 
 from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.base import Plan, recorder_of
-from presswear.recording.observe import (
-    BOTTOM_HEIGHT,
-    BOTTOM_TIME,
-    lowest_between,
-    note_bottom,
-)
+from presswear.recording.observe import BOTTOM_HEIGHT, BOTTOM_TIME, lowest_between, note_bottom
 from presswear.recording.recorder import Recorder
 from presswear.scene.catalog import ideal
 

@@ -34,25 +34,20 @@ from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK, note_forces
 from presswear.physics.friction_and_normal import corner_ahead
-from presswear.physics.loads import (
-    count_transitions,
-    next_break,
-    settle_loads,
-    transition_value,
-)
+from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     contact_step,
     joint_crossing,
     load_crossing,
+    longest_step,
     remember,
     separate,
-    skim_step,
-    step_after_touchdown,
+    settle,
     touch_down,
 )
-from presswear.recording.observe import observe, settle_state
-from presswear.tools.compile import PackedArguments, compiled, copy_to, inlined, unpack
+from presswear.recording.observe import observe
+from presswear.tools.compile import PackedArguments, compiled, copy_to, unpack
 
 Array = NDArray[np.float64]
 
@@ -88,12 +83,6 @@ def reach_end(address: PackedArguments, classical: int | None, t: float, h: floa
     accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
 
 
-@inlined
-def sense_of(corner: int) -> float:
-    """Return the sense in which a corner of friction is passed: every second one downwards."""
-    return 1.0 - 2.0 * (corner & 1)
-
-
 @compiled
 def event_value(
     address: PackedArguments, classical: int | None, k: int, t: float, h: float
@@ -116,7 +105,7 @@ def event_value(
         reach_end(address, classical, t, h)
         q, v, a, _, _ = system.state
         return transition_value(system.packed.loads, k, q, v, a)
-    sense = sense_of(k - transitions)
+    sense = 1.0 - 2.0 * ((k - transitions) & 1)
     k = (k - transitions) >> 1
     start, end = records.contacts[k].sliding, system.contacts[k].sliding
     corner = corner_ahead(start, sense, system.packed.joints[k].friction)
@@ -176,7 +165,7 @@ def first_event(
         number, joint = count + transitions + k, k >> 1
         if records.onset[joint] > 0.0 and number != excluded:
             start, end = records.contacts[joint].sliding, system.contacts[joint].sliding
-            sense = sense_of(k)
+            sense = 1.0 - 2.0 * (k & 1)
             law = system.packed.joints[joint].friction
             ahead = sense * (corner_ahead(start, sense, law) - start)
             way = sense * (end - start)
@@ -264,8 +253,11 @@ def keep_constraints(held: Held | None, is_projected: bool, t: float, y: Array) 
 def start_march(address: PackedArguments) -> None:
     """Record the initial state once; without steps to follow, place all bodies in the state."""
     (run,) = unpack(address)
-    system, records, control, motion = run.system, run.records, run.control, run.motion
-    state, n = control[0], system.size
+    system, records, motion = run.system, run.records, run.motion
+    state, n = run.control[0], system.size
+    if state.most > 0 and not state.has_slope:
+        rates(address, state.time, motion.y, START)
+        state.has_slope = True
     if state.most == 0 or not state.has_started:
         place(system.tree, system.state, state.time, motion.y)
     if not state.has_started:
@@ -273,7 +265,7 @@ def start_march(address: PackedArguments) -> None:
         copy_to(records.torque, system.torque)
         q, v, a, _, _ = system.state
         note_contacts(records.packed, records.contacts, q, v)
-        settle_state(records, 0.0, LEAST_STEPS)
+        settle(records, 0.0, LEAST_STEPS)
         observe(records, 0.0, 0.0, q, v, a)
         state.has_started = True
 
@@ -318,17 +310,6 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
             state.velocity_error = max(state.velocity_error, abs(held.phi_t[row]))
 
 
-@inlined
-def next_limit(address: PackedArguments, t: float, left: float) -> float:
-    """Return the step, s, that the error control and the contacts allow."""
-    (run,) = unpack(address)
-    system, records, control = run.system, run.records, run.control
-    longest = skim_step(system.packed, records.memory, control[0].longest)
-    longest = step_after_touchdown(system.packed.joints, records.onset, records.memory, longest)
-    h = min(step_to_break(records.motions, t, min(control[0].step, longest)), left)
-    return min(h, next_break(system.packed.loads) - t)
-
-
 @compiled
 def march_controlled(address: PackedArguments, end: float) -> int:
     """Integrate towards ``end`` for at most ``most`` steps; returns how far it got."""
@@ -336,9 +317,6 @@ def march_controlled(address: PackedArguments, end: float) -> int:
     system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
     control, motion, last = run.control, run.motion, run.last
     n, joints, state = system.size, system.contacts.shape[0], control[0]
-    if state.most > 0 and not state.has_slope:
-        rates(address, state.time, motion.y, START)
-        state.has_slope = True
     start_march(address)
     # No step feels a contact before its touchdown, because steps end there.
     for k in range(joints):
@@ -349,7 +327,9 @@ def march_controlled(address: PackedArguments, end: float) -> int:
         left = end - t
         if left <= 0.0:
             return DONE
-        h = next_limit(address, t, left)
+        longest = longest_step(records, state.longest)
+        h = min(step_to_break(records.motions, t, min(state.step, longest)), left)
+        h = min(h, next_break(system.packed.loads) - t)
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
@@ -386,7 +366,12 @@ def march_controlled(address: PackedArguments, end: float) -> int:
         q, v, a, _, _ = system.state
         changed = settle_loads(system.packed.loads, t, q, v, a)
         if 0 <= k < joints:
-            rate = switch(address, k, t)
+            rate = system.contacts[k].rate
+            if records.onset[k] > 0.0:
+                separate(records, k, t, rate, 0)
+                records.onset[k] = HELD_OPEN
+            else:
+                touch_down(records, k, t, rate, False)
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
             state.step = min(state.step, part)
         if state.projected or k >= 0 or changed > 0:
@@ -399,22 +384,6 @@ def march_controlled(address: PackedArguments, end: float) -> int:
     return RUNNING
 
 
-@inlined
-def switch(address: PackedArguments, k: int, t: float) -> float:
-    """Open or close joint ``k`` in the state on its event; returns its closing speed, m/s."""
-    (run,) = unpack(address)
-    system, records = run.system, run.records
-    onset, last = records.onset, records.memory[k]
-    rate: float = system.contacts[k].rate
-    if onset[k] > 0.0:
-        separate(last, records.counters[k], records.stored_contacts[k], onset[k], t, rate, 0)
-        onset[k] = HELD_OPEN
-    else:
-        onset[k] = max(rate, 1e-300)
-        touch_down(last, t, False)
-    return rate
-
-
 @compiled
 def march_fixed(address: PackedArguments, end: float) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
@@ -422,9 +391,6 @@ def march_fixed(address: PackedArguments, end: float) -> int:
     system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
     control, motion, last = run.control, run.motion, run.last
     n, state = system.size, control[0]
-    if state.most > 0 and not state.has_slope:
-        rates(address, state.time, motion.y, START)
-        state.has_slope = True
     start_march(address)
     for _ in range(state.most):
         t = state.time
@@ -453,9 +419,8 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        place(system.tree, system.state, t, motion.y)
         note_contacts(records.packed, records.contacts, q, v)
-        settle_state(records, t, LEAST_STEPS)
+        settle(records, t, LEAST_STEPS)
         keep_constraints(system.held, state.projected, t, motion.y)
         rates(address, t, motion.y, START)
         finish_step(address, system.held, t, h)

@@ -14,6 +14,7 @@ running solver; ``PostNewton`` sends back a step that ran too far past a touchdo
 """
 
 import math
+import time as clock
 from array import array
 from collections.abc import Callable
 from typing import Any
@@ -23,17 +24,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
-from presswear.engines.exudyn import (
-    Solve,
-    add_load,
-    add_marker,
-    add_node,
-    add_object,
-    post_step,
-    run_to_end,
-    settings_of,
-    timed,
-)
+from presswear.engines.exudyn import Solver, add, settings_of
 from presswear.engines.exudyn_joints.kernels import (
     Drives,
     Frame,
@@ -86,26 +77,27 @@ def add_bodies(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Add the bodies in their initial state; returns nodes and objects by body name."""
     nodes: dict[str, Any] = {}
-    bodies: dict[str, Any] = {GROUND: add_object(system, "Ground")}
+    bodies: dict[str, Any] = {GROUND: add(system, "Object", "Ground")}
     for i, body in enumerate(linkage.bodies):
         if body.name in omitted:
             continue
         # Reference coordinates are zero, so that coordinates are positions.
-        nodes[body.name] = node = add_node(
+        nodes[body.name] = node = add(
             system,
+            "Node",
             "RigidBody2D",
             referenceCoordinates=[0.0, 0.0, 0.0],
             initialCoordinates=list(start.position[3 * i : 3 * i + 3]),
             initialVelocities=list(start.velocity[3 * i : 3 * i + 3]),
         )
         inertia = body.effective_inertia
-        bodies[body.name] = rigid = add_object(
-            system, "RigidBody2D", mass=body.mass, inertia=inertia, nodeNumber=node
+        bodies[body.name] = rigid = add(
+            system, "Object", "RigidBody2D", mass=body.mass, inertia=inertia, nodeNumber=node
         )
         if linkage.gravity != 0.0:
-            marker = add_marker(system, "BodyMass", bodyNumber=rigid)
+            marker = add(system, "Marker", "BodyMass", bodyNumber=rigid)
             weight = [0.0, -linkage.gravity, 0.0]
-            add_load(system, "MassProportional", markerNumber=marker, loadVector=weight)
+            add(system, "Load", "MassProportional", markerNumber=marker, loadVector=weight)
     return nodes, bodies
 
 
@@ -124,47 +116,52 @@ def add_joints(
 
     def marker_at(point: Attachment) -> Any:
         place = [point.x, point.y, 0.0]
-        return add_marker(system, "BodyRigid", bodyNumber=bodies[point.body], localPosition=place)
+        return add(
+            system, "Marker", "BodyRigid", bodyNumber=bodies[point.body], localPosition=place
+        )
 
     objects: dict[str, int] = {}
     for joint in linkage.revolutes:
         if not bodies_of(joint) <= omitted:
             markers = [marker_at(joint.first), marker_at(joint.second)]
-            objects[joint.name] = add_object(system, "JointRevolute2D", markerNumbers=markers)
+            objects[joint.name] = add(system, "Object", "JointRevolute2D", markerNumbers=markers)
     for guide in linkage.guides:
         if guide.body in omitted:
             continue
         normal = guide.direction - guide.angle + 0.5 * math.pi
         on_frame = marker_at(Attachment(GROUND, guide.x, guide.y))
-        objects[guide.name] = add_object(
+        objects[guide.name] = add(
             system,
+            "Object",
             "JointPrismatic2D",
             markerNumbers=[on_frame, marker_at(Attachment(guide.body, 0.0, 0.0))],
             axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
             normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
             constrainRotation=True,
         )
-    still = add_node(system, "PointGround")
-    fixed = add_marker(system, "NodeCoordinate", nodeNumber=still, coordinate=0)
+    still = add(system, "Node", "PointGround")
+    fixed = add(system, "Marker", "NodeCoordinate", nodeNumber=still, coordinate=0)
     for drive, motion in zip(linkage.drives, motions, strict=True):
         if drive.body in omitted:
             continue
-        turned = add_marker(system, "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
+        turned = add(system, "Marker", "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
         # At velocity level; the trapezoidal rule integrates a constant speed exactly, and what it
         # makes of another is put right behind each step (``kernels.hold``).
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
             turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
-        objects[drive.name] = add_object(
+        objects[drive.name] = add(
             system,
+            "Object",
             "ConnectorCoordinate",
             markerNumbers=[fixed, turned],
             velocityLevel=True,
             **turning,
         )
     for spring in linkage.springs:
-        add_object(
+        add(
             system,
+            "Object",
             "ConnectorSpringDamper",
             markerNumbers=[marker_at(end) for end in spring.ends],
             stiffness=spring.stiffness,
@@ -174,8 +171,8 @@ def add_joints(
     for load in linkage.dead_loads:
         if load.body not in omitted:
             at = marker_at(Attachment(load.body, 0.0, 0.0))
-            add_load(system, "ForceVector", markerNumber=at, loadVector=[load.x, load.y, 0.0])
-            add_load(system, "TorqueVector", markerNumber=at, loadVector=[0.0, 0.0, load.moment])
+            add(system, "Load", "ForceVector", markerNumber=at, loadVector=[load.x, load.y, 0.0])
+            add(system, "Load", "TorqueVector", markerNumber=at, loadVector=[0.0, 0.0, load.moment])
     return objects
 
 
@@ -239,16 +236,12 @@ def _drives(
 def prepare(
     linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
 ) -> Simulation:
-    """Build bodies and joints in a start; see ``Simulation``."""
+    """Build the bodies and joints in a start; see ``Simulation``."""
     longest = settings.longest(plan.cycle)
     steps = np.zeros(1, STEPS)
     steps["free"], steps["least"] = longest, settings.least_step
-    steps["per_contact"] = settings.steps_per_contact
-    steps["sustained"] = settings.steps_sustained
+    steps["per_contact"], steps["sustained"] = settings.steps_per_contact, settings.steps_sustained
     records, omitted = recorder.records, left_out(linkage)
-    solve = Solve.of(
-        recorder, plan, {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
-    )
     ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
     loaded = [load.body for load in linkage.live_loads]
     joined = [name for name in dict.fromkeys(ends + loaded) if name not in {GROUND, *omitted}]
@@ -266,62 +259,68 @@ def prepare(
         shorter_step = shorter(t)
         if shorter_step < 0.0:
             return [0.0, -1.0]
-        solve.sums["sent_back"] += 1.0
+        solver.sums["sent_back"] += 1.0
         return [2.0, shorter_step]
 
-    times: dict[str, float] = {}
     # Compiling, or loading what was compiled, is part of building the model.
-    with timed(times, "wall_build_s"):
-        container = exu.SystemContainer()
-        system = container.AddSystem()
-        nodes, bodies = add_bodies(system, linkage, start, omitted)
-        objects = add_joints(system, linkage, records.motions, omitted, nodes, bodies)
-        if joined:
-            numbers = [nodes[name] for name in joined]
-            add_object(system, "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
-        system.Assemble()
-        solved = [getattr(system.systemData, f"Get{name}")(copy=False) for name in _SOLVED]
-        frame = frame_of(linkage, start, omitted, solved[:3])
-        drives = _drives(system, linkage, objects, solved[3], records.packed.mass)
-        accept = bind(accept_joint_step, frame, drives, records, steps)
-        system.SetPostStepUserFunction(post_step(solve, accept))
-        if joined:
-            room = np.array(slots, np.int64).reshape(-1, 2), np.array(places, np.int64)
-            arguments = frame, records, *room, np.zeros_like(drives.force), np.frombuffer(out)
-            fill = bind(connector_forces, *arguments)
-            shorter = bind(shorter_joint_step, frame, records, steps)
-            system.SetPostNewtonUserFunction(send_back)
+    began = clock.perf_counter()
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    nodes, bodies = add_bodies(system, linkage, start, omitted)
+    objects = add_joints(system, linkage, records.motions, omitted, nodes, bodies)
+    if joined:
+        numbers = [nodes[name] for name in joined]
+        add(system, "Object", "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
+    system.Assemble()
+    solved = [getattr(system.systemData, f"Get{name}")(copy=False) for name in _SOLVED]
+    frame = frame_of(linkage, start, omitted, solved[:3])
+    drives = _drives(system, linkage, objects, solved[3], records.packed.mass)
+    solver = Solver(
+        recorder,
+        plan,
+        bind(accept_joint_step, frame, drives, records, steps),
+        exu.DynamicSolverType.TrapezoidalIndex2,
+        _settings(settings, longest),
+        longest,
+        REMEDY,
+        {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
+    )
+    solver.install(system)
+    if joined:
+        room = np.array(slots, np.int64).reshape(-1, 2), np.array(places, np.int64)
+        arguments = frame, records, *room, np.zeros_like(drives.force), np.frombuffer(out)
+        fill = bind(connector_forces, *arguments)
+        shorter = bind(shorter_joint_step, frame, records, steps)
+        system.SetPostNewtonUserFunction(send_back)
+    built = clock.perf_counter() - began
     energies = records.memory["energy"]
     before = stored_energy(records.packed, energies, start.position, start.velocity)
-    exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        kind = exu.DynamicSolverType.TrapezoidalIndex2
-        live = dict(zip(_SOLVED, solved, strict=True))
         # Exudyn's own are those of even drives; a cycle goes on with what the last one ended with.
-        compute = drives.held is None or solve.time == 0.0
-        exudyn.timeIntegration.generalizedAlpha.computeInitialAccelerations = compute
-        return run_to_end(system, live, exudyn, kind, solve, longest, end, REMEDY)
+        compute = drives.held is None or solver.time == 0.0
+        integration = solver.settings.timeIntegration
+        integration.generalizedAlpha.computeInitialAccelerations = compute
+        return solver.run(system, dict(zip(_SOLVED, solved, strict=True)), end)
 
     def state() -> tuple[float, Array, Array]:
-        return solve.time, np.array(frame.q), np.array(frame.v)
+        return solver.time, np.array(frame.q), np.array(frame.v)
 
     def ledger() -> Ledger:
         stored = stored_energy(records.packed, energies, *state()[1:])
         return Ledger.of(records.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
-        sums = solve.sums
         words = f"{len(nodes)} bodies, {len(objects)} joints and drives"
         return {
             "model": described(linkage, words, omitted),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
-            "steps": int(sums["steps"]),
-            "steps_sent_back": int(sums["sent_back"]),
-            "newton_iterations": int(sums["newton"]),
-            "jacobians": int(sums["jacobians"]),
-            **times,
-            "wall_solve_s": sums["wall"],
+            "steps": int(solver.sums["steps"]),
+            "steps_sent_back": int(solver.sums["sent_back"]),
+            "newton_iterations": int(solver.sums["newton"]),
+            "jacobians": int(solver.sums["jacobians"]),
+            "wall_build_s": built,
+            "wall_solve_s": solver.sums["wall"],
         }
 
     arrays = dict(zip(("q", "v", "a", "multipliers"), solved, strict=True))
@@ -334,7 +333,7 @@ def prepare(
         state,
         ledger,
         {name: np.asarray(array) for name, array in arrays.items()},
-        solve.sums,
+        solver.sums,
         diagnostics,
         REMEDY,
         constraints_of(linkage),

@@ -30,10 +30,11 @@ from presswear.physics.touchdown import (
     LEAST_STEPS,
     advance_bristles,
     next_step,
+    settle,
     shorter_step,
 )
 from presswear.physics.wear import wear_rates
-from presswear.recording.observe import RecorderState, observe, settle_state, sum_drives
+from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, unpack
 
 Array = NDArray[np.float64]
@@ -229,14 +230,14 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     power, load_power = powers(frame, drives, records, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
-    settle_state(records, t, LEAST_STEPS)
+    settle(records, t, LEAST_STEPS)
     sum_step(records, power, load_power, t, h)
     sum_drives(records, h, frame.v)
     packed = records.packed
     records.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
     changes = settle_loads(packed.loads, t, frame.q, frame.v, frame.a)
     observe(records, t, h, frame.q, frame.v, frame.a)
-    following = next_step(packed, records.onset, records.memory, steps, records.contacts, frame.a)
+    following = next_step(records, steps, frame.a)
     if changes > 0:
         records.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
         if greatest_jump(packed.loads) > JUMP:
@@ -258,7 +259,5 @@ def shorter_joint_step(address: PackedArguments, t: float) -> float:
     """
     frame, records, steps = unpack(address)
     refresh(frame, t)
-    packed, h = records.packed, t - records.output[0].now
-    return shorter_step(
-        packed, records.onset, records.memory, steps, frame.contacts, h, frame.q, frame.v, frame.a
-    )
+    h = t - records.output[0].now
+    return shorter_step(records, steps, frame.contacts, h, frame.q, frame.v, frame.a)

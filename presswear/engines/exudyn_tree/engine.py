@@ -8,6 +8,7 @@ steps, and steps end where a pin touches or leaves.
 """
 
 import math
+import time as clock
 from array import array
 from collections.abc import Callable
 from typing import Any
@@ -17,18 +18,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.driver import Simulation
-from presswear.engines.exudyn import (
-    Solve,
-    StepLimit,
-    StuckError,
-    add_node,
-    add_object,
-    post_step,
-    quiet,
-    run_to_end,
-    settings_of,
-    timed,
-)
+from presswear.engines.exudyn import Solver, StuckError, add, quiet, settings_of
 from presswear.engines.exudyn_tree.kernels import (
     PACE,
     STAGES,
@@ -39,13 +29,13 @@ from presswear.engines.exudyn_tree.kernels import (
     stage_forces,
 )
 from presswear.engines.settings import ExudynTree
+from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.prescribed import Tree, begin_motion, tree_of
 from presswear.physics.tree import CARRIED, COORDINATES, GUIDED, LOOSE
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Finding
 from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
@@ -72,27 +62,19 @@ def add_tree(
     system: Any, tree: Tree, linkage: Linkage, start: Start, forces: Callable[..., Any]
 ) -> None:
     """Add a kinematic tree to a system, with a user function for the forces on its coordinates."""
-    count, (x, u) = tree.size, tree.coordinates(start.position, start.velocity)
-    node = add_node(
+    x, u = tree.coordinates(start.position, start.velocity)
+    node = add(
         system,
+        "Node",
         "GenericODE2",
-        referenceCoordinates=[0.0] * count,
+        referenceCoordinates=[0.0] * tree.size,
         initialCoordinates=list(x),
         initialCoordinates_t=list(u),
-        numberOfODE2Coordinates=count,
+        numberOfODE2Coordinates=tree.size,
     )
-    types, parents, turns, offsets, centres, masses, inertias = [], [], [], [], [], [], []
-
-    def add(kind: Any, parent: int, turn: float, offset: Array, joint: Array, body: Any) -> None:
-        types.append(kind)
-        parents.append(parent)
-        turns.append(_turned(turn))
-        offsets.append([*offset, 0.0])
-        centres.append([*-joint, 0.0])
-        masses.append(body.mass if body else 0.0)
-        inertias.append(np.diag([0.0, 0.0, body.effective_inertia if body else 0.0]))
-
     kinds, still = exu.JointType, np.zeros(2)
+    # Of each link of Exudyn's: joint, parent, turn and offset of the joint, mass centre, body
+    links: list[tuple[Any, int, float, Array, Array, Body | None]] = []
     last = [int(link["place"]) + COORDINATES[link["kind"]] - 1 for link in tree.links]
     for link, name in zip(tree.links, tree.names, strict=True):
         # A link's frame sits in its joint, along the body's axes or along its guide.
@@ -101,9 +83,9 @@ def add_tree(
             kind, turn = kinds.PrismaticX, math.atan2(link["sine"], link["cosine"])
         elif link["kind"] == LOOSE:
             # Two links without mass carry it across the plane.
-            add(kinds.PrismaticX, -1, 0.0, still, still, None)
-            add(kinds.PrismaticY, len(types) - 1, 0.0, still, still, None)
-            parent = len(types) - 1
+            links.append((kinds.PrismaticX, -1, 0.0, still, still, None))
+            links.append((kinds.PrismaticY, len(links) - 1, 0.0, still, still, None))
+            parent = len(links) - 1
         elif link["parent"] >= 0:
             before, parent = tree.links[link["parent"]], last[link["parent"]]
             offset = np.array([link["before_x"], link["before_y"]])
@@ -111,33 +93,24 @@ def add_tree(
             if before["kind"] == GUIDED:
                 turn = before["angle"] - math.atan2(before["sine"], before["cosine"])
                 offset = _turned(turn)[:2, :2] @ offset
-        joint = np.array([link["own_x"], link["own_y"]])
-        add(kind, parent, turn, offset, joint, linkage.bodies[linkage.index(name)])
-    add_object(
+        centre = -np.array([link["own_x"], link["own_y"]])
+        links.append((kind, parent, turn, offset, centre, linkage.bodies[linkage.index(name)]))
+    types, parents, turns, offsets, centres, bodies = zip(*links, strict=True)
+    inertias = [body.effective_inertia if body else 0.0 for body in bodies]
+    add(
         system,
+        "Object",
         "KinematicTree",
         nodeNumber=node,
-        jointTypes=types,
-        linkParents=parents,
-        jointTransformations=exu.Matrix3DList(turns),
-        jointOffsets=exu.Vector3DList(offsets),
-        linkInertiasCOM=exu.Matrix3DList(inertias),
-        linkCOMs=exu.Vector3DList(centres),
-        linkMasses=masses,
+        jointTypes=list(types),
+        linkParents=list(parents),
+        jointTransformations=exu.Matrix3DList([_turned(turn) for turn in turns]),
+        jointOffsets=exu.Vector3DList([[*offset, 0.0] for offset in offsets]),
+        linkInertiasCOM=exu.Matrix3DList([np.diag([0.0, 0.0, inertia]) for inertia in inertias]),
+        linkCOMs=exu.Vector3DList([[*centre, 0.0] for centre in centres]),
+        linkMasses=[body.mass if body else 0.0 for body in bodies],
         forceUserFunction=forces,
     )
-
-
-def add_bristles(system: Any, count: int, rates: Callable[..., Any]) -> None:
-    """Add the deflections of the bristles of friction; Exudyn calls for their rates first."""
-    node = add_node(
-        system,
-        "GenericODE1",
-        referenceCoordinates=[0.0] * count,
-        initialCoordinates=[0.0] * count,
-        numberOfODE1Coordinates=count,
-    )
-    add_object(system, "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
 
 
 def system_of(
@@ -215,7 +188,6 @@ def prepare(
     if isinstance(tree, str):
         raise InputError(f"engine exudyn-tree needs a linkage without free loops: {tree}")
     longest = settings.longest(plan.cycle)
-    times: dict[str, float] = {}
     records = recorder.records
     packed, contacts = records.packed, records.contacts
     is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
@@ -243,28 +215,45 @@ def prepare(
         return end(t) if t > 0.0 else first(t)
 
     # Compiling, or loading what was compiled, is part of building the model.
-    with timed(times, "wall_build_s"):
-        container = exu.SystemContainer()
-        mbs = container.AddSystem()
-        add_tree(mbs, tree, linkage, start, bristly_forces if is_bristly else forces)
-        if is_bristly:
-            add_bristles(mbs, len(contacts), bristle_rates)
-        mbs.Assemble()
-        names = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "ODE1Coordinates")
-        *live, deflections = (getattr(mbs.systemData, f"Get{name}")(copy=False) for name in names)
-        system = system_of(tree, len(contacts), start, longest, (live[0], live[1], live[2]))
-        system = system._replace(force=np.frombuffer(out))
-        stage = bind(stage_forces, system, records)
-        if is_bristly:
-            bristles = bind(stage_bristles, system, packed, contacts.copy(), deflections, rates)
-        end = bind(accept_tree_step, system, records)
-        at_start = system._replace(u_t=_accelerations_at_start(mbs, system))
-        first = bind(accept_tree_step, at_start, records)
-        solve = Solve.of(recorder, plan, {"sent_back": "rejectedAutomaticStepSizeSteps"})
-        solve.sums["proposed"] = FIRST_STEP
-        limit = StepLimit(solve)
-        mbs.SetPreStepUserFunction(limit.pre_step)
-        mbs.SetPostStepUserFunction(post_step(solve, accept, limit))
+    began = clock.perf_counter()
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    add_tree(mbs, tree, linkage, start, bristly_forces if is_bristly else forces)
+    if is_bristly:
+        node = add(
+            mbs,
+            "Node",
+            "GenericODE1",
+            referenceCoordinates=[0.0] * len(contacts),
+            initialCoordinates=[0.0] * len(contacts),
+            numberOfODE1Coordinates=len(contacts),
+        )
+        # Exudyn calls for their rates first.
+        add(mbs, "Object", "GenericODE1", nodeNumbers=[node], rhsUserFunction=bristle_rates)
+    mbs.Assemble()
+    names = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "ODE1Coordinates")
+    *live, deflections = (getattr(mbs.systemData, f"Get{name}")(copy=False) for name in names)
+    system = system_of(tree, len(contacts), start, longest, (live[0], live[1], live[2]))
+    system = system._replace(force=np.frombuffer(out))
+    stage = bind(stage_forces, system, records)
+    if is_bristly:
+        bristles = bind(stage_bristles, system, packed, contacts.copy(), deflections, rates)
+    end = bind(accept_tree_step, system, records)
+    at_start = system._replace(u_t=_accelerations_at_start(mbs, system))
+    first = bind(accept_tree_step, at_start, records)
+    solver = Solver(
+        recorder,
+        plan,
+        accept,
+        exu.DynamicSolverType.DOPRI5,
+        _settings(settings, longest),
+        longest,
+        REMEDY,
+        {"sent_back": "rejectedAutomaticStepSizeSteps"},
+    )
+    solver.sums["proposed"] = FIRST_STEP
+    solver.install(mbs)
+    built = clock.perf_counter() - began
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
@@ -275,14 +264,9 @@ def prepare(
     system.pace["evaluations"] = 0
     records.memory["energy"] = contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
-    exudyn = _settings(settings, longest)
     state = dict(zip(names[:2], live, strict=False))
     if is_bristly:
         state[names[3]] = deflections
-
-    def advance(end: float) -> Finding | None:
-        kind = exu.DynamicSolverType.DOPRI5
-        return run_to_end(mbs, state, exudyn, kind, solve, longest, end, REMEDY)
 
     def ledger() -> Ledger:
         stored, momentum = energy()
@@ -291,30 +275,30 @@ def prepare(
         return Ledger.of(sums, stored - stored_before)
 
     def diagnostics() -> dict[str, float | int | str]:
-        sums, pace = solve.sums, system.pace[0]
+        pace = system.pace[0]
         words = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
         return {
             "model": described(linkage, words, prescribed_of(linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {settings.tolerance:g}, "
             "steps end on touches and separations",
-            "steps": int(sums["steps"]),
-            "steps_sent_back": int(sums["sent_back"]),
+            "steps": int(solver.sums["steps"]),
+            "steps_sent_back": int(solver.sums["sent_back"]),
             "evaluations": int(pace["evaluations"]),
             "events": int(pace["events"]),
             "deepest_touch_m": float(pace["deepest_touch"]),
-            **times,
-            "wall_solve_s": sums["wall"],
+            "wall_build_s": built,
+            "wall_solve_s": solver.sums["wall"],
         }
 
     arrays = {name: np.asarray(array) for name, array in state.items()}
     arrays |= {name: getattr(system, name) for name in ("expected", "pace", "state", "bristles")}
     arrays |= {"prescribed": system.prescribed.work, "step_start": system.start}
     return Simulation(
-        advance,
-        lambda: (solve.time, system.state[0].copy(), system.state[1].copy()),
+        lambda until: solver.run(mbs, state, until),
+        lambda: (solver.time, system.state[0].copy(), system.state[1].copy()),
         ledger,
         arrays,
-        solve.sums,
+        solver.sums,
         diagnostics,
         REMEDY,
         close=container.Reset,

@@ -25,24 +25,19 @@ from presswear.physics.forces import (
     add_contacts,
 )
 from presswear.physics.friction_and_normal import bristle_rate
-from presswear.physics.loads import (
-    count_transitions,
-    next_break,
-    settle_loads,
-    transition_at_start,
-)
+from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_at_start
 from presswear.physics.packed import Packed, applied_forces
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import (
     LEAST_PARTS,
     contact_step,
-    skim_step,
-    step_after_touchdown,
+    longest_step,
+    settle,
     step_to_event,
     time_to_event,
 )
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
-from presswear.recording.observe import RecorderState, observe, settle_state
+from presswear.recording.observe import RecorderState, observe
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, copy_to, unpack
 
 Array = NDArray[np.float64]
@@ -263,11 +258,7 @@ def next_tree_step(
     pace.events += events
     # A break changes the third derivatives by which events are foreseen.
     pace.smooth = events == 0 and not (pace.to_break and h >= 0.999 * pace.limit)
-    joints, reach = records.packed.joints, GROWTH * pace.reach
-    limit = min(
-        step_after_touchdown(joints, records.onset, records.memory, reach),
-        skim_step(records.packed, records.memory, pace.longest),
-    )
+    limit = longest_step(records, min(GROWTH * pace.reach, pace.longest))
     to_break = step_to_break(records.motions, t, limit)
     to_change = step_to_changes(records.packed, pace.smooth, t, to_break)
     pace.limit = step_to_contacts(records, system, to_change)
@@ -425,7 +416,7 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     ledger.drive_exchange += 0.5 * h * (abs(ledger.drive_power) + abs(power))
     ledger.drive_power = power
     q, v, a, _, _ = system.state
-    events = settle_state(records, t, LEAST_STEPS)
+    events = settle(records, t, LEAST_STEPS)
     events += settle_loads(records.packed.loads, t, q, v, a)
     observe(records, t, h, q, v, a)
     return next_tree_step(records, system, t, h, events)
