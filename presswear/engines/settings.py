@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
-from presswear.tools.quantities import choice, quantity
+from presswear.tools.quantities import choice, count, quantity
 
 if TYPE_CHECKING:
     from presswear.engines.base import Plan, Run, Start
@@ -28,19 +28,14 @@ Purpose = Literal["trajectory", "forces", "wear"]  # of the numbers of a run
 WEAR_ERROR = 0.1  # relative error of the wear maps for which the tolerances below are chosen
 LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
 PAPER_STEP = 1e-4  # s; integral step of the paper's Table 2
-TREE_TOLERANCES: dict[Purpose, float] = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
-IN_HOUSE: dict[Purpose, tuple[Integrator, float]] = {
-    "trajectory": ("dop853", 1e-9),
-    "forces": ("dopri5", 1e-7),
-    "wear": ("dopri5", 1e-6),
-}
 
 
 class _Engine:
-    """Longest step and run of any engine."""
+    """Longest step, tolerance and run of any engine."""
 
     word: ClassVar[str]
     tolerance_name: ClassVar[str] = ""  # of its setting; none where steps are not error-controlled
+    tolerances: ClassVar[dict[Purpose, float]]  # where none is specified
     free_step: float | None  # longest step between contacts, s; None: a part of the cycle
 
     def resolved(self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR) -> Self:
@@ -48,7 +43,14 @@ class _Engine:
 
         For wear the tolerance is proportional to the wanted relative error of the wear maps.
         """
-        return self
+        changes: dict[str, Any] = {}
+        if self.tolerance_name and getattr(self, self.tolerance_name) is None:
+            part = min(wear_error / WEAR_ERROR, 1.0) if purpose == "wear" else 1.0
+            value, finest = self.tolerances[purpose], self.tolerances["trajectory"]
+            changes[self.tolerance_name] = max(value * part, finest)
+        if getattr(self, "integrator", "") == "auto":
+            changes["integrator"] = "dop853" if purpose == "trajectory" else "dopri5"
+        return replace(cast(Any, self), **changes)
 
     def longest(self, cycle: float) -> float:
         """Return the longest step, s, in a cycle of a duration, s."""
@@ -83,16 +85,9 @@ class _Engine:
         InputError
             If the engine cannot run this linkage or begin at this start.
         """
-        prepare = import_module(self.module).prepare
-        run: Run = import_module("presswear.engines.driver").simulate(
-            prepare, linkage, start, self.resolved(), plan
-        )
+        driver, engine = import_module("presswear.engines.driver"), import_module(self.module)
+        run: Run = driver.simulate(engine.prepare, linkage, start, self.resolved(), plan)
         return run
-
-
-def _tolerance(value: float, purpose: Purpose, wear_error: float, finest: float) -> float:
-    scale = min(wear_error / WEAR_ERROR, 1.0) if purpose == "wear" else 1.0
-    return max(value * scale, finest)
 
 
 @dataclass(frozen=True)
@@ -104,25 +99,13 @@ class ExudynTree(_Engine):
 
     word: ClassVar[str] = "exudyn-tree"
     tolerance_name: ClassVar[str] = "tree_tolerance"
+    tolerances: ClassVar = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
 
     tree_tolerance: float | None = quantity(
-        None,
-        "",
-        1e-13,
-        1e-3,
-        "chosen",
+        *(None, "", 1e-13, 1e-3, "chosen"),
         "of exudyn-tree: error of a step, rad or m and rad/s or m/s; default: by the purpose",
     )
     free_step: float | None = None
-
-    def resolved(
-        self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
-    ) -> "ExudynTree":
-        """Return a copy with a tolerance for the purpose if none is specified."""
-        if self.tree_tolerance is not None:
-            return self
-        value, finest = TREE_TOLERANCES[purpose], TREE_TOLERANCES["trajectory"]
-        return replace(self, tree_tolerance=_tolerance(value, purpose, wear_error, finest))
 
 
 @dataclass(frozen=True)
@@ -136,26 +119,15 @@ class ExudynJoints(_Engine):
 
     word: ClassVar[str] = "exudyn-joints"
 
-    steps_per_contact: int = quantity(
-        200, "", 20, 10_000, "chosen", "of exudyn-joints: steps in one impact", whole=True
+    steps_per_contact: int = count(
+        200, 20, 10_000, "chosen", "of exudyn-joints: steps in one impact"
     )
-    steps_sustained: int = quantity(
-        10,
-        "",
-        5,
-        10_000,
-        "chosen",
+    steps_sustained: int = count(
+        *(10, 5, 10_000, "chosen"),
         "of exudyn-joints: fewest steps in half a period of a pin at rest on its bearing",
-        whole=True,
     )
-    free_steps: int = quantity(
-        10_000,
-        "",
-        1000,
-        10_000_000,
-        "chosen",
-        "of exudyn-joints: fewest steps in a cycle",
-        whole=True,
+    free_steps: int = count(
+        10_000, 1000, 10_000_000, "chosen", "of exudyn-joints: fewest steps in a cycle"
     )
     free_step: float | None = None
     newton: float = 1e-9
@@ -174,6 +146,7 @@ class InHouse(_Engine):
 
     word: ClassVar[str] = "dae"
     tolerance_name: ClassVar[str] = "integration_tolerance"
+    tolerances: ClassVar = {"trajectory": 1e-9, "forces": 1e-7, "wear": 1e-6}
 
     integrator: Integrator = choice(
         "auto",
@@ -182,11 +155,7 @@ class InHouse(_Engine):
         "1e-4 s; auto: 8 for a trajectory, else 5",
     )
     integration_tolerance: float | None = quantity(
-        None,
-        "",
-        1e-14,
-        1e-3,
-        "chosen",
+        *(None, "", 1e-14, 1e-3, "chosen"),
         "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; "
         "default: by the purpose",
     )
@@ -203,18 +172,6 @@ class InHouse(_Engine):
     alpha: float = 20.0
     beta: float = 20.0
     free_step: float | None = None
-
-    def resolved(
-        self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
-    ) -> "InHouse":
-        """Return a copy with unspecified integrator and tolerance set for the purpose."""
-        integrator, value = IN_HOUSE[purpose]
-        tolerance = _tolerance(value, purpose, wear_error, IN_HOUSE["trajectory"][1])
-        if self.integrator != "auto":
-            integrator = self.integrator
-        if self.integration_tolerance is not None:
-            tolerance = self.integration_tolerance
-        return replace(self, integrator=integrator, integration_tolerance=tolerance)
 
     def finer(self, factor: float) -> "InHouse | None":
         """Return a copy with the tolerance divided by a factor; None if steps are equal."""

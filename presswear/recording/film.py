@@ -16,20 +16,13 @@ Array = NDArray[np.float64]
 
 FRAMES_PER_CYCLE = 500  # one every 0.72 degrees of the crank
 FILM_CYCLES = 20  # that are kept
+# Columns of a frame for each joint: its forces, N, the direction in which the pin presses,
+# penetration, m, and greatest normal force since the frame before, N
 FILM_JOINT = ("normal", "tangential", "direction_x", "direction_y", "penetration", "peak")
-"""Columns of a frame for each joint: its forces, N, the direction in which the pin presses,
-penetration, m, and greatest normal force since the frame before, N."""
-FILM_JOINT_COUNT = len(FILM_JOINT)
-_PEAK = FILM_JOINT.index("peak")
+FILM_JOINT_COUNT, _PEAK = len(FILM_JOINT), FILM_JOINT.index("peak")
 
-FRAME_SAMPLER = np.dtype(
-    [
-        ("frames", np.int64),  # kept
-        ("interval", np.float64),  # s
-        ("next", np.float64),  # time from which the next frame is due, s
-    ]
-)
-"""State of the frame sampler."""
+# Frames kept, their interval, and the time from which the next is due, s
+FRAME_SAMPLER = np.dtype([("frames", np.int64), ("interval", np.float64), ("next", np.float64)])
 
 
 def empty_film(bodies: int, joints: int, cycle: float) -> tuple[Array, Records]:

@@ -63,14 +63,10 @@ BOTTOM_STEPS = 60  # of Newton's method towards the lowest position in a step
 BOTTOM_NOISE = 1e-14  # part of a step that is round-off
 FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
 
-WEAR_INTEGRALS = np.dtype(
-    [
-        ("work", np.float64),  # F_n ds, N m
-        ("pressure", np.float64),  # p ds, N/m
-    ]
-)
-"""Wear integrals of a joint over one step."""
+# Wear integrals of a joint over one step: F_n ds, N m, and p ds, N/m
+WEAR_INTEGRALS = np.dtype([("work", np.float64), ("pressure", np.float64)])
 
+# A drive in the recording; engines fill the integrals before they call ``observe``
 DRIVE = np.dtype(
     [
         ("torque", np.float64),  # in the last accepted state, N m
@@ -81,8 +77,8 @@ DRIVE = np.dtype(
         ("power_square_integral", np.float64),  # W^2 s
     ]
 )
-"""A drive in the recording; engines fill the integrals before they call ``observe``."""
 
+# Output point, its last state, and the sampling of series
 OUTPUT = np.dtype(
     [
         ("rows", np.int64),  # series rows written
@@ -108,7 +104,6 @@ OUTPUT = np.dtype(
         ("period", np.float64),  # from one stroke to the next, s
     ]
 )
-"""Output point, its last state, and the sampling of series."""
 
 
 class RecorderState(NamedTuple):
@@ -157,10 +152,10 @@ def lowest_between(
 ) -> tuple[float, float]:
     """Return the lowest position in a step, m, and the time since the step began, s.
 
-    The coordinate turns from falling to rising between its two ends, each of place, velocity and
-    acceleration.  The lowest position is the minimum of the quintic polynomial through both.  If
-    the motion has six derivatives in the step, it is off by h^6 / 46080 times the greatest sixth at
-    most; if the acceleration has jumped by J at the first end, by 0.018 J h^2.
+    It is the minimum of the quintic polynomial through place, velocity and acceleration at both
+    ends, between which the coordinate turns from falling to rising.  It is off by h^6 / 46080
+    times the greatest sixth derivative at most; if the acceleration has jumped by J at the first
+    end, by 0.018 J h^2.
     """
     c1 = h * before[1]
     c2 = 0.5 * h * h * before[2]

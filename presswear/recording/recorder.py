@@ -36,26 +36,15 @@ _SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)  # s
 
 @dataclass
 class Recorder:
-    """Quantities that one run has observed so far; SI units.
+    """Quantities that one run has observed so far; SI units."""
 
-    Attributes
-    ----------
-    records : RecorderState
-        Arrays that the kernels fill.
-    maps : MapBatches
-        Depth that the finished cycles added to bearing and pin, m.
-    sections_per_cycle : int
-    cycles : ndarray, shape (cycles, columns)
-        Rows of the finished cycles, columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE.
-    growth : ndarray, shape (cycles, 2, joints, 2)
-        Largest depth added by each cycle, and depth after it, of bearing and pin, m; no row where
-        the surfaces stay.
-    """
-
-    records: RecorderState
-    maps: MapBatches
+    records: RecorderState  # arrays that the kernels fill
+    maps: MapBatches  # depth that the finished cycles added to bearing and pin, m
     sections_per_cycle: int = 0
+    # Rows of the finished cycles: columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE
     cycles: Array = field(init=False)
+    # Largest depth added by each cycle, and depth after it, of bearing and pin, m, shape (cycles,
+    # 2, joints, 2); no row where the surfaces stay
     growth: Array = field(init=False)
     _sections: list[Array] = field(default_factory=list, init=False)
 

@@ -37,26 +37,13 @@ DRIFT_IDEAL = 1e-4  # m, without clearance
 
 @dataclass(frozen=True)
 class Finding:
-    """Reason that ends a run; its fields are the names in ``result.json``.
-
-    Attributes
-    ----------
-    kind : Kind
-    what : str
-        Text with values and limits.
-    time_s : float
-        Time since the start of the run, s.
-    joint : str
-        Joint, or nothing if no single joint is the cause.
-    remedy : str
-        Changes that may help.
-    """
+    """Reason that ends a run; its fields are the names in ``result.json``."""
 
     kind: Kind
-    what: str
-    time_s: float
-    joint: str
-    remedy: str
+    what: str  # text with values and limits
+    time_s: float  # since the start of the run
+    joint: str  # nothing if no single joint is the cause
+    remedy: str  # changes that may help
 
     @property
     def words(self) -> str:
@@ -80,18 +67,13 @@ class Condition:
 
 def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
     """Return the first finding after a cycle, or None."""
+    if not (np.isfinite(now.position).all() and np.isfinite(now.velocity).all()):
+        return Finding("state", "the state is no longer finite", now.time, "", now.remedy)
     return (
-        _check_state(now)
-        or _check_contacts(linkage, recorder, now)
+        _check_contacts(linkage, recorder, now)
         or _check_energy(linkage, recorder, now)
         or _check_constraints(linkage, now)
     )
-
-
-def _check_state(now: Condition) -> Finding | None:
-    if np.isfinite(now.position).all() and np.isfinite(now.velocity).all():
-        return None
-    return Finding("state", "the state is no longer finite", now.time, "", now.remedy)
 
 
 def _check_contacts(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:

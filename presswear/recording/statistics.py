@@ -32,21 +32,12 @@ _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 @final
 @dataclass(frozen=True)
 class Estimate:
-    """Number with its 95 % confidence interval.
-
-    Attributes
-    ----------
-    mean : float
-    low, high : float or None
-        Ends of the interval; None: too few samples.
-    samples : int
-        Cycles, batches of cycles or replicates behind it.
-    """
+    """Number with its 95 % confidence interval."""
 
     mean: float
-    low: float | None = None
+    low: float | None = None  # end of the interval; None: too few samples
     high: float | None = None
-    samples: int = 0
+    samples: int = 0  # cycles, batches of cycles or replicates behind it
 
     @staticmethod
     def symmetric(mean: float, half_width: float | None, samples: int = 0) -> "Estimate":
@@ -100,21 +91,11 @@ def quantile(freedom: float) -> float:
 
 @dataclass
 class MapBatches:
-    """Wear maps of a run, summed over batches of neighbouring cycles, in constant memory.
+    """Wear maps of a run, summed over batches of neighbouring cycles, in constant memory."""
 
-    Attributes
-    ----------
-    shape : tuple of int
-        (joints, 2, bins).
-    cycles : int
-        Cycles added, start-up included.
-    size : int
-        Cycles in a full batch.
-    """
-
-    shape: tuple[int, ...]
-    cycles: int = 0
-    size: int = 1
+    shape: tuple[int, ...]  # (joints, 2, bins)
+    cycles: int = 0  # added, start-up included
+    size: int = 1  # cycles in a full batch
     _last: Array = field(init=False)
     _sums: Array = field(init=False)
 
@@ -195,19 +176,17 @@ def map_errors(maps: Array, weights: Array) -> Array:
     mean = np.tensordot(share, maps, 1)
     variance = np.tensordot(share, (maps - mean) ** 2, 1) / (len(maps) - 1)
     size, noise = (np.sum(part, axis=(1, 2)) for part in (mean**2, variance))
-    return np.where(size > 0.0, np.sqrt(noise / np.where(size > 0.0, size, 1.0)), 0.0)
+    return np.sqrt(np.divide(noise, size, out=np.zeros(len(size)), where=size > 0.0))
 
 
 def widened(estimate: Estimate, error: float) -> Estimate:
     """Return an estimate with an independent error added as the root of the sum of squares."""
     if estimate.low is None or estimate.high is None:
         return estimate
-    below, above = estimate.mean - estimate.low, estimate.high - estimate.mean
-    return replace(
-        estimate,
-        low=estimate.mean - math.copysign(math.hypot(below, error), below),
-        high=estimate.mean + math.copysign(math.hypot(above, error), above),
-    )
+    mean, (below, above) = estimate.mean, (estimate.low, estimate.high)
+    low = mean - math.copysign(math.hypot(mean - below, error), mean - below)
+    high = mean + math.copysign(math.hypot(above - mean, error), above - mean)
+    return replace(estimate, low=low, high=high)
 
 
 def about(mean: float, estimate: Estimate) -> Estimate:
@@ -215,18 +194,13 @@ def about(mean: float, estimate: Estimate) -> Estimate:
     off = mean - estimate.mean
     if estimate.low is None or estimate.high is None:
         return replace(estimate, mean=mean)
-    moved = Estimate(mean, estimate.low + off, estimate.high + off, estimate.samples)
-    return widened(moved, off)
+    return widened(Estimate(mean, estimate.low + off, estimate.high + off, estimate.samples), off)
 
 
 def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     """Return bootstrap samples of a weighted mean over maps, shape (RESAMPLES, bins).
 
-    Parameters
-    ----------
-    maps : ndarray, shape (n, bins)
-    weights : ndarray, shape (n,)
-        Cycles in each.
+    Maps have shape (n, bins); weights, the cycles in each, (n,).
     """
     count = len(maps)
     generator = np.random.default_rng(seed)
@@ -234,9 +208,13 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
 
 
-def _widening(count: int) -> float:
-    """Return Student's quantile over the normal one, times the bias of a standard deviation."""
-    return quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
+def _ends(draws: Array, centre: Array | float, count: int) -> Array:
+    """Return quantiles of bootstrap samples, widened about a centre as Student's interval is.
+
+    The standard deviation of a bootstrap is smaller than the one without bias.
+    """
+    ratio = quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
+    return np.asarray(ratio * (np.quantile(draws, _ENDS, axis=0) - centre))
 
 
 def basic_interval(value: float, draws: Array, count: int) -> Estimate:
@@ -248,8 +226,8 @@ def basic_interval(value: float, draws: Array, count: int) -> Estimate:
     """
     if count < MIN_SAMPLES:
         return Estimate(value, samples=count)
-    ends = value - _widening(count) * (np.quantile(draws, _ENDS[::-1]) - value)
-    return Estimate(value, float(ends[0]), float(ends[1]), count)
+    below, above = _ends(draws, value, count).tolist()
+    return Estimate(value, value - above, value - below, count)
 
 
 def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Estimate:
@@ -261,17 +239,16 @@ def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int)
     if count < MIN_SAMPLES:
         return Estimate(angle, samples=count)
     moved = (places - place + bins // 2) % bins - bins // 2
-    left, right = _widening(count) * np.quantile(moved, _ENDS)
+    left, right = _ends(moved.astype(np.float64), 0.0, count).tolist()
     width = 2.0 * math.pi / bins  # no place is known better than its bin
-    low, high = angle + width * min(float(left), -0.5), angle + width * max(float(right), 0.5)
-    return Estimate(angle, low, high, count)
+    return Estimate(angle, angle + width * min(left, -0.5), angle + width * max(right, 0.5), count)
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
     """Return the ends of the interval of each bin of a mean map; of one map the mean twice."""
     if count < 2:
         return mean, mean
-    low, high = mean + _widening(count) * (np.quantile(draws, _ENDS, axis=0) - mean)
+    low, high = mean + _ends(draws, mean, count)
     return low, high
 
 
@@ -317,15 +294,14 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
         means = np.array([after_startup(rows).mean() for rows in alone])
         half = math.hypot(half_width(means) or 0.0, mean - float(means.mean()))
         return Estimate.symmetric(mean, half, everything.size), True
-    differing = differ(samples)
-    half_within = half_width(_independent(samples, differing))
-    return Estimate.symmetric(mean, half_within, everything.size), differing
+    return Estimate.symmetric(mean, _half_width_of(samples), everything.size), differ(samples)
 
 
-def _independent(samples: Sequence[Array], differing: bool) -> Array:
-    """Return batches of several runs, or their means if the runs differ."""
-    return np.concatenate(
-        [run.mean(keepdims=True) if differing else batched(run) for run in samples]
+def _half_width_of(samples: Sequence[Array]) -> float | None:
+    """Return the half width of the mean of batches of several runs, or of runs that differ."""
+    alone = differ(samples)
+    return half_width(
+        np.concatenate([run.mean(keepdims=True) if alone else batched(run) for run in samples])
     )
 
 
@@ -372,7 +348,7 @@ def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:
         return None, count
     ranges = [np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples]
     everything = np.concatenate(ranges)
-    mean, half = float(everything.mean()), half_width(_independent(ranges, differ(ranges)))
+    mean, half = float(everything.mean()), _half_width_of(ranges)
     if half is None:
         return Estimate(mean, samples=everything.size), count
     return Estimate(mean, max(mean - half, 0.0), mean + half, everything.size), count
@@ -386,8 +362,8 @@ def differ(samples: Sequence[Array]) -> bool:
     from scipy.special import fdtrc  # slow to import
 
     everything = np.concatenate(groups)
-    means = np.concatenate([np.full(group.size, group.mean()) for group in groups])
     between, within = len(groups) - 1, everything.size - len(groups)
-    scatter = float(((everything - means) ** 2).sum()) / within
-    distance = float(((means - everything.mean()) ** 2).sum()) / between
-    return scatter == 0.0 or bool(fdtrc(between, within, distance / scatter) < 0.01)
+    scatter = sum(float(((group - group.mean()) ** 2).sum()) for group in groups) / within
+    distances = [group.size * float(group.mean() - everything.mean()) ** 2 for group in groups]
+    ratio = sum(distances) / between / scatter if scatter > 0.0 else math.inf
+    return bool(fdtrc(between, within, ratio) < 0.01)

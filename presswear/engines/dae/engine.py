@@ -1,6 +1,7 @@
 """The in-house solver as an engine."""
 
 import time as clock
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,7 @@ _CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
 
 def check_start(constraints: Constraints, start: Start) -> None:
-    """InputError naming the joint when a start violates or repeats a constraint.
+    """Refuse a start that violates or repeats a constraint, by the name of its joint.
 
     Positions must agree to 1e-6 m or rad and velocities to 1e-4 m/s or rad/s.
     """
@@ -43,8 +44,7 @@ def check_start(constraints: Constraints, start: Start) -> None:
                 f"the start violates joint {constraints.names[worst]}: its {kind} is off by "
                 f"{abs(values[worst]):.3g}, allowed is {allowed:g}"
             )
-    repeated = dependent_joint(jacobian, constraints.names, 1e-9)
-    if repeated is not None:
+    if repeated := dependent_joint(jacobian, constraints.names, 1e-9):
         raise InputError(
             f"joint {repeated} repeats what the other joints already hold, or the position is "
             "singular: its constraint adds nothing"
@@ -52,32 +52,24 @@ def check_start(constraints: Constraints, start: Start) -> None:
 
 
 def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> str | None:
-    """First joint whose constraint adds less than ``least`` to those before it; or None."""
-    basis: list[Array] = []
-    for row, name in zip(jacobian, names, strict=True):
-        rest = row / np.linalg.norm(row)
-        # Twice: once leaves a remainder of round-off.
-        for direction in basis + basis:
-            rest = rest - (rest @ direction) * direction
-        size = float(np.linalg.norm(rest))
-        if size < least:
-            return name
-        basis.append(rest / size)
-    return None
+    """Return the first joint whose constraint adds less than ``least`` to those before it."""
+    rows = jacobian / np.linalg.norm(jacobian, axis=1, keepdims=True)
+    added = np.abs(np.diag(np.linalg.qr(rows.T).R))
+    # Constraints beyond the number of coordinates add nothing.
+    pairs = zip(names, [*added, 0.0], strict=False)
+    return next((name for name, size in pairs if size < least), None)
 
 
 def _problem(state: int, constraints: Constraints, time: float, q: Array, v: Array) -> Finding:
-    """The finding on a march that ended in a status, with the joint near which it did."""
+    """Return the finding on a march that ended in a status, with the joint near which it did."""
     if state != STUCK:
         return Finding("state", "the state is no longer finite", time, "", REMEDY)
-    jacobian = constraints.evaluate(time, q, v)[3]
-    singular = dependent_joint(jacobian, constraints.names, 1e-2)
+    singular = dependent_joint(constraints.evaluate(time, q, v)[3], constraints.names, 1e-2)
     if singular:
         what, remedy = "the step vanished near a singular position", "other lengths of the links"
         return Finding("state", what, time, singular, remedy)
-    return Finding(
-        "state", "the step vanished", time, "", "a larger integration_tolerance may help"
-    )
+    remedy = "a larger integration_tolerance may help"
+    return Finding("state", "the step vanished", time, "", remedy)
 
 
 def prepare(
@@ -120,9 +112,6 @@ def prepare(
     def march(end: float, most: int) -> int:
         control["most"] = most
         return kernel(end)
-
-    def worn() -> None:
-        control["has_slope"] = False
 
     march(0.0, 1)  # accounts for the start
     ready = clock.perf_counter()
@@ -177,30 +166,31 @@ def prepare(
         arrays["prescribed"] = system.tree.prescribed.work
     held = None if isinstance(tree, Tree) else constraints
     return Simulation(
-        advance, state, ledger, arrays, sums, diagnostics, REMEDY, constraints=held, worn=worn
+        advance,
+        state,
+        ledger,
+        arrays,
+        sums,
+        diagnostics,
+        REMEDY,
+        constraints=held,
+        worn=partial(control.__setitem__, "has_slope", False),
     )
 
 
 def _words(
     linkage: Linkage, tree: Tree | str | None, constraints: Constraints, settings: InHouse
 ) -> dict[str, str]:
-    """Sentences on the model that was built and on its solver."""
-    if settings.has_equal_steps:
-        words = f"RK4 at equal steps of {settings.step:g} s"
-    else:
-        words = (
-            f"{settings.integrator.upper()} at tolerance {settings.tolerance:g}, touches located"
-        )
+    """Return sentences on the model that was built and on its solver."""
+    steps = f"RK4 at equal steps of {settings.step:g} s"
+    if not settings.has_equal_steps:
+        method = settings.integrator.upper()
+        steps = f"{method} at tolerance {settings.tolerance:g}, touches located"
     if isinstance(tree, Tree):
-        model = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
-        return {
-            "model": described(linkage, model, prescribed_of(linkage)),
-            "solver": f"in-house, {words}",
-        }
-    model = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
-    held = ", projected" if settings.projection == "on" else ""
-    return {
-        "model": described(linkage, model),
-        "solver": f"in-house, Lagrange multipliers, {words}, "
-        f"Baumgarte {settings.alpha:g}/{settings.beta:g}{held}",
-    }
+        words = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
+        model = described(linkage, words, prescribed_of(linkage))
+        return {"model": model, "solver": f"in-house, {steps}"}
+    words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
+    solver = f"in-house, Lagrange multipliers, {steps}, Baumgarte {settings.alpha:g}"
+    solver += f"/{settings.beta:g}{', projected' if settings.projection == 'on' else ''}"
+    return {"model": described(linkage, words), "solver": solver}

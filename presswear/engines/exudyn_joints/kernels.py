@@ -80,13 +80,9 @@ def refresh(frame: Frame, t: float) -> None:
 def connector_forces(address: PackedArguments, t: float) -> None:
     """Fill the generalized forces of clearance joints and loads on the bodies of the connector.
 
-    Parameters
-    ----------
-    address : PackedArguments
-        Frame; RecorderState; where the forces on bearing and pin belong among those of the
-        connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; where each of
-        the connector's coordinates belongs in q; working space, shape (3 bodies,); and the
-        forces, shape (3 bodies of the connector,).
+    ``address`` packs Frame; RecorderState; where the forces on bearing and pin belong among those
+    of the connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; where each
+    of the connector's coordinates belongs in q; working space, shape (3 bodies,); the forces.
     """
     frame, records, slots, places, force, out = unpack(address)
     packed = records.packed
@@ -155,13 +151,7 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 
 @compiled
 def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tuple[float, float]:
-    """Fill the torques of the drives, with contacts noted.
-
-    Returns
-    -------
-    tuple
-        Power of the drives, and of loads and dampers, W.
-    """
+    """Fill the torques of the drives; return the power of drives, and of loads and dampers, W."""
     prescribed = frame.prescribed
     load_power = applied_forces(records.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
@@ -216,10 +206,7 @@ def sum_step(
 def accept_joint_step(address: PackedArguments, t: float) -> float:
     """Settle contact, account for an accepted step and choose the next; NaN if it is broken.
 
-    Parameters
-    ----------
-    address : PackedArguments
-        Frame, Drives, RecorderState and one record of STEPS.
+    ``address`` packs Frame, Drives, RecorderState and one record of STEPS.
     """
     frame, drives, records, steps = unpack(address)
     h = t - records.output[0].now
@@ -252,10 +239,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
 def shorter_joint_step(address: PackedArguments, t: float) -> float:
     """Return the step with which a trial step has to be repeated; see ``shorter_step``.
 
-    Parameters
-    ----------
-    address : PackedArguments
-        Frame, RecorderState and one record of STEPS.
+    ``address`` packs Frame, RecorderState and one record of STEPS.
     """
     frame, records, steps = unpack(address)
     refresh(frame, t)

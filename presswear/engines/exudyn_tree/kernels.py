@@ -105,15 +105,9 @@ def stage_forces(address: PackedArguments, t: float) -> int:
     dP/dt . v is the end value of P . v less the integral of P . a; the end values are
     added after the run, so that no acceleration is needed here.
 
-    Parameters
-    ----------
-    address : PackedArguments
-        TreeSystem and RecorderState; the contacts hold the deflections of bristles.
+    ``address`` packs TreeSystem and RecorderState; the contacts hold the deflections of bristles.
 
-    Returns
-    -------
-    int
-        Stages since the last accepted step.
+    Returns the number of stages since the last accepted step.
     """
     system, records = unpack(address)
     packed, contacts, pace = records.packed, records.contacts, system.pace[0]
@@ -150,11 +144,8 @@ def stage_forces(address: PackedArguments, t: float) -> int:
 def stage_bristles(address: PackedArguments, t: float) -> None:
     """Fill the rates of the bristles of friction in a stage, m/s.
 
-    Parameters
-    ----------
-    address : PackedArguments
-        TreeSystem, Packed, records of CONTACT as working space, deflections of the bristles, m,
-        and their rates, each shape (joints,).
+    ``address`` packs TreeSystem, Packed, records of CONTACT as working space, deflections of the
+    bristles, m, and their rates, each shape (joints,).
     """
     system, packed, contacts, bristles, out = unpack(address)
     q, v, a, _, axes = system.state
@@ -399,10 +390,7 @@ def end_step(system: TreeSystem, records: RecorderState, t: float, h: float) -> 
 def accept_tree_step(address: PackedArguments, t: float) -> float:
     """Account for an accepted step and choose the next, s; NaN for a broken state.
 
-    Parameters
-    ----------
-    address : PackedArguments
-        TreeSystem and RecorderState.
+    ``address`` packs TreeSystem and RecorderState.
     """
     system, records = unpack(address)
     system.pace[0].accepted = system.pace[0].evaluations
