@@ -226,20 +226,18 @@ class _LawOf:
 
 @dataclass(frozen=True)
 class Force(Checked):
-    """Force at a point of a body, along a direction that stays fixed on the frame.
+    """Force at a point of a body, along a direction that stays fixed on the frame, rad.
+
+    Reports show its name.
 
     Attributes
     ----------
     point : Attachment or str
         As ``body.point``, or as ``body`` for its mass centre.
-    direction : float
-        rad.
     law : float, Harmonics, OverTime, OverPosition, callable or str
         Size along the direction, N; a constant, a law, or a user function of LOAD_PARAMETERS, also
         as ``FILE.py:NAME``. The position of a table is that of the point along the direction,
         measured from the origin of the frame.
-    name : str
-        Meaning of the force, for reports.
     """
 
     point: Attachment | str
@@ -260,13 +258,9 @@ class Force(Checked):
 
 @dataclass(frozen=True)
 class Moment(Checked):
-    """Moment on a body, counterclockwise.
+    """Moment on a body, counterclockwise, with a law of its size, N m, as a Force has.
 
-    Attributes
-    ----------
-    law : Harmonics, OverTime, OverPosition, callable or str
-        Size, N m. The position of a table is the angle of the body, which goes on counting turn
-        after turn.
+    The position of a table is the angle of the body, which goes on counting turn after turn.
     """
 
     body: str
@@ -415,13 +409,7 @@ PROCESSES: Mapping[str, type[Process]] = {one.kind: one for one in (Blanking, Dr
 
 
 def check_reach(process: Process, stroke: float, body: str) -> None:
-    """Raise InputError where the work is not reached in a stroke, m, or not worked through.
-
-    Parameters
-    ----------
-    body : str
-        Name of the body that presses, for the message.
-    """
+    """Raise InputError where a body does not reach the work in its stroke, m, or not all of it."""
     depth = process.curve[-1][0]
     if not depth <= process.height < stroke:
         raise InputError(
@@ -438,12 +426,8 @@ def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosi
     straight line as steep as the steepest rise of the curve, up to the greatest depth of the
     stroke. Once it is worked through nothing acts until the stroke is over.
 
-    Parameters
-    ----------
-    contact : float
-        Position at which the work is touched, along the direction away from it, m.
-    lift : float
-        Height over the contact at which a stroke is over and a new blank lies there, m.
+    The work is touched at the position ``contact``, along the direction away from it, m. A new
+    blank lies there after a stroke, which is over at the height ``lift`` above, m.
     """
 
     def table(curve: Curve) -> list[tuple[float, float]]:
