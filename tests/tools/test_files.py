@@ -3,7 +3,6 @@
 import errno
 import fcntl
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -50,26 +49,20 @@ def test_a_file_is_written_whole_or_stays(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
-    records = np.zeros(2, [("x", np.float64), ("n", np.int64)])
-    state = {**named("joint", {"depth": np.arange(3.0)}), "records": records}
-    checksum = write_arrays(tmp_path / "a.npz", state)
-    result = read_arrays(tmp_path / "a.npz", checksum)
+    records, file = np.zeros(2, [("x", np.float64), ("n", np.int64)]), tmp_path / "a.npz"
+    checksum = write_arrays(file, named("joint", {"depth": np.arange(3.0)}) | {"records": records})
+    result = read_arrays(file, checksum)
     assert part(result, "joint")["depth"].tolist() == [0.0, 1.0, 2.0]
     assert result["records"].dtype == records.dtype
     with pytest.raises(InputError, match="records holds no real numbers"):
-        read_numbers(tmp_path / "a.npz")
+        read_numbers(file)
     with pytest.raises(InputError, match=r"a\.npz is cut off or altered"):
-        read_arrays(tmp_path / "a.npz", digest(b""))
+        read_arrays(file, digest(b""))
     with pytest.raises(InputError, match=r"b\.npz is missing"):
         read_checked(tmp_path / "b.npz", None)
-
-
-def test_damaged_arrays_and_objects_are_refused(tmp_path: Path) -> None:
-    file = tmp_path / "a.npz"
+    whole = file.read_bytes()
     np.savez(file, x=np.array([print]), allow_pickle=True)
-    objects = file.read_bytes()
-    write_arrays(file, {"x": np.arange(9.0)})
-    for data in (file.read_bytes()[:-30], b"PK" + 99 * b"0", objects):
+    for data in (file.read_bytes(), whole[:-30], b"PK" + 99 * b"0"):
         file.write_bytes(data)
         with pytest.raises(InputError, match=r"a\.npz cannot be read"):
             read_arrays(file)
@@ -135,16 +128,14 @@ time.sleep(60)
 
 
 def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) -> None:
-    process = subprocess.Popen(
-        [sys.executable, "-c", _HOLD, str(tmp_path)], stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    assert process.stdout.readline() == "taken\n"
-    with pytest.raises(InputError, match=f"process {process.pid} on .* is at work in it"):
-        FolderLock(tmp_path)
-    assert f"process {process.pid} on " in (holder(tmp_path) or "")
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
+    command = [sys.executable, "-c", _HOLD, str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "taken\n"
+        with pytest.raises(InputError, match=f"process {process.pid} on .* is at work in it"):
+            FolderLock(tmp_path)
+        assert f"process {process.pid} on " in (holder(tmp_path) or "")
+        process.kill()
     assert holder(tmp_path) is None
     lock = FolderLock(tmp_path)
     assert lock.is_held()

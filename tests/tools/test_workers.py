@@ -108,8 +108,7 @@ def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
         if not missing:
             raise KeyboardInterrupt
 
-    workers = Workers() if count == 1 else Workers(count)
-    with workers, pytest.raises(KeyboardInterrupt):
+    with Workers(count) as workers, pytest.raises(KeyboardInterrupt):
         workers.run({k: Waits() for k in range(count)}, collects, interrupt)
     assert sorted(collects.results) == list(range(count))
     assert all(outcome > 0 for outcome in collects.results.values())
