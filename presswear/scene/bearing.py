@@ -248,17 +248,7 @@ _TURN = 2.0 * math.pi
 def initial_surfaces(
     surfaces: Any, joints: tuple[str, ...], bearing: Callable[[str], Bearing]
 ) -> dict[str, tuple[Surface, Surface]]:
-    """Return initial surfaces on the bins of the wear maps, without joints that are round.
-
-    Parameters
-    ----------
-    surfaces : mapping
-        Bearing and pin by joint; see ``Scene.surfaces`` for what stands for a side.
-    joints : tuple of str
-        Joints with clearance.
-    bearing : callable
-        Returns the bearing of a joint.
-    """
+    """Return initial surfaces on the bins of the wear maps, without joints that are round."""
     if not isinstance(surfaces, Mapping):
         raise InputError(f"surfaces = {surfaces!r}: bearing and pin by joint are expected")
     result = {}

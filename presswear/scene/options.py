@@ -3,8 +3,8 @@
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any, ClassVar
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, NamedTuple
 
 from presswear.engines import settings
 from presswear.tools.errors import InputError, unknown
@@ -47,16 +47,6 @@ class Numerics:
         name = next(name for name, one in self._engines.items() if type(one) is type(engine))
         return Numerics(**{**self._engines, name: engine})
 
-    def having(self, **settings: Any) -> "Numerics":
-        """Return a copy with some settings changed, by their names."""
-        changed = {}
-        for name, engine in self._engines.items():
-            keys = asdict(engine).keys() & settings.keys()
-            changed[name] = replace(engine, **{key: settings.pop(key) for key in keys})
-        if settings:
-            raise TypeError(f"no engine has a setting {', '.join(settings)}")
-        return Numerics(**changed)
-
 
 @dataclass(frozen=True)
 class Recording(Checked):
@@ -90,8 +80,7 @@ class Recording(Checked):
         )
 
 
-@dataclass(frozen=True)
-class Followed:
+class Followed(NamedTuple):
     """Number that is followed over strokes, of each joint or of the whole mechanism."""
 
     unit: str
@@ -99,16 +88,14 @@ class Followed:
     text: str
 
 
+_BDC_ERROR = "height of bottom dead centre above its ideal height, mean over strokes"
+_CLEARANCE = "travel of the output point between an upward and a downward pull"
 FOLLOWED: dict[str, Followed] = {
     "depth": Followed("m", True, "largest wear depth of bearing or pin"),
     "wear_volume": Followed("m^3", True, "worn volume of bearing and pin"),
     "force_max": Followed("N", True, "peak normal force of a stroke, mean over strokes"),
-    "total_clearance": Followed(
-        "m", False, "travel of the output point between an upward and a downward pull"
-    ),
-    "bdc_error": Followed(
-        "m", False, "height of bottom dead centre above its ideal height, mean over strokes"
-    ),
+    "total_clearance": Followed("m", False, _CLEARANCE),
+    "bdc_error": Followed("m", False, _BDC_ERROR),
     "bdc_drift": Followed("m", False, "change of the mean height of bottom dead centre since new"),
     "repeatability": Followed("m", False, "standard deviation of bottom dead centre"),
 }
@@ -150,7 +137,6 @@ class Service:
 
 NEW, TURNED = "replaced", "turned"
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
-_SERVICE = re.compile(r"\s*([^\s@]+)\s*@\s*(\S+)\s*$")
 _STROKES = Quantity("", 1.0, 1e15)
 
 
@@ -191,14 +177,14 @@ class Life(Checked):
             joint, name, size = match.groups()
             if name not in FOLLOWED:
                 raise unknown("number in until", name, FOLLOWED)
-            followed = FOLLOWED[name]
-            if joint is not None:
-                if not followed.of_joint:
-                    raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
-                _check_joint(joint, joints, "until")
-            meaning = Quantity(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
-            value = parse_quantity(f"until: {name}", size, meaning)
-            names = ((joint,) if joint else joints) if followed.of_joint else ("",)
+            unit, of_joint, meaning = FOLLOWED[name]
+            if joint is not None and not of_joint:
+                raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
+            if joint is not None and joint not in joints:
+                raise unknown("joint with clearance in until", joint, joints)
+            positive = Quantity(unit, 0.0, math.inf, "", meaning, open_low=True)
+            value = parse_quantity(f"until: {name}", size, positive)
+            names = ("",) if not of_joint else (joint,) if joint else joints
             limits += [Limit(name, one, value) for one in names]
         return tuple(limits)
 
@@ -207,24 +193,20 @@ class Life(Checked):
         services = []
         for key, text in ((NEW, self.replaced), (TURNED, self.turned)):
             for part in filter(None, map(str.strip, text.split(","))):
-                match = _SERVICE.match(part)
-                if match is None:
+                joint, sign, strokes = map(str.strip, part.partition("@"))
+                if not (joint and sign and strokes):
                     raise InputError(
                         f"{key} = {part!r}: JOINT@STROKES is expected, such as 'A@2e6'"
                     )
-                _check_joint(match[1], joints, key)
-                strokes = float(parse_quantity(f"{key}: {match[1]}", match[2], _STROKES))
-                if strokes >= self.at_most:
+                if joint not in joints:
+                    raise unknown(f"joint with clearance in {key}", joint, joints)
+                at = float(parse_quantity(f"{key}: {joint}", strokes, _STROKES))
+                if at >= self.at_most:
                     raise InputError(
                         f"{key} = {part!r}: allowed is below at_most = {self.at_most:g}"
                     )
-                services.append(Service(match[1], strokes, key == TURNED))
+                services.append(Service(joint, at, key == TURNED))
         return tuple(sorted(services, key=lambda service: service.strokes))
-
-
-def _check_joint(joint: str, joints: Sequence[str], where: str) -> None:
-    if joint not in joints:
-        raise unknown(f"joint with clearance in {where}", joint, joints)
 
 
 LIVES = {Life.kind: Life}  # kinds of life that a scene may have

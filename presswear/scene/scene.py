@@ -36,10 +36,6 @@ LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 
 MAX_MASS_RATIO = 1e6  # beyond it accelerations of the light body are round-off of the forces
 
 
-def _joints(scene: "Scene") -> tuple[str, ...]:
-    return (*scene.mechanism.openable, "none")
-
-
 @dataclass(frozen=True)
 class Scene:
     """Mechanism, clearance joints and options of a run; see the texts of the fields for ranges.
@@ -72,7 +68,10 @@ class Scene:
     )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(
-        None, _joints, "joints with clearance; default: those of the mechanism", several=True
+        None,
+        lambda scene: (*scene.mechanism.openable, "none"),
+        "joints with clearance; default: those of the mechanism",
+        several=True,
     )
     engine: str = choice(
         "exudyn", ENGINES, "solver; exudyn: exudyn-tree if possible, else exudyn-joints"
@@ -216,7 +215,7 @@ class Scene:
 
     @property
     def _openable(self) -> Choice:
-        return Choice(_joints(self), several=True)
+        return Choice((*self.mechanism.openable, "none"), several=True)
 
     def check_own_laws(self) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""

@@ -5,6 +5,7 @@ part that may be absent and a single joint are named before a dot: ``process.for
 ``A.clearance``.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
@@ -26,6 +27,9 @@ DEFAULT = "default"  # origin of a value that a file leaves out
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 _MAX_VALUES = 1_000_000  # of a range
 _DIGITS = 12  # of the values of a range: those of a finer range meet them
+_RANGE = re.compile(
+    r"\s*([^:]+?)\s*:\s*([^:]+?)\s*:\s*([0-9]{1,8})(?: ([^:]+?))?\s*(?::\s*(log)(?: ([^:]+))?\s*)?$"
+)
 _MAX_MM = 1.0  # lengths below this are written in mm, m
 
 
@@ -211,26 +215,22 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     """
     if ":" not in text:
         return [float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")]
-    low, high, steps, last = (*(part.strip() for part in text.split(":")), "", "", "")[:4]
-    number, _, unit = steps.partition(" ")
-    kind, _, unit_behind = last.partition(" ")
-    if text.count(":") not in (2, 3) or kind not in ("", "log"):
+    match = _RANGE.match(text)
+    if match is None:
         raise InputError(f"{key} = {text}: FIRST:LAST:COUNT or FIRST:LAST:COUNT:log is expected")
-    is_count = number.isascii() and number.isdigit() and len(number) < 9
-    if not (is_count and 2 <= int(number) <= _MAX_VALUES):
-        raise InputError(
-            f"{key} = {text}: a whole number of values from 2 to {_MAX_VALUES} is expected"
-        )
+    low, high, count, unit, log, unit_behind = match.groups("")
+    if not 2 <= int(count) <= _MAX_VALUES:
+        raise InputError(f"{key} = {text}: a number of values from 2 to {_MAX_VALUES} is expected")
     first, final = (
         float(parse_quantity(key, f"{end} {unit or unit_behind}".strip(), meaning))
         for end in (low, high)
     )
     if first == final:
         raise InputError(f"{key} = {text}: two ends that differ are expected")
-    if kind and min(first, final) <= 0.0:
+    if log and min(first, final) <= 0.0:
         raise InputError(f"{key} = {text}: equal ratios need ends above 0")
-    space = np.geomspace if kind else np.linspace
-    values = [float(f"{value:.{_DIGITS}g}") for value in space(first, final, int(number))]
+    space = np.geomspace if log else np.linspace
+    values = [float(f"{value:.{_DIGITS}g}") for value in space(first, final, int(count))]
     for value in values:
         meaning.check(key, int(value) if meaning.whole and value.is_integer() else value)
     return values

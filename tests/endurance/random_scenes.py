@@ -21,6 +21,7 @@ from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.options import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
+from presswear.scene.settings import changed
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of
 from presswear.validation.cases import ENERGY, sound
@@ -149,7 +150,8 @@ def _numerics(draw: Random) -> Numerics:
         values |= _drawn(draw, engine, ("integrator", "equal_step"))
     values |= {key: min(values[key], most) for key, most in COARSEST.items()}
     values["integration_tolerance"] = max(values["integration_tolerance"], FINEST)
-    return usual.having(integrator=draw.choice(("dop853", "dopri5")), **values)
+    values["integrator"] = draw.choice(("dop853", "dopri5"))
+    return changed(Scene(), values).numerics
 
 
 def scene_of(draw: Random) -> Scene:

@@ -12,7 +12,6 @@ from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import SCENES, scene_named
-from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of
 from presswear.tools.errors import InputError
@@ -186,6 +185,6 @@ def test_the_default_tolerance_follows_from_the_purpose(
     scene = replace(BASE, **settings)
     assert isinstance(scene.solver, ExudynTree)
     assert scene.solver.tree_tolerance == pytest.approx(tolerance)
-    solver = replace(scene, numerics=Numerics().having(tree_tolerance=1e-8)).solver
+    solver = changed(scene, {"tree_tolerance": 1e-8}).solver
     assert isinstance(solver, ExudynTree)
     assert solver.tree_tolerance == 1e-8

@@ -265,7 +265,7 @@ def test_a_range_or_a_list_of_values_is_read(text: str, values: list[float]) -> 
         ("clearance=0.2mm:1.0mm:3 mm", "unknown unit 'mm mm'"),
         ("clearance=1mm:2m:3", "clearance = 2 m: allowed is"),
         ("clearance=1mm:2mm", "FIRST:LAST:COUNT"),
-        ("clearance=1:2:1 mm", "a whole number of values from 2"),
+        ("clearance=1:2:1 mm", "a number of values from 2"),
         ("clearance=1:2:3:lin mm", "FIRST:LAST:COUNT:log"),
         ("clearance=1:1:3 mm", "two ends that differ"),
         ("friction=0:0.1:3:log", "ends above 0"),

@@ -12,6 +12,7 @@ from presswear.__main__ import main
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import delivered_restitution
 from presswear.scene.catalog import wear_times
+from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
 from presswear.validation import timing, work_precision
 from presswear.validation.cases import order_of
@@ -158,10 +159,9 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
     numerics, period = SCENE.numerics.resolved("trajectory"), SCENE.mechanism.period
     dae = replace(numerics.dae, free_step=period / 500.0)
     assert defaults == [numerics.joints.for_cycle(period), numerics.tree.for_cycle(period), dae]
-    changed = SCENE.numerics.having(
-        steps_per_contact=70, tree_tolerance=3e-7, integrator="rk4", equal_step=3e-5
-    )
-    methods = contact_methods(SHORT, changed, 0.5, 1e-3, has_tree=True)
+    settings = {"steps_per_contact": 70, "tree_tolerance": 3e-7, "equal_step": 3e-5}
+    numerics = changed(SCENE, settings | {"integrator": "rk4"}).numerics
+    methods = contact_methods(SHORT, numerics, 0.5, 1e-3, has_tree=True)
     assert {method.label for method in methods if method.is_default} == {
         "exudyn-joints, trapezoidal rule, steps in an impact 70",
         "exudyn-tree, DOPRI5, tolerance 3e-07",
