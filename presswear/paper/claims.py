@@ -93,21 +93,16 @@ def comparisons(text: str) -> Iterator[Comparison]:
         yield Comparison(quantity, tuple(overs), tuple(unders), cast(Expected, expected))
 
 
-def _read_claims() -> tuple[Claim, ...]:
-    text = files("presswear.paper").joinpath("claims.toml").read_text("utf-8")
-    document = tomllib.loads(text)
-    return tuple(
-        Claim(
-            item["where"],
-            item["quote"],
-            tuple(part for words in item["parts"] for part in comparisons(words)),
-            item.get("note", "").format(**document["notes"]),
-        )
-        for item in document["claims"]
+_DATA = tomllib.loads(files("presswear.paper").joinpath("claims.toml").read_text("utf-8"))
+CLAIMS = tuple(
+    Claim(
+        item["where"],
+        item["quote"],
+        tuple(part for words in item["parts"] for part in comparisons(words)),
+        item.get("note", "").format(**_DATA["notes"]),
     )
-
-
-CLAIMS = _read_claims()
+    for item in _DATA["claims"]
+)
 
 _SHOWN = f"{WEAR}:1 {WEAR}:2 {FRICTION}:1 {HIGH_FRICTION}:1 {SLOW}:1 {FAST}:1"
 DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not printed
@@ -119,13 +114,5 @@ DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not prin
     *comparisons("depth more friction A,C 1"),
     *comparisons("depth more speed A,C 1"),
 )
-HIGHLIGHTS = {  # comparisons at joint A that the report states first
-    name: next(comparisons(words))
-    for name, words in {
-        "second wear": "depth more wear A 1,2",
-        "friction, wear": "depth more friction A 1",
-        "friction, force": "force more friction A 0",
-        "speed": "depth more speed A 1",
-        "joints": f"depth more joints {FAST}:1",
-    }.items()
-}
+# comparisons at joint A that the report states first
+HIGHLIGHTS = {name: next(comparisons(words)) for name, words in _DATA["highlights"].items()}

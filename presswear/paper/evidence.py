@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.paper.printed import Place
-from presswear.paper.settings import run_name
+from presswear.paper.settings import TABLES, run_name
 from presswear.show.page import Row
 
 Array = NDArray[np.float64]
@@ -20,26 +20,9 @@ MIN_DEPTH = 0.05  # depth from which a place counts as worn, relative to the dee
 MIN_SAMPLES = 3  # cycles for a range of single cycles
 DEVIATIONS = ("displacement_off", "velocity_off", "lag", "stroke")  # columns of `deviation`
 
-QUANTITIES = {  # the path is the name of the number in each cycle, or of the functional of a map
-    "displacement": Row("peak displacement", "displacement_max", "m", digits=4),
-    "velocity": Row("peak velocity", "velocity_max", "m/s", digits=4),
-    "acceleration": Row("peak acceleration", "acceleration_max", "m/s²"),
-    "force": Row("peak contact force", "force_max", "N"),
-    "contact_rate": Row("contacts per second", "contacts", "1/s"),
-    "load_distance": Row("force times sliding distance per cycle", "load_distance", "N m"),
-    "displacement_off": Row("distance from the ideal displacement (rms)", DEVIATIONS[0], "mm"),
-    "velocity_off": Row("distance from the ideal velocity (rms)", DEVIATIONS[1], "m/s"),
-    "lag": Row("lag behind the ideal motion", DEVIATIONS[2], "µs"),
-    "stroke": Row("stroke", DEVIATIONS[3], "m", digits=4),
-    "flight": Row("fraction of the time out of contact", "flight", "%"),
-    "depth": Row("deepest wear", "deepest", "µm"),
-    "angle": Row("angle of the deepest wear", "angle", "°"),
-    "range": Row("worn range", "range", "°"),
-    "unevenness": Row("unevenness of the wear (standard deviation)", "deviation", "µm"),
-    "mean_depth": Row("mean depth", "mean", "µm"),
-    "added_depth": Row("deepest place of this wear alone", "deepest", "µm"),
-    "added_mean": Row("mean depth of this wear alone", "mean", "µm"),
-    "contact_range": Row("range of directions worn in the stage", "range", "°"),
+QUANTITIES = {
+    name: Row(label, path, unit, digits=digits)
+    for name, (label, path, unit, digits) in TABLES["quantities"].items()
 }
 OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")  # the others add up all wears so far
 

@@ -29,21 +29,11 @@ TITLE = "Chen, Tang and Gao's worn press, computed again"
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first runs away
 
 # quantity and wear updates of the slider by which the geometries were chosen
-_SMOOTH = (
-    *(("displacement", 1), ("displacement", 2), ("stroke", 0)),
-    *(("velocity", 0), ("velocity", 1), ("velocity", 2)),
-)
-# those that are shown for each changed assumption
-_SENSITIVE = (
-    *(("depth", Place(WEAR, 1, joint)) for joint in JOINTS),
-    *(("force", Place(WEAR, k, joint)) for k in (0, 1) for joint in JOINTS),
-    ("displacement", Place(WEAR, 0)),
-)
+_SMOOTH: list[tuple[str, int]] = TEXTS["tables"]["smooth"]
 # those that are compared with runs of 200 cycles of each replicate
-_LONG = (
-    *(("depth", 1), ("added_mean", 1), ("range", 1), ("added_mean", 2), ("force", 0)),
-    *(("force", 1), ("velocity", 0), ("acceleration", 0), ("acceleration", 1)),
-)
+_LONG: list[tuple[str, int]] = TEXTS["tables"]["long"]
+# quantity, wear updates and joint that are shown for each changed assumption
+_SENSITIVE = [(name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]]
 
 
 def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, Path]:

@@ -5,8 +5,11 @@ the refined conventions; one setting runs with all 200 cycles of each replicate;
 setting runs with one assumption changed at a time.
 """
 
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
+from importlib.resources import files
 from typing import Any, NamedTuple
 
 import presswear as pw
@@ -45,24 +48,25 @@ JUDGED = (*GEOMETRIES, REFINED)  # cases with all settings, in which every claim
 LONG_SETTINGS = (FAST,)  # 200 cycles take the least time at this speed
 
 
-def _set(**settings: Any) -> Change:
-    return lambda scene: pw.changed(scene, settings)
+TABLES: dict[str, Any] = tomllib.loads(
+    files("presswear.paper").joinpath("settings.toml").read_text("utf-8")
+)
+_CHANGES = TABLES["sensitivities"]
 
 
-def _scaled(key: str, factor: float) -> Change:
-    """Return the change that multiplies a property of the materials."""
-    return lambda scene: pw.changed(scene, {key: factor * getattr(scene.bearings.materials, key)})
-
-
-def _moved(key: str, distance: float) -> Change:
-    """Return the change that moves the second frame joint along x (hx) or y (hy), m."""
-
-    def change(scene: pw.Scene) -> pw.Scene:
+def _changed(values: Mapping[str, Any], scene: pw.Scene) -> pw.Scene:
+    """Return a scene with changed settings; see ``settings.toml``."""
+    settings = dict(values.get("set", {}))
+    for key, factor in values.get("scale", {}).items():
+        settings[key] = factor * getattr(scene.bearings.materials, key)
+    for key, distance in values.get("move", {}).items():
         assert isinstance(scene.mechanism, pw.Press)
-        value = getattr(scene.mechanism.geometry, key) + distance
-        return pw.changed(scene, {key: round(value, 9)})
+        settings[key] = round(getattr(scene.mechanism.geometry, key) + distance, 9)
+    return pw.changed(scene, settings)
 
-    return change
+
+def _with(**settings: Any) -> Change:
+    return partial(_changed, {"set": settings})
 
 
 def _finer_steps(scene: pw.Scene) -> pw.Scene:
@@ -75,24 +79,12 @@ def _other_engine(scene: pw.Scene) -> pw.Scene:
 
 
 SENSITIVITIES: dict[str, tuple[str, Change]] = {
-    "wear-half": ("K_d / b halved", _scaled("wear_coefficient", 0.5)),
-    "wear-double": ("K_d / b doubled", _scaled("wear_coefficient", 2.0)),
-    "hx-less": ("O2 5 mm to the left", _moved("hx", -5e-3)),
-    "hx-more": ("O2 5 mm to the right", _moved("hx", 5e-3)),
-    "hy-less": ("O2 5 mm lower", _moved("hy", -5e-3)),
-    "hy-more": ("O2 5 mm higher", _moved("hy", 5e-3)),
-    "weightless": ("no gravity", _set(gravity=0.0)),
-    "angles": ("720 angles instead of 360", _set(angles=720)),
-    "half-wear": ("2 million cycles per wear, as the text says", _set(cycles_per_update=2e6)),
-    "stiffness": ("refined stiffness (R_i − R_j)", _set(stiffness="refined")),
-    "slip": ("slip is true sliding", _set(slip="sliding")),
-    "map-frame": ("wear maps turn with the bodies", _set(map_frame="body")),
-    "wear_distribution": ("wear over the contact arc, in steps", _set(wear_distribution="arc")),
-    "contact": ("worn surfaces on an elastic foundation", _set(contact="foundation")),
-    "steps": ("wear in steps", _set(extrapolation="steps")),
+    **{
+        name: (one["label"], partial(_changed, one))
+        for name, one in TABLES["sensitivities"].items()
+    },
     "finer": ("steps 100 times more accurate", _finer_steps),
     "other-engine": ("the other engine", _other_engine),
-    PAPER_STEP: ("the paper's step, RK4 at 1e-4 s", _set(engine="dae", integrator="rk4-paper")),
 }
 
 
@@ -112,11 +104,11 @@ class Case:
 CASES = (
     Case(BASE, "standard geometry", tuple(SETTINGS), lambda scene: scene, 2, REPLICATES, 1.0),
     *(
-        Case(name, f"{name} geometry", tuple(SETTINGS), _set(geometry=name), 2)
+        Case(name, f"{name} geometry", tuple(SETTINGS), _with(geometry=name), 2)
         for name in GEOMETRIES[1:]
     ),
-    Case(REFINED, "refined conventions", tuple(SETTINGS), _set(conventions="refined")),
-    Case(LONG, "200 cycles", LONG_SETTINGS, _set(cycles=200), tolerance_factor=1.0),
+    Case(REFINED, "refined conventions", tuple(SETTINGS), _with(conventions="refined")),
+    Case(LONG, "200 cycles", LONG_SETTINGS, _with(cycles=200), tolerance_factor=1.0),
     *(Case(name, label, (WEAR,), change) for name, (label, change) in SENSITIVITIES.items()),
 )
 

@@ -6,8 +6,10 @@ apart have separated a thousandfold; beyond it, a trajectory has no meaning.
 """
 
 import math
+import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from typing import Any
 
 import matplotlib
@@ -66,31 +68,19 @@ PARTS = 10  # parts of a run with clearance; its recorded series is so much fine
 class Extent:
     """Settings at which the methods run, from coarse to fine, and repeats."""
 
-    repeats: int = 5
-    longest: float = 1.0  # s, time up to which trajectories with clearance are compared
-    # In a run of smooth motion: trapezoidal rule, RK4.
-    joints_steps: tuple[int, ...] = (300, 1000, 3000, 10_000, 30_000, 100_000)
-    rk4_steps: tuple[int, ...] = (150, 300, 1000, 3000, 10_000, 30_000, 100_000)
-    # With contacts: steps in an impact and equal steps, s, of the trapezoidal rule, and RK4, s.
-    impact_steps: tuple[int, ...] = (20, 35, 50, 100, 200, 400, 800)
-    equal_steps: tuple[float, ...] = (1e-5, 5e-6, 2e-6, 1e-6, 5e-7)
-    rk4_impact_steps: tuple[float, ...] = (5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
-    # Of DOP853 and DOPRI5 in dae, and of exudyn-tree.
-    tolerances: tuple[float, ...] = tuple(float(f"1e-{n}") for n in range(3, 13))
-    tree_tolerances: tuple[float, ...] = tuple(float(f"1e-{n}") for n in range(4, 12))
+    repeats: int
+    longest: float  # s, time up to which trajectories with clearance are compared
+    joints_steps: Sequence[int]  # in a run of smooth motion, trapezoidal rule
+    rk4_steps: Sequence[int]  # in a run of smooth motion
+    impact_steps: Sequence[int]  # in an impact, trapezoidal rule
+    equal_steps: Sequence[float]  # s, with contacts, trapezoidal rule
+    rk4_impact_steps: Sequence[float]  # s, with contacts
+    tolerances: Sequence[float]  # of DOP853 and DOPRI5 in dae
+    tree_tolerances: Sequence[float]
 
 
-FULL = Extent()
-QUICK = Extent(
-    longest=0.05,
-    joints_steps=(300, 1000, 3000),
-    rk4_steps=(300, 1000, 3000, 10_000),
-    impact_steps=(20, 50, 100, 200),
-    equal_steps=(1e-5, 5e-6, 2e-6),
-    rk4_impact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6),
-    tolerances=(1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12),
-    tree_tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-)
+_FILE = files("presswear.validation").joinpath("work_precision.toml")
+FULL, QUICK = (Extent(**values) for values in tomllib.loads(_FILE.read_text("utf-8")).values())
 
 
 @dataclass(frozen=True)
@@ -168,8 +158,7 @@ def smooth_methods(
     extent: Extent, duration: float, numerics: Numerics, period: float | None
 ) -> tuple[Method, ...]:
     """Return all methods for smooth motion over a duration, s; the period is that of a scene, s."""
-    numerics = numerics.resolved("trajectory")
-    joints = []
+    numerics, joints = numerics.resolved("trajectory"), []
     for step in (duration / count for count in extent.joints_steps):
         engine = ExudynJoints(50, 10, free_step=step * SHORTER, newton=SMOOTH_NEWTON)
         joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
@@ -177,9 +166,8 @@ def smooth_methods(
         engine = numerics.joints.for_cycle(period)
         joints.append(Method(engine, TRAPEZOIDAL, STEP, engine.longest(period), is_default=True))
     steps = [duration / count for count in extent.rk4_steps]
-    dae = replace(numerics.dae, free_step=duration)
-    joints.sort(key=lambda method: -method.value)
-    return (*joints, *dae_methods(extent.tolerances, steps, dae))
+    dae = dae_methods(extent.tolerances, steps, replace(numerics.dae, free_step=duration))
+    return (*sorted(joints, key=lambda method: -method.value), *dae)
 
 
 def joints_over_impacts(counts: Sequence[int], numerics: Numerics, period: float) -> list[Method]:
@@ -459,8 +447,11 @@ def draw_work_precision(points: Sequence[Point]) -> Drawing:
             if uncertainty := problem.quantities[quantity]:
                 axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
             axes.set_title(problem.name)
-    pairs = [axes.get_legend_handles_labels() for axes in grid[:, 0]]
-    by_label = {label: handle for pair in pairs for handle, label in zip(*pair, strict=True)}
+    by_label = {
+        label: handle
+        for axes in grid[:, 0]
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
     sheet.legend(by_label.values(), by_label, loc="outside upper center", ncols=2)
     failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
     caption = (

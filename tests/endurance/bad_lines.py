@@ -5,12 +5,11 @@ A line is misspelt, beyond a range of the scene, or without its unit.
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from random import Random
 from typing import Any
 
 from presswear.scene.catalog import SCENES, slider_crank, wear_times
-from presswear.scene.scene import Scene
 from presswear.scene.settings import settings_of
 from presswear.tools.quantities import Choice, Quantity
 
@@ -52,25 +51,22 @@ _PLACES = (
     *("a\nb", "\udcff", "\x1b[2J", "/proc/none/x", "/dev/null", "/dev/null/x"),
 )
 _ALPHABETS = (range(32, 127), range(32), range(0x80, 0xD800), range(0xE000, 0x110000))
-
-# Values that no option has, by the words before the option.
-_OPTIONS = {
-    "run {scene}": "cycles={count} wear_updates={text} wear_updates=-1 wear_updates={many} "
-    "tolerance={count} engine={text} conventions={text} out={place} on=no/{text}",
-    "run friction": "jobs={count}",
-    "run ideal": "set={word}",
-    "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",
-    "crosscheck ideal": "against={text}.csv",
-    "benchmark": "repeats={count} out={place}",
-    "export {folder} a.csv": "stage={count}",
-}
 _LINES = (
-    *("export no/{text} a.csv", "report no/{text}", "report", "run", "run --set", "export x"),
-    *("run ideal --engine", "run ideal ideal", "verify x", "verify --long", "list ideal friction"),
-    *("crosscheck --out=x --until=1", "crosscheck {folder} --against {file}"),
-    *(f"{line} --{option}" for line, options in _OPTIONS.items() for option in options.split()),
+    """
+run {scene} --cycles={count}|run {scene} --wear_updates={text}|run {scene} --wear_updates=-1
+run {scene} --wear_updates={many}|run {scene} --tolerance={count}|run {scene} --engine={text}
+run {scene} --conventions={text}|run {scene} --out={place}|run {scene} --on=no/{text}
+run friction --jobs={count}|run ideal --set={word}|run ideal --engine|run ideal ideal|run|run --set
+crosscheck --duration={text}|crosscheck --duration=1e300|crosscheck --until={no_count}
+crosscheck --set=clearance=1|crosscheck ideal --against={text}.csv|crosscheck --out=x --until=1
+crosscheck {folder} --against {file}|benchmark --repeats={count}|benchmark --out={place}
+export {folder} a.csv --stage={count}|export no/{text} a.csv|export x|report no/{text}|report
+verify x|verify --long|list ideal friction
+no{text}|{command} no{text}|{command} --x{word}|{command} --x{word}={text}
+""".strip()
+    .replace("\n", "|")
+    .split("|")
 )
-_NAMES = ("no{text}", "{command} no{text}", "{command} --x{word}", "{command} --x{word}={text}")
 
 
 def _text(draw: Random) -> str:
@@ -87,35 +83,21 @@ def _wild(draw: Random) -> str:
     return text
 
 
-def _within(draw: Random, low: float, high: float) -> float:
-    """Return a number of a range, at times one of its ends."""
-    return draw.choice((low, high, *(draw.uniform(low, high) for _ in range(8))))
-
-
-def _filled(lines: Sequence[str]) -> Family:
-    """Return a family of lines whose placeholders are filled at random."""
-
-    def line(draw: Random) -> list[str]:
-        text, no_count = _wild(draw), draw.choice(_NO_COUNTS)
-        fills = {
-            "text": text,
-            "word": text.replace("=", ""),
-            "no_count": no_count,
-            "count": draw.choice((no_count, text)),
-            "many": draw.randint(21, 10**30),
-            "scene": draw.choice([*SCENES]),
-            "command": draw.choice(("run", "list", "benchmark", "crosscheck")),
-            "place": draw.choice(_PLACES),
-            "folder": FOLDER,
-            "file": FILE,
-        }
-        return [word.format(**fills) for word in draw.choice(lines).split()]
-
-    return line
-
-
-def _set(scene: Scene, **values: str) -> list[str]:
-    return ["run", scene.name, *(f"--set={key}={value}" for key, value in values.items())]
+def _filled(draw: Random) -> list[str]:
+    text, no_count = _wild(draw), draw.choice(_NO_COUNTS)
+    fills = {
+        "text": text,
+        "word": text.replace("=", ""),
+        "no_count": no_count,
+        "count": draw.choice((no_count, text)),
+        "many": draw.randint(21, 10**30),
+        "scene": draw.choice([*SCENES]),
+        "command": draw.choice(("run", "list", "benchmark", "crosscheck")),
+        "place": draw.choice(_PLACES),
+        "folder": FOLDER,
+        "file": FILE,
+    }
+    return [word.format(**fills) for word in draw.choice(_LINES).split()]
 
 
 def _of_setting(kind: type, text: Callable[[Random, Any], str], is_whole: bool = False) -> Family:
@@ -130,7 +112,7 @@ def _of_setting(kind: type, text: Callable[[Random, Any], str], is_whole: bool =
 
     def line(draw: Random) -> list[str]:
         scene, setting = draw.choice(settings)
-        return _set(scene, **{setting.key: text(draw, setting.meaning)})
+        return ["run", scene.name, f"--set={setting.key}={text(draw, setting.meaning)}"]
 
     return line
 
@@ -143,7 +125,8 @@ def _no_number(draw: Random, meaning: Quantity) -> str:
 def _wrong_unit(draw: Random, meaning: Quantity) -> str:
     """Return a number with the unit of another dimension, or without the unit it needs."""
     units = NOT_UNITS_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
-    return f"{_within(draw, 0.0, 100.0)!r} {draw.choice(units)}".strip()
+    value = draw.choice((0.0, 100.0, *(draw.uniform(0.0, 100.0) for _ in range(8))))
+    return f"{value!r} {draw.choice(units)}".strip()
 
 
 def _beyond(draw: Random, meaning: Quantity) -> str:
@@ -178,22 +161,20 @@ def _unknown_key(draw: Random) -> list[str]:
         misspelt = name[:place] + chr(draw.choice(draw.choice(_ALPHABETS))) + name[place + 1 :]
         key = draw.choice((_text(draw), misspelt, name, name.upper(), draw.choice(strange)))
         if key.partition("=")[0].strip() not in here:
-            return _set(scene, **{key: "1"})
+            return ["run", scene.name, f"--set={key}=1"]
 
 
-FAMILIES: dict[str, Family] = {
-    "unknown keys": _unknown_key,
-    "no numbers": _of_setting(Quantity, _no_number),
-    "wrong units": _of_setting(Quantity, _wrong_unit),
-    "beyond ranges": _of_setting(Quantity, _beyond),
-    "no choices": _of_setting(Choice, _no_choice),
-    "no whole numbers": _of_setting(Quantity, lambda draw, _: f"{draw.randrange(90)}.5", True),
-    "bad options": _filled(_LINES),
-    "bad names": _filled(_NAMES),
-}
+FAMILIES: tuple[Family, ...] = (
+    _unknown_key,
+    _of_setting(Quantity, _no_number),
+    _of_setting(Quantity, _wrong_unit),
+    _of_setting(Quantity, _beyond),
+    _of_setting(Choice, _no_choice),
+    _of_setting(Quantity, lambda draw, _: f"{draw.randrange(90)}.5", True),
+    _filled,
+)
 
 
 def bad_line(place: int, seed: int) -> list[str]:
     """Return the bad line with a number; families take turns."""
-    family = list(FAMILIES.values())[place % len(FAMILIES)]
-    return family(Random(f"{seed} {place}"))
+    return FAMILIES[place % len(FAMILIES)](Random(f"{seed} {place}"))

@@ -61,7 +61,7 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "restitution, nominal 0.9, dae" in missed
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
     coarse = InHouse("rk4", equal_step=1e-5)
-    checks = hard_cases.strikes(coarse, 8e-4, 0.25, None, 0.9)
+    checks = hard_cases.strikes(coarse, 8e-4, 0.25, 8e-4, 0.9)
     assert [check.passed for check in checks] == [False, False]
 
 
