@@ -8,7 +8,7 @@ import base64
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -43,11 +43,6 @@ class Row:
     def head(self) -> str:
         """Label with the unit."""
         return f"{self.label} ({self.unit})" if self.unit else self.label
-
-    def of(self, **names: str) -> "Row":
-        """Return the row of a joint or a drive: names in braces are replaced in its texts."""
-        label, path = self.label.format(**names), self.path.format(**names)
-        return replace(self, label=label, path=path, meaning=self.meaning.format(**names))
 
     def text(self, record: Any) -> str:
         """Return the value of a record as text."""
@@ -186,14 +181,8 @@ def render_page(
 ) -> str:
     """Return a page as HTML; everything in it is escaped.
 
-    Parameters
-    ----------
-    sections, figures
-        Content of a page without a template of its own; otherwise the template places figures.
-    template : str
-        File in ``templates``; it extends ``page.html``.
-    content
-        Values for the template; ``page.html`` shows ``status``, ``style`` and ``answer``.
+    ``page.html`` shows ``status``, ``style``, ``answer``, sections and figures; another template
+    extends it and places what the content holds.
     """
     environment = Environment(
         loader=PackageLoader("presswear.show"),

@@ -46,9 +46,7 @@ from presswear.tools.quantities import Choice, Quantity
 
 Record = dict[str, Any]
 
-_TABLES = TEMPLATES.from_string(
-    files("presswear.show").joinpath("templates/tables.toml").read_text("utf-8")
-)
+_TABLES = TEMPLATES.from_string((files(__package__) / "templates/tables.toml").read_text("utf-8"))
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
 _ENDINGS = {
@@ -58,13 +56,7 @@ _ENDINGS = {
 
 
 def write_report(result: Result) -> Path:
-    """Draw the figures and write ``report.html`` into the folder of a result; return the page.
-
-    Raises
-    ------
-    InputError
-        If the result is in memory only.
-    """
+    """Draw the figures and write ``report.html`` into the folder of a result; return the page."""
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     drawers = [partial(drawn, name, result, result.stages) for name in NAMES]

@@ -8,45 +8,29 @@ import numpy as np
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.observe import CYCLE_FIXED, cycle_columns
 from presswear.recording.statistics import Estimate
+from presswear.results import stage as stages
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.results.result import Result
-from presswear.results.stage import (
-    BottomStatistics,
-    JointStatistics,
-    OutputStatistics,
-    StageResult,
-    StageStatistics,
-    WearPeak,
-    WearStep,
-)
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 
 BINS = 72
+PROVENANCE = {
+    **{"python": "3.12.0", "packages": {"presswear": "0.1.0"}, "revision": "0123456789ab"},
+    **{"machine": "a machine", "started": "2024-01-01T00:00:00Z"},
+}
 
 
-def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
+def made_up(scene: Scene, count: int, status: str = "completed", message: str = "") -> Result:
     """A result as a run of the scene would leave it, from formulas; stage depth grows."""
-    ends = [("completed", "")] * (stages - 1) + [(status, message)]
-    return Result(
-        scene,
-        tuple(_stage(scene, k, *end) for k, end in enumerate(ends)),
-        status,
-        message,
-        {
-            "python": "3.12.0",
-            "packages": {"presswear": "0.1.0"},
-            "revision": "0123456789ab",
-            "machine": "a machine",
-            "started": "2024-01-01T00:00:00Z",
-        },
-        wall_s=3.0,
-    )
+    ends = [("completed", "")] * (count - 1) + [(status, message)]
+    made = tuple(_stage(scene, k, *end) for k, end in enumerate(ends))
+    return Result(scene, made, status, message, PROVENANCE, wall_s=3.0)
 
 
-def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
+def _stage(scene: Scene, index: int, status: Any, message: str) -> stages.StageResult:
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
     angle = bin_centres(BINS)
     arrays = {
@@ -59,46 +43,39 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
     arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
     if scene.drive_torque == "on":
         arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
-    joints = {}
+    each, turn = Estimate.symmetric(80.0, 12.0, 2), 6.0 * np.pi * time / time[-1]
+    one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
+    peak = stages.WearPeak(Estimate(float(one.max())), Estimate(np.radians(92.5)))
     for joint in scene.clearance_joints:
-        turn = 6.0 * np.pi * time / time[-1]
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
         arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
         arrays[f"{joint}_penetration"] = 1e-6 * np.sin(turn)
         arrays[f"{joint}_sliding"] = np.cos(turn)
         # Touchdown, separation, closing and release speed, peak force, steps.
-        arrays[f"{joint}_contacts"] = np.array(
-            [
-                [k * time[-1] / 6.0, (k + 0.5) * time[-1] / 6.0, 0.1, -0.1, 50.0, 30.0]
-                for k in range(6)
-            ]
-        )
-        one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
+        begin, half = time[-1] / 6.0 * np.arange(6), time[-1] / 12.0
+        rest = np.tile([0.1, -0.1, 50.0, 30.0], (6, 1))
+        arrays[f"{joint}_contacts"] = np.column_stack([begin, begin + half, rest])
         for side in SIDES:
             arrays[f"{joint}_depth_{side}"] = index * one
             arrays[f"{joint}_wear_{side}"] = one
-        each = Estimate.symmetric(80.0, 12.0, 2)
-        joints[joint] = JointStatistics(
-            peak_force=100.0 + index,
-            peak_force_per_cycle=each,
-            contacts=1234,
-            contacts_per_cycle=each,
-            unresolved_contacts=0,
-            min_steps_per_contact=50,
-            contact_time_fraction=0.5,
-            load_distance_per_cycle=Estimate(80.0, samples=2),
-            wear_volume=Estimate(3e-9),
-            wear_volume_step_error=None,
-            wear_map_error=0.1,
-            wear_depth_max_by_replicate=(5e-6,),
-            wear_peaks={
-                side: WearPeak(Estimate(float(one.max())), Estimate(np.radians(92.5)))
-                for side in (*SIDES, "both")
-            },
-        )
+    joint_statistics = stages.JointStatistics(
+        peak_force=100.0 + index,
+        peak_force_per_cycle=each,
+        contacts=1234,
+        contacts_per_cycle=each,
+        unresolved_contacts=0,
+        min_steps_per_contact=50,
+        contact_time_fraction=0.5,
+        load_distance_per_cycle=Estimate(80.0, samples=2),
+        wear_volume=Estimate(3e-9),
+        wear_volume_step_error=None,
+        wear_map_error=0.1,
+        wear_depth_max_by_replicate=(5e-6,),
+        wear_peaks=dict.fromkeys((*SIDES, "both"), peak),
+    )
     each = Estimate.symmetric(0.107, 0.001, 2)
-    output = OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
-    bdc = BottomStatistics(
+    output = stages.OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
+    bdc = stages.BottomStatistics(
         strokes=2,
         ideal_height=-0.5871,
         ideal_time=0.5,
@@ -112,7 +89,8 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         delay=Estimate(-3e-3, samples=2),
         delay_angle=Estimate.symmetric(-0.0314159, 0.0174533, 2),
     )
-    return StageResult(
+    joints = dict.fromkeys(scene.clearance_joints, joint_statistics)
+    return stages.StageResult(
         index,
         status,
         message,
@@ -122,7 +100,7 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         simulated_s=float(time[-1]),
         wall_s=1.0,
         diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
-        statistics=StageStatistics(2, output=output, bdc=bdc, joints=joints),
+        statistics=stages.StageStatistics(2, output=output, bdc=bdc, joints=joints),
         arrays=arrays,
         joint_names=scene.clearance_joints,
     )
@@ -130,18 +108,19 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
 
 def altered(result: Result, index: int, **changes: Any) -> Result:
     """A result with one stage changed."""
-    stages = list(result.stages)
-    stages[index] = replace(stages[index], **changes)
-    return replace(result, stages=tuple(stages))
+    changed = replace(result.stages[index], **changes)
+    return replace(result, stages=(*result.stages[:index], changed, *result.stages[index + 1 :]))
 
 
 def grown() -> Result:
     """Three stages with two wears of three steps each between them, and torques."""
     result = made_up(replace(BOTH, drive_torque="on"), 3)
     for index in range(2):
+        deepest = [{"bearing": 1e-6 * (3 * index + k), "pin": 1e-6} for k in (1, 2, 3)]
+        forces = {"A": 9.0, "C": 9.0}
         steps = [
-            WearStep(1e6, 2, 5e5, 0.1, dict.fromkeys("AC", deepest), {"A": 9.0, "C": 9.0}, 1.0)
-            for deepest in ({"bearing": 1e-6 * (3 * index + k), "pin": 1e-6} for k in (1, 2, 3))
+            stages.WearStep(1e6, 2, 5e5, 0.1, dict.fromkeys("AC", each), forces, 1.0)
+            for each in deepest
         ]
         result = altered(result, index, wear_steps=tuple(steps))
     return result
@@ -157,15 +136,17 @@ LIFE = 5e6
 ASKED = Life(until="depth > 50 um, bdc_drift > 2 mm", replaced="A@2e6", turned="C@7e6", at_most=8e6)
 
 
-def _curve(values: Any, half: float) -> Any:
-    return np.column_stack([values, values - half * values, values + half * values])
-
-
 def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> LifeResult:
     """Depth of C passes 50 um first, after five million strokes."""
     depth = LimitResult("C.depth", "m", 5e-5, LIFE, sampling, step, 6e-5, 3e-6)
     drift = LimitResult("bdc_drift", "m", 2e-3, None, None, None, 1e-4, 2e-5)
-    part = STROKES / LIFE
+    values = {"A.depth": 2e-5, "A.wear_volume": 4e-9, "C.depth": 5e-5, "C.wear_volume": 1e-8}
+    values |= {"A.force_max": 3e4, "C.force_max": 3e3, "bdc_drift": 1e-4}
+    curves = {"strokes": STROKES}
+    for key, value in values.items():
+        mean = value * (STROKES / LIFE if "force" not in key else np.ones(4))
+        half = (0.2 if key == "bdc_drift" else 0.1) * mean
+        curves[key] = np.column_stack([mean, mean - half, mean + half])
     return LifeResult(
         ended="limit",
         message="",
@@ -184,16 +165,7 @@ def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> Li
             Phase("C", "steady", 4.0, 6e6, 2e-15, 1e-16),
         ),
         services=("bushing of A replaced after 2e+06 strokes",),
-        curves={
-            "strokes": STROKES,
-            "A.depth": _curve(2e-5 * part, 0.1),
-            "A.wear_volume": _curve(4e-9 * part, 0.1),
-            "C.depth": _curve(5e-5 * part, 0.1),
-            "C.wear_volume": _curve(1e-8 * part, 0.1),
-            "A.force_max": _curve(3e4 + 0.0 * part, 0.1),
-            "C.force_max": _curve(3e3 + 0.0 * part, 0.1),
-            "bdc_drift": _curve(1e-4 * part, 0.2),
-        },
+        curves=curves,
     )
 
 

@@ -9,19 +9,10 @@ from pathlib import Path
 import pytest
 
 from presswear.recording.statistics import Estimate
+from presswear.show import page
 from presswear.show.figures import Drawing
 from presswear.show.figures.style import Sheet
-from presswear.show.page import (
-    Illustration,
-    Row,
-    Section,
-    column_table,
-    illustrated,
-    render_page,
-    row_table,
-    text_of,
-    value_at,
-)
+from presswear.show.page import Row, column_table, row_table
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import unit_scale
 
@@ -79,12 +70,10 @@ WHEEL = Wheel(2e-5, {"A": {"force": 1234.0}}, (1.0, 2.0))
 
 
 def test_a_path_reads_attributes_keys_and_indices() -> None:
-    assert value_at(WHEEL, "depth") == 2e-5
-    assert value_at(WHEEL, "joints.A.force") == 1234.0
-    assert value_at(WHEEL, "ends.1") == 2.0
-    assert value_at(WHEEL, "joints.B.force") is None
+    paths = {"depth": 2e-5, "joints.A.force": 1234.0, "ends.1": 2.0, "joints.B.force": None}
+    assert {path: page.value_at(WHEEL, path) for path in paths} == paths
     with pytest.raises(AttributeError):
-        value_at(WHEEL, "dept")
+        page.value_at(WHEEL, "dept")
 
 
 @pytest.mark.parametrize(
@@ -101,7 +90,7 @@ def test_a_path_reads_attributes_keys_and_indices() -> None:
     ],
 )
 def test_values_are_shown_in_the_unit_of_their_row(value: object, unit: str, text: str) -> None:
-    assert text_of(value, unit) == text
+    assert page.text_of(value, unit) == text
 
 
 def test_units_read_naturally() -> None:
@@ -111,8 +100,7 @@ def test_units_read_naturally() -> None:
 
 
 def test_tables_of_rows() -> None:
-    rows = [Row("force of {joint}", "joints.{joint}.force", "N", "peak").of(joint="A")]
-    rows.append(Row("missing", "joints.B.force"))
+    rows = [Row("force of A", "joints.A.force", "N", "peak"), Row("missing", "joints.B.force")]
     table = column_table("wheel", ["first", "second"], [WHEEL, WHEEL], {"": rows})
     assert table is not None
     assert table.head == ("wheel", "first", "second")
@@ -127,12 +115,12 @@ def test_tables_of_rows() -> None:
 def test_a_page_of_sections_escapes_everything() -> None:
     hostile = "<script>alert('x')</script> & \"more\""
     table = row_table([Row(hostile, "depth")], [WHEEL])
-    figure = Illustration("a.png", hostile, hostile, "AAAA")
-    section = Section(hostile, [hostile], [(hostile, table)], [figure], [hostile])
-    page = Page(render_page(hostile, [section], status=hostile, answer=[hostile]))
-    assert "script" not in page.tags
-    assert page.words.count(hostile) == 10
-    assert page.links == ["data:image/png;base64,AAAA"]
+    figure = page.Illustration("a.png", hostile, hostile, "AAAA")
+    section = page.Section(hostile, [hostile], [(hostile, table)], [figure], [hostile])
+    shown = Page(page.render_page(hostile, [section], status=hostile, answer=[hostile]))
+    assert "script" not in shown.tags
+    assert shown.words.count(hostile) == 10
+    assert shown.links == ["data:image/png;base64,AAAA"]
 
 
 def numbered(number: int) -> list[Drawing]:
@@ -143,8 +131,9 @@ def numbered(number: int) -> list[Drawing]:
 
 @pytest.mark.parametrize("processes", [1, 2])
 def test_figures_of_several_processes_come_in_order(tmp_path: Path, processes: int) -> None:
-    figures = illustrated([partial(numbered, k) for k in (2, 0, 1, 4, 1)], tmp_path, processes)
+    drawers = [partial(numbered, k) for k in (2, 0, 1, 4, 1)]
+    figures = page.illustrated(drawers, tmp_path, processes)
     assert "".join(figure.title for figure in figures) == "22144441"
     assert {path.name for path in tmp_path.iterdir()} == {figure.file for figure in figures}
     with pytest.raises(InputError, match="there is no third"):
-        illustrated([partial(numbered, k) for k in (1, 2, 3)], tmp_path, processes)
+        page.illustrated([partial(numbered, 3), *drawers], tmp_path, processes)

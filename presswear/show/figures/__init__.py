@@ -46,19 +46,9 @@ _PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets
 def drawings(
     result: Result, names: Sequence[str] = (), stage: int | None = None
 ) -> Iterator[Drawing]:
-    """Draw figures of a result.
+    """Draw figures of ``NAMES``, or all that show something, of one stage or all.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Figures of ``NAMES``; none: all that show something.
-    stage : int or None
-        The only stage to draw; None: all.
-
-    Raises
-    ------
-    InputError
-        For an unknown stage or name, and a name for which there is nothing to draw.
+    InputError for an unknown stage or name, and a name for which there is nothing to draw.
     """
     for name in names:
         if not (isinstance(name, str) and name in NAMES):

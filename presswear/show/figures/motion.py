@@ -179,7 +179,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
             peak = _draw_jagged(axes, stage, series.force[:, 0], peaks, window, "N")
             axes.set_ylabel("normal force (N)")
             largest = max(largest, peak)
-        style.title_joint(column[0], f"joint {joint}")
+        column[0].set_title(f"joint {joint}", loc="left", fontweight="bold")
         column[0].set_ylim(0.0, 1.25 * largest if largest > 0.0 else 1.0)
         window.label(column[-1])
     return style.finished("force", sheet, window=window)
@@ -350,7 +350,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
             axes.set_ylim(min(ends) - margin, max(ends) + margin)
             axes.set_title(f"farthest: {', '.join(farthest)} {unit}", loc="right", fontsize="small")
             axes.set_ylabel(f"{name} ({unit})")
-        style.title_joint(row[0], drive)
+        row[0].set_title(drive, loc="left", fontweight="bold")
     for axes in grid[-1]:
         window.label(axes)
     return style.finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)

@@ -5,10 +5,11 @@ import re
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
+from importlib.resources import as_file, files
 from textwrap import fill
 from typing import Any
 
+import matplotlib
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
@@ -32,25 +33,9 @@ DOTS_PER_INCH = 200
 SHOWN_STAGES = 5  # stages in a figure; of more, evenly spaced ones are shown
 SHOWN_CYCLES = 2  # cycles whose motion is shown
 
-SETTINGS: dict[Any, Any] = {
-    "font.size": 8.5,
-    "axes.titlesize": 8.5,
-    "axes.labelsize": 8.5,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "legend.fontsize": 8.5,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.linewidth": 0.6,
-    "grid.color": "0.9",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.1,
-}
-
+_TEMPLATES = files("presswear.show") / "templates"
+with as_file(_TEMPLATES / "figures.mplstyle") as file:
+    SETTINGS = matplotlib.rc_params_from_file(file, use_default_template=False)
 _ROW, _HANDLE = 112, 8  # letters in the width of a figure, and in the handle of a legend
 # The palette of Okabe and Ito is distinct with every common colour blindness.
 LINES: tuple[tuple[str, LineStyle], ...] = (
@@ -71,9 +56,7 @@ TEMPLATES.filters |= {
     "short": short_number,
     "slug": lambda text: re.sub(r"[^\w-]", "-", text),
 }
-_CAPTIONS = tomllib.loads(
-    files("presswear.show").joinpath("templates/captions.toml").read_text("utf-8")
-)
+_CAPTIONS = tomllib.loads((_TEMPLATES / "captions.toml").read_text("utf-8"))
 
 
 @dataclass(frozen=True)
@@ -197,11 +180,6 @@ def title_stages(grid: Any, stages: Shown, width: float) -> None:
         axes.set_title(wrapped(stage.pen.label, width))
 
 
-def title_joint(axes: Axes, name: str) -> None:
-    """Write a name in bold above the left end of a panel."""
-    axes.set_title(name, loc="left", fontweight="bold")
-
-
 def finished(
     name: str,
     sheet: Sheet,
@@ -214,19 +192,14 @@ def finished(
     File, title and caption are those of ``captions.toml``, filled with the content.
     """
     sheet.align_ylabels()
-    if pens := list(pens):
-        legend(sheet, pens, place)
+    handles = [pen.handle() for pen in pens]
+    if handles:
+        letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
+        columns = math.ceil(len(handles) / math.ceil(letters / _ROW))  # one row if they fit
+        sheet.legend(handles=handles, loc=place, ncols=columns)
     texts = (TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values())
     file, title, caption = (re.sub(r"[ \n]+", " ", text).strip() for text in texts)
     return [Drawing(file, title, caption, sheet)]
-
-
-def legend(sheet: Sheet, pens: Iterable[Pen], place: Any, **look: Any) -> None:
-    """Name the lines of a figure, in one row if they fit; ``look`` changes matplotlib's legend."""
-    handles = [pen.handle() for pen in pens]
-    letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
-    columns = math.ceil(len(handles) / math.ceil(letters / _ROW))
-    sheet.legend(handles=handles, loc=place, ncols=columns, **look)
 
 
 def wrapped(label: str, width: float) -> str:

@@ -48,7 +48,7 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
         _draw_depth(axes, shown[0].data.joints[joint].angle, lines)
         axes.set_xlabel(style.angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
-        style.title_joint(axes, f"joint {joint}")
+        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
     content = {
         "turns": turns,
         "is_shifted": any(axes.get_xlim()[0] for axes in grid.flat),
@@ -144,7 +144,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_ylim(0.0, None)
         axes.set_xlabel("represented cycles (million)")
         axes.set_ylabel("deepest wear (µm)")
-        style.title_joint(axes, f"joint {joint}")
+        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
     pens, turns = _SURFACES.values(), style.maps_turn(result)
     return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
 
@@ -196,10 +196,11 @@ def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
     text = f"wear {scale}, clearance to scale"
     sheet.text(middle, 0.15 / size[1], text, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
-    style.legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
     content: dict[str, Any] = {"scale": scale, "clearance": bearing.clearance, "deepest": deepest}
     turns = style.maps_turn(result)
-    return style.finished("surface", sheet, joint=joint, turns=turns, **content)[0]
+    return style.finished(
+        "surface", sheet, pens, "upper right", joint=joint, turns=turns, **content
+    )[0]
 
 
 def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
