@@ -13,6 +13,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import IO, BinaryIO
 
@@ -96,26 +97,20 @@ def check_name(path: Path) -> None:
         raise InputError(f"{text}: names of at most {MAX_NAME} bytes are expected")
 
 
-def check_folder(path: Path) -> None:
-    """Raise InputError where there is no such folder, with the nearest name."""
+def _check_exists(is_wanted: Callable[[Path], bool], kind: str, path: Path) -> None:
+    """Raise InputError where there is no such file or folder, with the nearest name."""
     check_name(path)
-    if not path.is_dir():
-        raise InputError(f"{path}: there is no such folder{_nearest(path, Path.is_dir)}")
-
-
-def check_file(path: Path) -> None:
-    """Raise InputError where there is no such file, with the nearest name."""
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such file{_nearest(path, Path.is_file)}")
-
-
-def _nearest(path: Path, is_wanted: Callable[[Path], bool]) -> str:
-    """Return the name nearest to the first missing part of a path, as a question."""
+    if is_wanted(path):
+        return
     missing = next((one for one in (*reversed(path.parents), path) if not one.exists()), path)
-    if missing != path:
-        is_wanted = Path.is_dir
+    is_near = is_wanted if missing == path else Path.is_dir
     beside = missing.parent.iterdir() if missing.parent.is_dir() else ()
-    return nearest(missing.name, (item.name for item in beside if is_wanted(item)))
+    hint = nearest(missing.name, (item.name for item in beside if is_near(item)))
+    raise InputError(f"{path}: there is no such {kind}{hint}")
+
+
+check_folder = partial(_check_exists, Path.is_dir, "folder")
+check_file = partial(_check_exists, Path.is_file, "file")
 
 
 def is_free(path: Path) -> bool:

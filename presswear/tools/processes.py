@@ -66,7 +66,7 @@ def cores() -> int:
 
 
 class Workers:
-    """Run jobs one by one in this process, or in worker processes, which end with this process.
+    """Worker processes for jobs, which end with this process; or this process alone.
 
     Parameters
     ----------

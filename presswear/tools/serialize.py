@@ -10,6 +10,7 @@ import inspect
 import json
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from numbers import Real
 from pathlib import Path
@@ -234,7 +235,11 @@ def to_toml(value: Any, kind: Any = Any) -> str:
     """Return a value as TOML, numbers with the unit of the annotation."""
     origin, inner = get_origin(kind) or kind, get_args(kind)
     if origin in (Union, UnionType):
-        return to_toml(value, next((one for one in inner if _fits(value, one)), Any))
+        for one in inner:
+            with suppress(InputError):
+                converted("", value, one)
+                return to_toml(value, one)
+        return to_toml(value)
     if isinstance(value, bool):
         return str(value).lower()
     if origin is Annotated and isinstance(value, int | float):
@@ -266,14 +271,6 @@ def toml_items(owner: Any) -> Iterator[tuple[str, str, str]]:
         meaning = meaning_of(item, owner)
         kind = Annotated[float, meaning] if isinstance(meaning, Quantity) else item.type
         yield item.name, to_toml(value, kind), meaning.text if meaning else ""
-
-
-def _fits(value: Any, kind: Any) -> bool:
-    try:
-        converted("", value, kind)
-    except InputError:
-        return False
-    return True
 
 
 def typed(data: Any, kind: type[T], place: str) -> T:
