@@ -1,4 +1,4 @@
-"""Report of a sweep: parameters, responses, sensitivity, distribution and rows."""
+"""Report of a sweep: parameters, responses, sensitivity, distribution, rows and figures."""
 
 import math
 from collections import Counter
@@ -8,35 +8,56 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.ticker import NullFormatter
 
 from presswear.scene.catalog import title_of
-from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.show.figures.style import (
+    LINES,
+    MUTED,
+    REFERENCE,
+    SETTINGS,
+    WIDTH,
+    Axes,
+    Drawing,
+    Pen,
+    finished,
+    panels,
+    wrapped,
+)
 from presswear.show.page import NOTHING, Row, Section, illustrate, render_page, row_table
 from presswear.show.page import Table as Texts
-from presswear.sweeps import figures
-from presswear.sweeps.figures import Display
 from presswear.sweeps.parameters import Column
 from presswear.sweeps.plan import Plan, Table
 from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import (
+    PROBABILITIES,
     Points,
     Sensitivity,
     Spread,
+    Surrogate,
     chaotic_share,
+    fit,
+    is_logarithmic,
     points_of,
     sensitivity,
     spread_of_rows,
 )
-from presswear.sweeps.surrogate import Surrogate, fit
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.numbers import readable, whole
+from presswear.tools.numbers import readable, unit_scale, whole
 
 REPORT, ROWS_FILE = "report.html", "table.csv"
 FIRST_ROWS = 20
 MAX_ERRORS = 12
 MAX_SAMPLES = 12  # combinations of varied values at which a sample is analysed separately
 PERCENTILES = (5, 50, 95)
+COLOURS = "cividis"  # distinguishable with colour blindness and in grey print
+CELLS = 60  # cells of a map along each axis
+BAR = 0.36  # height of a bar, part of the row of a parameter
+NAME_WIDTH = 2.2  # width of the names of parameters, inches
 COLUMN_ROWS = (
     Row("name", "column.key"),
     Row("meaning", "column.text"),
@@ -150,14 +171,14 @@ def drawings(analysis: Analysis) -> list[Drawing]:
     points, result, spread = analysis.points, analysis.sensitivity, analysis.spread
     if points.is_constant:
         return []
-    drawn = [] if result is None else figures.bars(points, result)
+    drawn = [] if result is None else bars(points, result)
     if spread is not None and np.isfinite(spread.values).sum() > 1:
-        drawn += figures.distribution(points, spread, analysis.limit)
-    drawn += figures.curves(points)
+        drawn += distribution(points, spread, analysis.limit)
+    drawn += curves(points)
     order = range(len(points.parameters)) if result is None else result.order
     numbers = [k for k in order if not points.parameters[k].choices]
     first, *rest = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0] or [0]
-    return drawn + (figures.heat_map(points, (first, rest[0]), analysis.surrogate) if rest else [])
+    return drawn + (heat_map(points, (first, rest[0]), analysis.surrogate) if rest else [])
 
 
 def _percent(share: tuple[float, float, float]) -> str:
@@ -262,3 +283,149 @@ def text_table(table: Table, count: int) -> list[list[str]]:
             texts.append(f"{sign}{shown.number(table.values[row, k], 4)}{interval}")
         columns.append([shown.label, *texts])
     return [list(line) for line in zip(*columns, strict=True)]
+
+
+# --- Figures, with titles and captions in ``captions.toml`` ---------------------------------------
+
+
+class Display:
+    """Column in the display unit in which its values read well, and the factor to this unit."""
+
+    def __init__(self, column: Column, values: Array) -> None:
+        self.column, self.factor, self.unit = column, 1.0, column.unit
+        largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+        if largest > 0.0:
+            self.factor, self.unit = unit_scale(column.unit, largest)
+        self.label = f"{column.key} ({self.unit})" if self.unit else column.key
+
+    def number(self, value: float, digits: int = 3) -> str:
+        """Return a value in SI units as text in the display unit, without the unit."""
+        if self.column.choices and not math.isnan(value):
+            return self.column.choices[int(value)]
+        return readable(self.factor * value, digits)
+
+    def text(self, value: float) -> str:
+        """Return a value in SI units as text with the display unit."""
+        return f"{self.number(value)} {self.unit}".rstrip()
+
+
+def _axis(axes: Axes, side: str, column: Column, values: Array, width: float) -> Display:
+    """Set label, ticks and scale of the x or y axis of a parameter."""
+    shown, axis = Display(column, values), axes.xaxis if side == "x" else axes.yaxis
+    axis.set_label_text(wrapped(shown.label.replace("_", " "), width))
+    if column.choices:
+        axis.set_ticks(range(len(column.choices)), column.choices)
+    elif is_logarithmic(values):
+        (axes.set_xscale if side == "x" else axes.set_yscale)("log")
+        axis.set_minor_formatter(NullFormatter())
+    return shown
+
+
+def bars(points: Points, result: Sensitivity) -> list[Drawing]:
+    """Draw the sensitivity to each parameter as bars, the most important at the top."""
+    order, rows = result.order, np.arange(len(result.order))
+    shown = Display(points.response, result.values)
+    factor = 1.0 if result.is_share else shown.factor
+    sheet, ((axes,),) = panels(1, 1, 1.1 + 0.42 * len(rows))
+    pens = [Pen(name, line[0], width=7.0) for name, line in zip(result.names, LINES, strict=False)]
+    for k, pen in enumerate(pens):
+        y = rows + (k - 0.5 * (len(pens) - 1)) * BAR
+        lengths = factor * np.nan_to_num(result.values[k, order])
+        halves = factor * np.nan_to_num(result.half_widths[k, order])
+        axes.barh(y, lengths, 0.9 * BAR, color=pen.colour)
+        axes.errorbar(lengths, y, xerr=halves, fmt="none", ecolor=REFERENCE, elinewidth=0.9)
+    names = [points.parameters[k].key.replace("_", " ") for k in order]
+    axes.set_yticks(rows, [wrapped(name, NAME_WIDTH) for name in names])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.grid(visible=False, axis="y")
+    axes.axvline(0.0, color=REFERENCE, linewidth=0.8)
+    axes.set_xlabel(shown.label)
+    if result.is_share:
+        axes.set(xlim=(0.0, 1.0), xlabel=f"share of the variance of {points.response.key}")
+    if not math.isnan(result.noise):
+        axes.axvline(factor * result.noise, color=MUTED, linestyle="dotted")
+    return finished("sensitivity", sheet, pens, key=points.response.key, result=result)
+
+
+def curves(points: Points) -> list[Drawing]:
+    """Draw a response over the parameter with most values, a line for each value of another.
+
+    Empty if the points are not a grid of one or two parameters with at most five lines.
+    """
+    levels = [np.unique(column) for column in points.points.T]
+    varied = [k for k, values in enumerate(levels) if len(values) > 1]
+    varied.sort(key=lambda k: (bool(points.parameters[k].choices), -len(levels[k])))
+    size = math.prod(len(levels[k]) for k in varied)
+    if len(varied) not in (1, 2) or size != len(points.means):
+        return []
+    along, *rest = varied
+    groups = levels[rest[0]] if rest else np.zeros(1)
+    if points.parameters[along].choices or len(groups) > len(LINES):
+        return []
+    sheet, ((axes,),) = panels(1, 1, 3.6)
+    x_axis = _axis(axes, "x", points.parameters[along], points.points[:, along], WIDTH)
+    y_axis, pens = Display(points.response, points.means), []
+    half_widths = points.half_widths(points.noise)
+    for value, line in zip(groups, LINES, strict=False):
+        label, rows = points.response.key, points.has_value
+        if rest:
+            group = Display(points.parameters[rest[0]], levels[rest[0]])
+            label = f"{group.column.key} = {group.text(value)}"
+            rows = rows & (points.points[:, rest[0]] == value)
+        order = np.flatnonzero(rows)[np.argsort(points.points[rows, along])]
+        x, y = x_axis.factor * points.points[order, along], y_axis.factor * points.means[order]
+        half = y_axis.factor * half_widths[order]
+        pens.append(Pen(label, *line))
+        axes.fill_between(x, y - half, y + half, color=line[0], alpha=0.2, linewidth=0.0)
+        pens[-1].draw(axes, x, y, marker="o", markersize=3.5)
+    axes.set_ylabel(y_axis.label)
+    key, name = points.response.key, points.parameters[along].key
+    return finished("lines", sheet, pens if rest else (), key=key, points=points, along=name)
+
+
+def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None) -> list[Drawing]:
+    """Draw the points over two parameters, with the surrogate at the median of the others."""
+    sheet, ((axes,),) = panels(1, 1, 4.2)
+    across, up = (points.points[:, k] for k in pair)
+    x_axis = _axis(axes, "x", points.parameters[pair[0]], across, WIDTH)
+    y_axis = _axis(axes, "y", points.parameters[pair[1]], up, 4.0)
+    shown = Display(points.response, points.means)
+    means = shown.factor * points.means
+    norm = Normalize(float(np.nanmin(means)), float(np.nanmax(means)))
+    if surrogate is not None:
+        x, y = (
+            (np.geomspace if is_logarithmic(one) else np.linspace)(one.min(), one.max(), CELLS)
+            for one in (across, up)
+        )
+        grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
+        for k, values in zip(pair, np.meshgrid(x, y), strict=True):
+            grid[:, k] = values.ravel()
+        level = shown.factor * surrogate.predict(grid)[0].reshape(CELLS, CELLS)
+        x, y = x_axis.factor * x, y_axis.factor * y
+        axes.pcolormesh(x, y, level, norm=norm, cmap=COLOURS, shading="gouraud")
+    x, y = x_axis.factor * across, y_axis.factor * up
+    for marker, rows in (("o", ~points.censored), ("^", points.censored)):
+        rows = rows & points.has_value
+        look = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
+        axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **look)
+    axes.scatter(x[~points.has_value], y[~points.has_value], color=REFERENCE, marker="x")
+    axes.grid(visible=False)
+    sheet.colorbar(ScalarMappable(norm, COLOURS), ax=axes, label=shown.label)
+    names = [points.parameters[k].key for k in pair]
+    return finished("map", sheet, key=points.response.key, names=names, surrogate=surrogate)
+
+
+def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Drawing]:
+    """Draw the cumulative distribution of a response with its 95 % band and its limit."""
+    sheet, ((axes,),) = panels(1, 1, 3.6)
+    shown, percent = Display(points.response, spread.values), 100.0 * PROBABILITIES
+    pens = [Pen("cumulative probability, 95 % band", *LINES[0])]
+    pens[0].draw(axes, shown.factor * spread.values, percent)
+    ends = zip((spread.low, spread.high), axes.get_xlim(), strict=True)
+    low, high = (np.where(np.isnan(end), edge, shown.factor * end) for end, edge in ends)
+    axes.fill_betweenx(percent, low, high, color=pens[0].colour, alpha=0.25, linewidth=0.0)
+    if limit is not None:
+        pens.append(Pen(f"limit {shown.text(limit.value)}", REFERENCE, LINES[3][1]))
+        axes.axvline(shown.factor * limit.value, **pens[-1].look)
+    axes.set(ylim=(0.0, 100.0), xlabel=shown.label, ylabel="probability of a smaller value (%)")
+    return finished("distribution", sheet, pens, key=points.response.key, source=spread.source)

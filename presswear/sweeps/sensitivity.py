@@ -1,4 +1,4 @@
-"""Sensitivity of a response to the parameters, its chaotic variance and its distribution.
+"""Sensitivity of a response to the parameters, its chaotic variance, distribution and surrogate.
 
 Replicates of a chaotic motion differ, which adds a variance that no parameter explains. It lowers
 first-order indices and raises total indices. Where replicates or the intervals of the runs tell how
@@ -6,18 +6,20 @@ large it is, it is subtracted.
 """
 
 import math
-from dataclasses import dataclass
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.recording.statistics import LEVEL, quantile
-from presswear.sweeps.parameters import MORRIS_LEVELS, Column
+from presswear.sweeps.parameters import MORRIS_LEVELS, Column, Distribution, design
 from presswear.sweeps.plan import Table
 from presswear.sweeps.responses import Limit
 from presswear.tools.arrays import Array
-from presswear.tools.errors import not_installed
+from presswear.tools.errors import InputError, not_installed
 
 MIN_BLOCKS = 8  # Saltelli blocks or Morris trajectories below which nothing is estimated
 MIN_POINTS = 64  # points of a sample below which first-order indices are not estimated
@@ -259,3 +261,135 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     middle = np.where(least[place] == most[place], least[place], np.nan)
     high = np.where(np.isinf(high), np.nan, high)
     return Spread("by the runs alone", middle, low, high, violation)
+
+
+# --- Surrogate ----------------------------------------------------------------------------------
+
+MIN_EXPLAINED = 0.5  # share of the variance, less chaos, that cross-validation must explain
+MIN_EXPLAINED_TOTAL = 0.1  # share of the total variance: less may be chance
+MIN_POINTS_EACH = 5  # points for each parameter
+MAX_POINTS = 1000  # the time to fit grows with the third power
+FOLDS = 10  # of the cross-validation
+SPREAD_POINTS = 512  # points of the distributions at which the surrogate is evaluated
+SPREAD_DRAWS = 300  # draws of the process: an end of an interval scatters by 10 % of its width
+MAX_OUTSIDE = 0.05  # probability of a distribution that may lie outside the points
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """Gaussian process through the means of a response."""
+
+    points: Points  # points with a value
+    process: Any  # regressor of scikit-learn; its noise is chaos and misfit
+    is_logarithmic: bool  # whether the process models the logarithm of the response
+    explained: float  # share of the variance that ten-fold cross-validation explains
+
+    def predict(self, points: Array) -> tuple[Array, Array]:
+        """Return the response at points and its standard deviation for a single run, (n,) each.
+
+        Of a logarithmic process these are the median and the deviation of the logarithm.
+        """
+        mean, deviation = self.process.predict(_scaled(self.points, points), return_std=True)
+        return np.exp(mean) if self.is_logarithmic else mean, deviation
+
+    def spread(self, distributions: Sequence[Distribution], limit: Limit | None = None) -> Spread:
+        """Return the distribution of single runs when the parameters have distributions.
+
+        The intervals contain the error of the process. Parameters are in the order of the columns.
+        """
+        unit = design("sobol", SPREAD_POINTS, len(distributions), seed=1)
+        points = np.column_stack([item.ppf(unit[:, k]) for k, item in enumerate(distributions)])
+        scaled = _scaled(self.points, points)
+        draws = self.process.sample_y(scaled, SPREAD_DRAWS, random_state=1)
+        values = np.exp(draws) if self.is_logarithmic else draws
+        quantiles = np.quantile(values, PROBABILITIES, axis=0)
+        low, median, high = np.quantile(quantiles, (ENDS[0], 0.5, ENDS[1]), axis=1)
+        violation = None
+        if limit is not None:
+            parts = limit.violated(values).mean(axis=0)
+            violation = tuple(np.quantile(parts, (0.5, *ENDS)).tolist())
+        return Spread("by the surrogate", median, low, high, violation)
+
+    def outside(self, distributions: Sequence[Distribution]) -> str:
+        """Return which parameter has too many values outside the points; empty if none."""
+        probabilities = (np.arange(1000) + 0.5) / 1000
+        columns = zip(self.points.parameters, distributions, self.points.points.T, strict=True)
+        for column, distribution, values in columns:
+            drawn = distribution.ppf(probabilities)
+            share = float(np.mean((drawn < values.min()) | (drawn > values.max())))
+            if share > MAX_OUTSIDE:
+                return f"{100.0 * share:.3g} % of the values of {column.key} lie outside the points"
+        return ""
+
+
+def is_logarithmic(column_values: Array) -> bool:
+    """Return whether positive values are more evenly spaced in their logarithms."""
+    if column_values.min() <= 0.0 or np.ptp(column_values) == 0.0:
+        return False
+    from scipy.stats import skew  # slow to import
+
+    return bool(abs(skew(np.log(column_values))) < abs(skew(column_values)) - 1e-6)
+
+
+def _scaled(points: Points, values: Array) -> Array:
+    """Return parameters as coordinates from 0 to 1, and a coordinate for each word."""
+    columns = []
+    for k, column in enumerate(points.parameters):
+        present, wanted = points.points[:, k], values[:, k]
+        if column.choices:
+            columns += [(wanted == index).astype(float) for index in range(len(column.choices))]
+            continue
+        if is_logarithmic(present):
+            present, wanted = np.log(present), np.log(wanted)
+        columns.append((wanted - present.min()) / (np.ptp(present) or 1.0))
+    return np.column_stack(columns)
+
+
+def fit(points: Points) -> Surrogate:
+    """Fit the surrogate of a response, or of its logarithm if that is less skewed.
+
+    `InputError` if scikit-learn is not installed, values are censored, points are too few or too
+    many, or cross-validation explains too little of the variance.
+    """
+    name, rows = points.response.key, points.has_value
+    dimension, count = len(points.parameters), int(rows.sum())
+    if points.censored.any():
+        raise InputError(f"no surrogate of {name}: some of its values are lower bounds")
+    if not MIN_POINTS_EACH * dimension <= count <= MAX_POINTS:
+        raise InputError(
+            f"no surrogate of {name}: {count} points have a value; it needs "
+            f"{MIN_POINTS_EACH * dimension} to {MAX_POINTS} for {dimension} parameters"
+        )
+    if points.is_constant:
+        raise InputError(f"no surrogate of {name}: it has the same value at all points")
+    try:
+        from sklearn.exceptions import ConvergenceWarning  # slow to import
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+        from sklearn.metrics import r2_score
+        from sklearn.model_selection import KFold, cross_val_predict
+    except ImportError:
+        raise not_installed("a surrogate", "scikit-learn", "sweep") from None
+    names = ("points", "means", "variances", "counts", "censored")
+    points = replace(points, **{name: getattr(points, name)[rows] for name in names})
+    inputs, logarithmic = _scaled(points, points.points), is_logarithmic(points.means)
+    values = np.log(points.means) if logarithmic else points.means
+    shape = Matern(np.ones(inputs.shape[1]), (1e-2, 1e2), nu=2.5)
+    kernel = ConstantKernel(1.0, (1e-3, 1e3)) * shape + WhiteKernel(0.1, (1e-8, 1e1))
+    process = GaussianProcessRegressor(kernel, normalize_y=True, random_state=1)
+    with warnings.catch_warnings():
+        # A length at its bound belongs to a parameter without effect.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        process.fit(inputs, values)
+        fixed = GaussianProcessRegressor(process.kernel_, optimizer=None, normalize_y=True)
+        folds = KFold(min(FOLDS, count), shuffle=True, random_state=1)
+        predicted = cross_val_predict(fixed, inputs, values, cv=folds)
+    explained = float(r2_score(points.means, np.exp(predicted) if logarithmic else predicted))
+    noise = float(points.noise.mean() / points.means.var(ddof=1))
+    needed = max(MIN_EXPLAINED * (1.0 - min(noise, 1.0)), MIN_EXPLAINED_TOTAL)
+    if explained < needed:
+        raise InputError(
+            f"no surrogate of {name}: in cross-validation it explains "
+            f"{100.0 * max(explained, 0.0):.0f} % of the variance; it needs {100.0 * needed:.0f} %"
+        )
+    return Surrogate(points, process, logarithmic, explained)

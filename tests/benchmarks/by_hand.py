@@ -98,7 +98,6 @@ def parameters(scene: Scene) -> Records:
 
 @compiled
 def cranks(press: Records, t: float) -> Cranks:
-    """Return the motion of D and of the pin at A."""
     p = press[0]
     seven, two = p.start_7 + p.speed * t, p.start_2 - p.speed * t
     x, y = p.length_7 * math.cos(seven), p.length_7 * math.sin(seven)
@@ -256,7 +255,6 @@ def land(onset: Array, before: Array, now: Array) -> bool:
 
 @compiled
 def ahead(x: Four, h: float, u: Four) -> Four:
-    """Return x + h u."""
     return x[0] + h * u[0], x[1] + h * u[1], x[2] + h * u[2], x[3] + h * u[3]
 
 
@@ -301,18 +299,15 @@ def march(press: Records, y: Array, end: float, steps: int, onset: Array, gaps: 
 
 
 def contact_store() -> tuple[Array, Array]:
-    """Return closing speeds and gaps of a run that starts without contact."""
     return np.full(2, OPEN), np.zeros((2, 2, 2))
 
 
 def measured(run: Callable[[], Array]) -> Outcome:
-    """Run and measure the wall time."""
     started = clock.perf_counter()
     return run(), clock.perf_counter() - started
 
 
 def state_of(linkage: Linkage, start: Start) -> Array:
-    """Return the coordinates of the press and their rates from the state of all bodies."""
     coordinates = (("plate 4", 2), ("rod 3", 2), ("slider 6", 1), ("rod 5", 2))
     places = [3 * linkage.index(name) + part for name, part in coordinates]
     return np.concatenate([start.position[places], start.velocity[places]])

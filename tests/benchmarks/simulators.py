@@ -33,7 +33,6 @@ class _Contacts:
         self._kernel = specialised(relative_forces, press, 0.0, self.q, self.v, *self._fixed)
 
     def forces(self, t: float, q: Array, v: Array) -> Array:
-        """Return the forces in a state."""
         self._kernel(self._press, t, q, v, *self._fixed)
         return self._fixed[-1]
 

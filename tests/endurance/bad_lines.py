@@ -70,7 +70,6 @@ no{text}|{command} no{text}|{command} --x{word}|{command} --x{word}={text}
 
 
 def _text(draw: Random) -> str:
-    """Return any text, half of it of characters that people type."""
     alphabets = (_ALPHABETS[0], *_ALPHABETS)
     return "".join(chr(draw.choice(draw.choice(alphabets))) for _ in range(draw.randrange(40)))
 

@@ -11,7 +11,6 @@ from endurance.subject import Alone, Subject, Trial
 
 @pytest.fixture
 def trial(record_property: Callable[[str, object], None]) -> Iterator[Trial]:
-    """Return a new trial, whose counts ``--junitxml`` writes."""
     trial = Trial()
     yield trial
     for name in ("attempts", "passes", "note"):

@@ -43,7 +43,6 @@ _NOT_DRAWN = (*_LENGTHS, "run_up", "torque_limit")
 
 
 def _spread(draw: Random, low: float, high: float) -> float:
-    """A value of a range that spans decades."""
     return math.exp(draw.uniform(math.log(low), math.log(high)))
 
 
@@ -100,7 +99,6 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
 
 
 def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:
-    """Lengths of links around those of a mechanism that assembles."""
     results: dict[str, float] = {}
     for item in fields(owner):
         meaning = meaning_of(item)
@@ -143,7 +141,6 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
 
 
 def _numerics(draw: Random) -> Numerics:
-    """Steps and tolerances of methods with error control."""
     usual = Numerics()
     values: dict[str, Any] = {}
     for engine in (usual.tree, usual.joints, usual.dae):
@@ -203,7 +200,6 @@ class Ended:
 
     @property
     def passed(self) -> bool:
-        """Return whether the run was sound and conserved energy."""
         return not self.failure and self.residual <= self.bound
 
 

@@ -18,7 +18,6 @@ SKIPPED = ("started", "resumed", "digest", "files")
 
 
 def _items(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the leaves of a document as text, by path."""
     if not isinstance(value, dict | list) or not value:
         yield path, repr(value)
         return
@@ -28,7 +27,6 @@ def _items(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _contents(folder: Path) -> dict[str, dict[str, Any]]:
-    """Return the contents of each file of a result, by name."""
     load(folder)
     document = json.loads((folder / "result.json").read_text())
     contents: dict[str, dict[str, Any]] = {"result.json": dict(_items(document))}

@@ -49,7 +49,6 @@ class Trial:
 
 
 def is_one_line(output: str) -> bool:
-    """Return whether the output is one line of the program and no traceback."""
     return output.startswith("presswear: ") and len(output.removesuffix("\n").splitlines()) == 1
 
 
@@ -68,7 +67,6 @@ class Answer:
 
     @property
     def problem(self) -> str:
-        """Short description for a failed test."""
         return f"exit code {self.code}, {(self.errors or self.output).strip()[-300:]!r}"
 
 
@@ -119,7 +117,6 @@ def end(process: Process, patience: float | None = None) -> Answer:
 
 
 def resume_option(out: Path) -> tuple[str, ...]:
-    """Return the option that resumes a run if a stopped run has left a folder."""
     return ("--resume",) if out.exists() else ()
 
 
@@ -132,13 +129,11 @@ class Subject:
     settings: tuple[str, ...]
 
     def start(self, out: Path, *more: str) -> Process:
-        """Start it with a checkpoint after every cycle."""
         line = f"run {self.scene} --engine {self.engine} --wear-updates 1 --checkpoint 0".split()
         settings = [f"--set={setting}" for setting in self.settings]
         return start_process(*line, *settings, "--out", str(out), *more)
 
     def finish(self, out: Path, *more: str) -> Answer:
-        """Run it to its end."""
         return end(self.start(out, *more))
 
 
@@ -159,14 +154,12 @@ class Alone:
 
 
 def check_checkpoint(folder: Path) -> None:
-    """Read the checkpoint of a folder; InputError names what is wrong with it."""
     checkpoint = read_stored(folder).checkpoint
     if checkpoint is not None:
         read_checked(folder / checkpoint.file, checkpoint.digest)
 
 
 def checkpoint_of(folder: Path) -> Path | None:
-    """Return the checkpoint that the folder of a run names, if there is one."""
     if not (folder / "result.json").exists():
         return None
     checkpoint = read_stored(folder).checkpoint
@@ -184,5 +177,4 @@ def wait_for(is_so: Callable[[], object]) -> bool:
 
 
 def is_at_work(process: Process, folder: Path) -> bool:
-    """Return whether a process holds a folder."""
     return f"process {process.pid} " in (holder(folder) or "")

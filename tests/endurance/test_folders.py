@@ -113,7 +113,6 @@ def test_two_runs_into_one_folder(
 
 
 def missed(check: Callable[[Path], object], file: Path) -> str:
-    """Return why a damaged file is not reported correctly, or nothing."""
     try:
         check(file.parent)
     except InputError as error:

@@ -78,7 +78,6 @@ def lens_errors(
 def check_lens(
     worn_depth: Array, area: float, radius: float, clearance: float, deepest: float, whole: float
 ) -> float:
-    """Compare a profile with the lens of equal volume; return the error of its depth."""
     depth_error, profile_error = lens_errors(worn_depth, area, radius, clearance)
     assert profile_error < whole
     assert abs(depth_error) < deepest

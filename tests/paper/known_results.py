@@ -97,7 +97,6 @@ def result(
 
 @cache
 def every_result() -> dict[str, pw.Result]:
-    """Return all runs of the study, alike but for their seeds."""
     results = {}
     for seed, case in enumerate(CASES):
         for setting in case.settings:
