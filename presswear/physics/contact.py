@@ -89,16 +89,9 @@ def joint_end(
         cosine, sine = axes[body], axes[body + 1]
     lever_x = cosine * local_x - sine * local_y
     lever_y = sine * local_x + cosine * local_y
-    return Pose(
-        q[body] + lever_x,
-        q[body + 1] + lever_y,
-        v[body] - spin * lever_y,
-        v[body + 1] + spin * lever_x,
-        lever_x,
-        lever_y,
-        angle,
-        spin,
-    )
+    x, y = q[body] + lever_x, q[body + 1] + lever_y
+    vx, vy = v[body] - spin * lever_y, v[body + 1] + spin * lever_x
+    return Pose(x, y, vx, vy, lever_x, lever_y, angle, spin)
 
 
 @compiled
@@ -151,8 +144,8 @@ def note_contact(
 def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with the point of the surface that faces it.
 
-    The rate of penetration follows the worn profile: delta_dot = e_dot . n minus the
-    change of both depths under the moving contact.
+    The rate of penetration follows the worn profile: delta_dot = e_dot . n minus the change of both
+    depths under the moving contact.
     """
     eccentricity = contact.eccentricity
     # A pin exactly in the centre touches nothing: any direction serves.
@@ -161,12 +154,9 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     penetration = eccentricity - joint.clearance
     approach = contact.velocity_x * nx + contact.velocity_y * ny
     rate = approach
-    pin_radius = joint.pin_radius
-    bearing_radius = joint.bearing_radius
-    count = joint.surface_bins
+    pin_radius, bearing_radius = joint.pin_radius, joint.bearing_radius
+    count, turns, turning = joint.surface_bins, joint.map_turns, contact.turning
     if count > 0:
-        turns = joint.map_turns
-        turning = contact.turning
         direction = math.atan2(ny, nx)
         place = direction - turns * contact.bearing_angle
         depth, slope, _ = profile(surfaces, BEARING, count, place)
@@ -193,36 +183,26 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 
-    Force and couples are the gradient of the elastic energy in e and in both bodies'
-    angles. The pin's couple follows from the bearing's: turned together, nothing
-    changes. Damping multiplies all of them, with the rate at which they are worked
-    against.
+    Force and couples are the gradient of the elastic energy in e and in both bodies' angles. The
+    pin's couple follows from the bearing's: turned together, nothing changes. Damping multiplies
+    all of them, with the rate at which they are worked against.
     """
     eccentricity = contact.eccentricity
     ex, ey = contact.eccentricity_x, contact.eccentricity_y
     vx, vy = contact.velocity_x, contact.velocity_y
     bearing_spin, pin_spin = contact.bearing_spin, contact.pin_spin
-    turns = joint.map_turns
-    count = joint.surface_bins
-    direction = direction_of(contact)
+    turns, count, direction = joint.map_turns, joint.surface_bins, direction_of(contact)
     cosine = ex / eccentricity if eccentricity > 0.0 else 1.0
     sine = ey / eccentricity if eccentricity > 0.0 else 0.0
-    bed = press(
-        surfaces,
-        count,
-        eccentricity,
-        joint.clearance,
-        joint.least_depth,
-        direction - turns * contact.bearing_angle,
-        direction - turns * contact.pin_angle,
-        surfaces[:2, :0],
-    )
+    at_bearing, at_pin = turns * contact.bearing_angle, turns * contact.pin_angle
+    places, nowhere = (direction - at_bearing, direction - at_pin), surfaces[:2, :0]
+    bed = press(surfaces, count, eccentricity, joint.clearance, joint.least_depth, *places, nowhere)
     place = direction + bed.place
     along, across = turned(bed.place)
     nx = cosine * along - sine * across
     ny = sine * along + cosine * across
-    _, bearing_slope, _ = profile(surfaces, BEARING, count, place - turns * contact.bearing_angle)
-    pin_depth, pin_slope, _ = profile(surfaces, PIN, count, place - turns * contact.pin_angle)
+    _, bearing_slope, _ = profile(surfaces, BEARING, count, place - at_bearing)
+    pin_depth, pin_slope, _ = profile(surfaces, PIN, count, place - at_pin)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
     elastic = couple = 0.0
@@ -255,21 +235,17 @@ def end_acceleration(
     """Return the acceleration of a joint end, m/s^2, and of the angle of its body, rad/s^2."""
     if body < 0:
         return 0.0, 0.0, 0.0
-    spin_t = a[body + 2]
-    square = spin * spin
-    return (
-        a[body] - spin_t * lever_y - square * lever_x,
-        a[body + 1] + spin_t * lever_x - square * lever_y,
-        spin_t,
-    )
+    spin_t, square = a[body + 2], spin * spin
+    ax = a[body] - spin_t * lever_y - square * lever_x
+    return ax, a[body + 1] + spin_t * lever_x - square * lever_y, spin_t
 
 
 @compiled
 def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, a: Array) -> float:
     """Return the second time derivative of the penetration, m/s^2, at accelerations of all bodies.
 
-    Follows the worn profile: a pin that runs over a bump is thrown off by the
-    profile's curvature times the square of the turning.
+    A pin that runs over a bump is thrown off by the profile's curvature times the square of the
+    turning.
     """
     c = contact
     eccentricity = c.eccentricity
@@ -285,20 +261,18 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
     vx, vy = c.velocity_x, c.velocity_y
     ax, ay = pin_x - bearing_x, pin_y - bearing_y
     ends = (
-        (BEARING, contact.bearing_angle, contact.bearing_spin, bearing_spin_t),
-        (PIN, contact.pin_angle, contact.pin_spin, pin_spin_t),
+        (BEARING, c.bearing_angle, c.bearing_spin, bearing_spin_t),
+        (PIN, c.pin_angle, c.pin_spin, pin_spin_t),
     )
-    count = joint.surface_bins
-    turns = joint.map_turns
+    count, turns = joint.surface_bins, joint.map_turns
     if joint.foundation > 0.0 and count > 0:
         # The greatest overlap follows its place: p_tt - p_ts^2 / p_ss.
-        nx = math.cos(contact.place)
-        ny = math.sin(contact.place)
+        nx, ny = math.cos(c.place), math.sin(c.place)
         second = ax * nx + ay * ny
         mixed = vy * nx - vx * ny
         across = -(ex * nx + ey * ny)
         for row, angle, spin, spin_t in ends:
-            _, slope, bend = profile(surfaces, row, count, contact.place - turns * angle)
+            _, slope, bend = profile(surfaces, row, count, c.place - turns * angle)
             second += turns * (slope * spin_t - bend * spin * spin)
             mixed += turns * bend * spin
             across -= bend

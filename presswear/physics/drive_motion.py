@@ -163,26 +163,19 @@ def step_to_break(motions: Records, t: float, h: float) -> float:
     return 0.5 * ahead if ahead < 2.0 * h else h
 
 
-def pack_motion(linkage: Linkage, drive: Drive, motion: Records) -> None:
-    """Fill a record of MOTION with one of a linkage's drives."""
-    if drive.follow is not None:
-        raise ValueError(f"{drive.name} follows a curve: its motion has to be found first")
-    motion["speed"], motion["angle"], motion["base"] = drive.mean_speed, drive.angle, drive.base
-    motion["count"] = len(drive.harmonics)
-    for k, (cosine, sine) in enumerate(drive.harmonics):
-        motion["cosine"][k], motion["sine"][k] = cosine, sine
-    pieces = drive.pieces
-    motion["pieces"] = count = len(pieces.start)
-    for name in ("start", "polynomial", "wave"):
-        motion[name][:count] = getattr(pieces, name)
-    motion["run_up"] = linkage.run_up_time
-
-
 def motions_of(linkage: Linkage) -> Records:
     """Return the drives of a linkage as records of MOTION, shape (drives,)."""
     motions = np.zeros(len(linkage.drives), MOTION)
     for motion, drive in zip(motions, linkage.drives, strict=True):
-        pack_motion(linkage, drive, motion)
+        if drive.follow is not None:
+            raise ValueError(f"{drive.name} follows a curve: its motion has to be found first")
+        motion["speed"], motion["angle"], motion["base"] = drive.mean_speed, drive.angle, drive.base
+        motion["count"], motion["run_up"] = len(drive.harmonics), linkage.run_up_time
+        for k, (cosine, sine) in enumerate(drive.harmonics):
+            motion["cosine"][k], motion["sine"][k] = cosine, sine
+        motion["pieces"] = count = len(drive.pieces.start)
+        for name in ("start", "polynomial", "wave"):
+            motion[name][:count] = getattr(drive.pieces, name)
     return motions
 
 

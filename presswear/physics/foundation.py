@@ -22,11 +22,11 @@ from presswear.tools.compile import compiled, fused, fused_inlined
 
 Array = NDArray[np.float64]
 
-BEARING, PIN = 0, 4  # first of the four rows of each surface
-SLOPE, SQUARE, CUBE = 1, 2, 3  # rows after the depth
-ROWS = 8  # of a bearing and its pin
+# Rows of each surface, of the bearing from 0 and of the pin from 4: depth, m, and slope, m/rad, at
+# the bin centres; coefficients of x^2 and x^3 of the cubic after each, m/rad^2 and m/rad^3
+BEARING, PIN, ROWS = 0, 4, 8
+SLOPE, SQUARE, CUBE = 1, 2, 3
 SURFACES = np.zeros((ROWS, 1))  # example of the type of packed surfaces, contiguous
-NO_SHARES = np.zeros((2, 0))  # of ``press`` where nothing is spread over bins
 
 MAX_SEGMENT = 0.02  # rad; longer segments would show the terms that are left out
 ROOT_TOL = 1e-8  # part of half a segment; overlaps and sums change with the square of it
@@ -40,11 +40,7 @@ C3, C5, C7, C9, C11 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800  # a
 
 
 def packed_rows(surface: Surface, count: int) -> Array:
-    """Pack a surface for the kernels, shape (4, count).
-
-    Depth, m, and slope, m/rad, at the bin centres; coefficients of x^2 and x^3 of the cubic after
-    each centre, m/rad^2 and m/rad^3.
-    """
+    """Pack depth, slope and the two higher coefficients of the cubic after each bin centre."""
     rows = np.zeros((PIN, count))
     if surface.is_worn:
         depth, slope = surface.depth, surface.slope
@@ -74,9 +70,9 @@ def bin_of(angle: float, count: int) -> int:
 
 @fused_inlined
 def cell_of(angle: float, count: int, shift: float) -> tuple[int, float]:
-    """Return the cell that holds an angle, rad, of ``count`` cells, and the way into it, rad.
+    """Return the cell that holds an angle, rad, and the way into it, rad.
 
-    ``shift`` is the part of a cell at which the first cell begins.
+    The first of ``count`` cells begins at the part ``shift`` of a cell.
     """
     turn = angle * (0.5 / math.pi)
     position = (turn - np.floor(turn)) * count - shift
@@ -195,14 +191,8 @@ def place_at(
 def segment_between(left: Place, right: Place, half: float, quartic: float, cube: float) -> Segment:
     """Return the overlap of a segment from the overlap at both ends.
 
-    Parameters
-    ----------
-    half : float
-        Half the length, rad.
-    quartic : float
-        e half^4 / 24, m: factor of (x^2 - 1)^2 where the direction is that of e.
-    cube : float
-        Coefficient of the cube of the bearing's map, m/rad^3.
+    ``quartic`` is e half^4 / 24, m, the factor of (x^2 - 1)^2 where the direction is that of e;
+    ``cube`` the coefficient of the cube of the bearing's map, m/rad^3.
     """
     y = half * half
     # From the sum of the cosines of both ends to the cosine of the middle.
@@ -226,16 +216,6 @@ def segment_between(left: Place, right: Place, half: float, quartic: float, cube
         cosine,
         sine,
     )
-
-
-@fused_inlined
-def bounds_between(left: Place, right: Place, half: float, quartic: float) -> tuple[float, float]:
-    """Return bounds of the overlap of a segment, m: a cubic lies within its Bezier points."""
-    second = left.overlap + 2.0 * THIRD * half * left.rise
-    third = right.overlap - 2.0 * THIRD * half * right.rise
-    low = min(min(left.overlap, right.overlap), min(second, third))
-    high = max(max(left.overlap, right.overlap), max(second, third))
-    return low - quartic, high + quartic
 
 
 @fused_inlined
@@ -363,27 +343,21 @@ def turning_points(g: Segment) -> tuple[float, float, float]:
 
 
 @fused
-def add_monotone(g: Segment, low: float, high: float, sums: ArcIntegrals) -> ArcIntegrals:
-    """Return the sums with the pressed part between two places with a monotone overlap."""
-    at_low, at_high = value_at(g, low), value_at(g, high)
-    if high <= low or (at_low <= 0.0 and at_high <= 0.0):
-        return sums
-    if at_low < 0.0:
-        low = root_between(g, False, low, high, at_low, at_high)
-    elif at_high < 0.0:
-        high = root_between(g, False, low, high, at_low, at_high)
-    return add_whole(part_of(g, low, high), sums)
-
-
-@fused
 def add_pressed(g: Segment, sums: ArcIntegrals) -> ArcIntegrals:
     """Return the sums with the pressed parts of a segment."""
     first, middle, second = turning_points(g)
-    sums = add_monotone(g, -1.0, first, sums)
-    if first < 1.0:
-        sums = add_monotone(g, first, middle, sums)
-        sums = add_monotone(g, middle, second, sums)
-        sums = add_monotone(g, second, 1.0, sums)
+    start = -1.0
+    for end in (first, middle, second, 1.0):
+        low, high = start, end
+        start = end
+        at_low, at_high = value_at(g, low), value_at(g, high)
+        if high <= low or (at_low <= 0.0 and at_high <= 0.0):
+            continue
+        if at_low < 0.0:
+            low = root_between(g, False, low, high, at_low, at_high)
+        elif at_high < 0.0:
+            high = root_between(g, False, low, high, at_low, at_high)
+        sums = add_whole(part_of(g, low, high), sums)
     return sums
 
 
@@ -400,13 +374,6 @@ def with_peak(g: Segment, middle: float, sums: ArcIntegrals) -> ArcIntegrals:
 
 
 @fused_inlined
-def area_until(g: Segment, x: float) -> float:
-    """Return the integral of the overlap of a segment from its middle to a place, m rad."""
-    a = 0.5 * g.a1 + x * (THIRD * g.a2 + x * (0.25 * g.a3 + x * FIFTH * g.a4))
-    return g.half * x * (g.a0 + x * a)
-
-
-@fused_inlined
 def onward(cell: int, x: float, length: float, width: float, count: int) -> tuple[int, float]:
     """Return cell and way into it a length further on, which ends in the cell or with it."""
     x += length
@@ -416,14 +383,8 @@ def onward(cell: int, x: float, length: float, width: float, count: int) -> tupl
 
 
 @fused
-def _share_segment(
-    g: Segment, is_whole: bool, bearing_place: float, pin_place: float, shares: Array
-) -> None:
-    """Add the integrals of the overlap of a segment over bins.
-
-    ``is_whole`` says that it is pressed all over. It begins at ``bearing_place`` and ``pin_place``
-    in the two maps, rad.
-    """
+def _share_segment(g: Segment, bearing_place: float, pin_place: float, shares: Array) -> None:
+    """Add the integrals of the overlap of a segment, which begins at two places, rad, over bins."""
     bins = shares.shape[1]
     bin_width = 2.0 * math.pi / bins
     b_bin, b_way = cell_of(bearing_place, bins, 0.0)
@@ -431,15 +392,10 @@ def _share_segment(
     place = -1.0
     while place < 1.0:
         length = min(bin_width - b_way, bin_width - p_way)
-        following = 1.0
-        if length < (1.0 - place) * g.half:
-            following = place + length / g.half
-        else:
-            length = (1.0 - place) * g.half
-        if is_whole:
-            share = area_until(g, following) - area_until(g, place)
-        else:
-            share = add_pressed(part_of(g, place, following), NOTHING).area
+        following = place + length / g.half
+        if length >= (1.0 - place) * g.half:
+            following, length = 1.0, (1.0 - place) * g.half
+        share = add_pressed(part_of(g, place, following), NOTHING).area
         # The overlap at its end is nothing but round-off.
         if share > 0.0:
             shares[0, b_bin] += share
@@ -490,8 +446,8 @@ def press(
     if node > width:
         node -= width
         p -= 1
-    before = max(math.ceil(node / MAX_SEGMENT), 1) if width > MAX_SEGMENT else 1
-    behind = max(math.ceil((width - node) / MAX_SEGMENT), 1) if width > MAX_SEGMENT else 1
+    before = max(math.ceil(node / MAX_SEGMENT), 1)
+    behind = max(math.ceil((width - node) / MAX_SEGMENT), 1)
     half_before, half_behind = 0.5 * node / before, 0.5 * (width - node) / behind
     b = (b - ahead + 2 * count) % count
     p = (p - ahead + 2 * count) % count
@@ -511,7 +467,11 @@ def press(
             end = offset + 2.0 * half
             right = place_at(surfaces, eccentricity, clearance, b, p, end, end + pin_x, cell + end)
             quartic = C4 * eccentricity * half * half * half * half
-            low, high = bounds_between(left, right, half, quartic)
+            # A cubic lies within its Bezier points.
+            second = left.overlap + 2.0 * THIRD * half * left.rise
+            third = right.overlap - 2.0 * THIRD * half * right.rise
+            low = min(min(left.overlap, right.overlap), min(second, third)) - quartic
+            high = max(max(left.overlap, right.overlap), max(second, third)) + quartic
             if high > 0.0 or high > sums.overlap:
                 g = segment_between(left, right, half, quartic, cube)
                 if high > sums.overlap:
@@ -519,7 +479,7 @@ def press(
                 sums = add_whole(g, sums) if low > 0.0 else add_pressed(g, sums)
                 if shares.shape[1] > 0 and high > 0.0:
                     at = cell + offset
-                    _share_segment(g, low > 0.0, bearing_place + at, pin_place + at, shares)
+                    _share_segment(g, bearing_place + at, pin_place + at, shares)
             left = right
         b = b + 1 if b + 1 < count else 0
     return sums

@@ -150,17 +150,10 @@ def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
 def normal_force(
     law: Records, elastic: float, penetration: float, rate: float, onset_speed: float
 ) -> float:
-    """Return the normal contact force, N, from its elastic part; never adhesive.
+    """Return the normal contact force, N, from its elastic part, N; never adhesive.
 
-    Parameters
-    ----------
-    law : record of NORMAL
-    elastic : float
-        N.
-    penetration, rate : float
-        delta, m, and the rate that damps, m/s.
-    onset_speed : float
-        Closing speed at touchdown delta_dot_0, m/s, above zero.
+    ``penetration`` is delta, m, ``rate`` the one that damps, m/s, and ``onset_speed`` the closing
+    speed at touchdown delta_dot_0, m/s, above zero.
     """
     if law.kind == FACTOR:  # equation 8
         force = elastic * (1.0 + law.damping * rate / onset_speed)
@@ -220,16 +213,7 @@ FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfa
 
 @inlined
 def friction_force(sliding: float, normal: float, law: Records) -> float:
-    """Return the friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
-
-    Parameters
-    ----------
-    sliding : float
-        v_t, m/s.
-    normal : float
-        F_n, N.
-    law : record of FRICTION
-    """
+    """Return the friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9)."""
     if law.force == INLINE:
         ramp = friction_ramp(sliding, law.lower, law.upper)
         return -math.copysign(law.coefficient * ramp * normal, sliding)
@@ -245,17 +229,11 @@ def stribeck_coefficient(sliding: float, law: Records) -> float:
 
 @compiled
 def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
-    """Return the rate of the mean deflection z of the bristles of LuGre's law, m/s.
+    """Return the rate of the mean deflection z, m, of the bristles of LuGre's law, m/s.
 
     z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
     Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that touch nothing bear
     no force: sigma_0 z + sigma_1 z' = 0.
-
-    Parameters
-    ----------
-    sliding, bristle : float
-        v, m/s; z, m.
-    law : record of FRICTION
     """
     if not is_closed:
         return -law.bristle_stiffness / law.bristle_damping * bristle

@@ -66,56 +66,14 @@ class Packed(NamedTuple):
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     """Pack a linkage for the kernels; ``wearing``: surfaces that are round now wear in a run."""
-    joints = pack_joints(linkage)
-    pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
-    for record, joint, pair in zip(joints, linkage.clearances, pairs, strict=True):
-        later = joint.bins if wearing and joint.wear else 0
-        sizes = (surface.depth.size for surface in pair if surface.is_worn)
-        record["surface_bins"] = max(sizes, default=later)
-    most = int(joints["surface_bins"].max(initial=0))
-    packed = Packed(
-        joints,
-        np.zeros((len(pairs), ROWS, most)),
-        pack_springs(linkage),
-        pack_loads(linkage),
-        mass_of(linkage),
-        weight_of(linkage),
-        np.array([3 * linkage.index(drive.body) + 2 for drive in linkage.drives], dtype=np.int64),
-    )
-    for k, pair in enumerate(pairs):
-        pack_surfaces(packed, k, pair)
-    return packed
-
-
-def mass_of(linkage: Linkage) -> Array:
-    """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
-    return np.ravel([(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies])
-
-
-def weight_of(linkage: Linkage) -> Array:
-    """Return the constant generalized forces, shape (3 bodies,): gravity and dead loads."""
-    weight = np.zeros(3 * len(linkage.bodies))
-    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    for load in linkage.dead_loads:
-        i = 3 * linkage.index(load.body)
-        weight[i : i + 3] += load.x, load.y, load.moment
-    return weight
-
-
-def pack_joints(linkage: Linkage) -> Records:
-    """Return the clearance joints of a linkage as records of JOINT, shape (joints,)."""
+    offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     joints = np.zeros(len(linkage.clearances), JOINT)
-
-    def offset(body: str) -> int:
-        return -1 if body == GROUND else 3 * linkage.index(body)
-
     for record, joint in zip(joints, linkage.clearances, strict=True):
-        record["bearing_body"] = offset(joint.bearing.body)
-        record["pin_body"] = offset(joint.pin.body)
-        record["bearing_x"], record["bearing_y"] = joint.bearing.x, joint.bearing.y
-        record["pin_x"], record["pin_y"] = joint.pin.x, joint.pin.y
-        record["bearing_radius"], record["pin_radius"] = joint.bearing_radius, joint.pin_radius
-        record["clearance"], record["width"] = joint.clearance, joint.width
+        for end, point in (("bearing", joint.bearing), ("pin", joint.pin)):
+            record[f"{end}_body"] = offset[point.body]
+            record[f"{end}_x"], record[f"{end}_y"] = point.x, point.y
+        for name in ("bearing_radius", "pin_radius", "clearance", "width"):
+            record[name] = getattr(joint, name)
         record["effective_mass"] = effective_mass(linkage, joint)
         record["normal"] = normal_record(joint.normal, joint.clearance)
         record["friction"] = friction_record(joint.friction)
@@ -128,7 +86,28 @@ def pack_joints(linkage: Linkage) -> Records:
             record["bearing_share"] = joint.wear.bearing_share
             record["slip_by_angle"] = joint.wear.slip == "angle"
             record["over_arc"] = joint.wear.wear_distribution == "arc"
-    return joints
+        pair = joint.bearing_surface, joint.pin_surface
+        sizes = (surface.depth.size for surface in pair if surface.is_worn)
+        later = joint.bins if wearing and joint.wear else 0
+        record["surface_bins"] = max(sizes, default=later)
+    weight = np.zeros(3 * len(linkage.bodies))
+    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
+    for load in linkage.dead_loads:
+        i = offset[load.body]
+        weight[i : i + 3] += load.x, load.y, load.moment
+    most = int(joints["surface_bins"].max(initial=0))
+    surfaces = np.zeros((len(joints), ROWS, most))
+    driven = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
+    springs, loads = pack_springs(linkage), pack_loads(linkage)
+    packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, driven)
+    for k, joint in enumerate(linkage.clearances):
+        pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
+    return packed
+
+
+def mass_of(linkage: Linkage) -> Array:
+    """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
+    return np.ravel([(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies])
 
 
 def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage, branches_of, chain_of, prescribed_of
-from presswear.physics.drive_motion import MOTION, drive_motion, pack_motion
+from presswear.physics.drive_motion import MOTION, drive_motion, motions_of
 from presswear.physics.tree import (
     COORDINATES,
     GUIDED,
@@ -30,17 +30,6 @@ from presswear.physics.tree import (
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
-
-# A prescribed body as the kernels see it; one hinged to the frame has its inertia about the
-# hinge, and no mass
-PART = np.dtype(
-    [
-        *((name, LINK[name]) for name in LINK.names or ()),
-        ("below", np.int64),  # part that it hangs from; -1 for the frame
-        ("drive", np.int64),  # place of its drive among the linkage's; -1 for none
-        ("motion", MOTION),  # of that drive
-    ]
-)
 
 # A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
 CLOSING = np.dtype(
@@ -69,21 +58,22 @@ CLOSED = 1e-12  # newton step behind which the rows are those of the place found
 class Prescribed(NamedTuple):
     """Prescribed bodies, parents before children."""
 
-    parts: Records
+    parts: Records  # of LINK; one hinged to the frame has its inertia about the hinge, and no mass
     closings: Records
+    motions: Records  # of all drives
     # Their last motion, from which the next is found, and working space, see PLACE and what
     # follows: (HEAD + 4 closings, parts or 2)
     work: Array
 
 
 # Tells the types of what is prescribed
-SOME = Prescribed(np.zeros(0, PART), np.zeros(0, CLOSING), np.zeros((0, 0)))
+SOME = Prescribed(np.zeros(0, LINK), np.zeros(0, CLOSING), np.zeros(0, MOTION), np.zeros((0, 0)))
 
 
 @compiled
 def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
     """Note a state of all bodies from which the motion is to go on, and its time, s."""
-    parts, _, work = prescribed
+    parts, _, _, work = prescribed
     work[:] = 0.0
     work[LAST, TIME] = t
     for i in range(parts.shape[0]):
@@ -105,13 +95,14 @@ def place_prescribed(
     Not finite where their loops do not close near where they are expected, on the same side.
     ``axes`` are those of ``place_links``.
     """
-    parts, closings, work = prescribed
+    parts, closings, motions, work = prescribed
     ahead = t - work[LAST, TIME]
     work[LAST, TIME] = t
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
-            turned, work[RATE, i], work[FASTER, i] = drive_motion(parts[i].motion, t)
-            work[PLACE, i] = parts[i].motion.angle + turned
+            motion = motions[parts[i].drive]
+            turned, work[RATE, i], work[FASTER, i] = drive_motion(motion, t)
+            work[PLACE, i] = motion.angle + turned
         else:
             work[PLACE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[FASTER, i])
     is_closed = closings.shape[0] == 0
@@ -141,7 +132,7 @@ def _end(
     prescribed: Prescribed, row: int, i: int, x: float, y: float, sign: float, q: Array, axes: Array
 ) -> None:
     """Add one end of a closing pin to its two rows, and its place to what they are short of."""
-    parts, _, work = prescribed
+    parts, _, _, work = prescribed
     px, py = x, y
     if i >= 0:
         b = parts[i].body
@@ -172,7 +163,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 
     Returns the greatest change; leaves the determinant.
     """
-    parts, closings, work = prescribed
+    parts, closings, _, work = prescribed
     count = 2 * closings.shape[0]
     matrix, right, target = work[HEAD + count :], work[RIGHT], work[row]
     column = 0
@@ -185,8 +176,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
     for c in range(count):
         best = c
         for r in range(c + 1, count):
-            if abs(matrix[r, c]) > abs(matrix[best, c]):
-                best = r
+            best = r if abs(matrix[r, c]) > abs(matrix[best, c]) else best
         if best != c:
             determinant = -determinant
             right[c], right[best] = right[best], right[c]
@@ -216,7 +206,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 @lazily_compiled(0, SOME, 1, 1)
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a step towards closed loops; returns its size, leaves the rows."""
-    _, closings, work = prescribed
+    _, closings, _, work = prescribed
     count = 2 * closings.shape[0]
     work[RIGHT] = 0.0
     work[HEAD : HEAD + count] = 0.0
@@ -230,7 +220,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
 @lazily_compiled(None, SOME)
 def _follow(prescribed: Prescribed) -> None:
     """Fill the rates and accelerations sought, in a place where all loops are closed."""
-    parts, closings, work = prescribed
+    parts, closings, _, work = prescribed
     right = work[RIGHT]
     for level in (RATE, FASTER):
         for i in range(parts.shape[0]):
@@ -260,7 +250,7 @@ def drive_torques(
     virtual work: what a part bears about its hinge, times its turn with the drive. Torques of
     drives of other bodies stay.
     """
-    parts, closings, work = prescribed
+    parts, closings, _, work = prescribed
     borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
     for i in range(parts.shape[0] - 1, -1, -1):
         part = parts[i]
@@ -296,8 +286,9 @@ def drive_torques(
 def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> float:
     """Return the power, W, of the forces on prescribed bodies, less the power of their inertia."""
     power = 0.0
-    for i in range(prescribed.parts.shape[0]):
-        part = prescribed.parts[i]
+    parts = prescribed.parts
+    for i in range(parts.shape[0]):
+        part = parts[i]
         b = part.body
         for c in range(b, b + 3):
             power += force[c] * v[c]
@@ -321,19 +312,12 @@ def subtract_inertia(parts: Records, a: Array, force: Array) -> None:
 def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     """Return the bodies that drives hold without freedom, for the kernels; see ``begin_motion``."""
     branches, pins = chain_of(linkage, bodies)
-    links = pack_links(linkage, branches)
-    parts = np.zeros(len(links), PART)
-    for name in LINK.names or ():
-        parts[name] = links[name]
-    # Coordinates are absolute angles, whatever a body hangs from.
-    parts["below"], parts["parent"] = links["parent"], -1
-    parts["drive"] = -1
+    parts = pack_links(linkage, branches)
+    parts["parent"] = -1  # coordinates are absolute angles, whatever a body hangs from
     places = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
     for number, drive in enumerate(linkage.drives):
         if drive.body in bodies:
-            record = parts[places[drive.body]]
-            record["drive"] = number
-            pack_motion(linkage, drive, record["motion"])
+            parts[places[drive.body]]["drive"] = number
     for part, branch in zip(parts, branches, strict=True):
         if part["before"] < 0 and part["kind"] != GUIDED:
             part["inertia"] += part["mass"] * (branch.end.x**2 + branch.end.y**2)
@@ -343,7 +327,8 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
         closing["first"], closing["second"] = places[pin.first.body], places[pin.second.body]
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
-    return Prescribed(parts, closings, np.zeros((HEAD + 4 * len(pins), max(len(parts), 2))))
+    work = np.zeros((HEAD + 4 * len(pins), max(len(parts), 2)))
+    return Prescribed(parts, closings, motions_of(linkage), work)
 
 
 @dataclass(frozen=True)

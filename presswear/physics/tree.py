@@ -27,8 +27,10 @@ LINK = np.dtype(
         ("body", np.int64),  # index of its x in q
         ("kind", np.int64),  # HINGED, GUIDED or LOOSE
         ("place", np.int64),  # of its coordinate, or the first of three, in those of the tree
-        ("parent", np.int64),  # link it hangs from; -1 for the frame or a prescribed body
+        ("parent", np.int64),  # link it hangs from, on whose angle its coordinate counts; -1: none
         ("before", np.int64),  # index in q of the body it hangs from; -1 for the frame
+        ("below", np.int64),  # link it hangs from; -1 for the frame or a prescribed body
+        ("drive", np.int64),  # place of its drive among the linkage's; -1 for none
         ("before_x", np.float64),  # joint in the frame of the body before, m
         ("before_y", np.float64),
         ("own_x", np.float64),  # joint in the body's own frame, m
@@ -61,14 +63,9 @@ def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
 def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Array) -> None:
     """Fill coordinates and rates of the bodies of a tree from those of the tree.
 
-    Parameters
-    ----------
-    x, u : ndarray, shape (coordinates,)
-        Angles relative to the parent, or ways along guides, rad or m, and rates; of a loose
-        body x, y and angle.
-    axes : ndarray, shape (3 bodies,)
-        Cosine and sine of each body's angle, in the places of its x and y. Those of the
-        prescribed bodies must be there already, like their coordinates and rates.
+    ``x`` are angles relative to the parent, or ways along guides, rad or m; of a loose body x, y
+    and angle. ``axes`` are cosine and sine of each body's angle, in the places of its x and y.
+    Those of the prescribed bodies must be there already, like their coordinates and rates.
     """
     for i in range(links.shape[0]):
         link = links[i]
@@ -203,7 +200,7 @@ def pack_links(linkage: Linkage, branches: Sequence[Branch]) -> Records:
     for link, (joint, before, child, parent) in zip(links, branches, strict=True):
         link["body"] = 3 * linkage.index(child.body)
         link["kind"] = LOOSE if joint is None else HINGED
-        link["parent"] = parent
+        link["parent"], link["below"], link["drive"] = parent, parent, -1
         link["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
         link["before_x"], link["before_y"] = before.x, before.y
         link["own_x"], link["own_y"] = child.x, child.y

@@ -96,19 +96,12 @@ def deposit_over_arc(
     pin_zero = joint.map_turns * contact.pin_angle
     direction = direction_of(contact)
     bearing_place, pin_place = direction - bearing_zero, direction - pin_zero
+    eccentricity, clearance, least = contact.eccentricity, joint.clearance, joint.least_depth
     if joint.surface_bins == 0:
-        spread_round(contact.eccentricity, joint.clearance, bearing_place, pin_place, shares)
+        spread_round(eccentricity, clearance, bearing_place, pin_place, shares)
     else:
-        press(
-            surfaces,
-            joint.surface_bins,
-            contact.eccentricity,
-            joint.clearance,
-            joint.least_depth,
-            bearing_place,
-            pin_place,
-            shares,
-        )
+        places = bearing_place, pin_place
+        press(surfaces, joint.surface_bins, eccentricity, clearance, least, *places, shares)
     total = 0.0
     for k in range(count):
         total += shares[0, k]
@@ -141,10 +134,7 @@ def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
     """Return the volume lost by both surfaces, m^3: the integral of depth times b R over angle.
 
-    Parameters
-    ----------
-    depth : ndarray, shape (2, m)
-        Depth added to the bearing and to the pin, m.
+    ``depth``, m, was added to the bearing and to the pin, shape (2, m).
     """
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     return float(depth.sum()) * bin_area

@@ -11,13 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import Drive, Dwell, Follow, Rise
+from presswear.linkage.drives import Drive, Dwell, Follow
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Press, SliderCrank
-from presswear.physics import ideal
-from presswear.physics.assembly import close
 from presswear.physics.drive_motion import motions_of
-from presswear.physics.ideal import followed, ideal_motion, motion_of
+from presswear.physics.ideal import followed, motion_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError
 
@@ -179,33 +177,3 @@ def test_a_scene_holds_the_curve_and_runs_the_motion() -> None:
     assert (follow["point"], len(follow["rises"])) == ("slider 6.centre", 2)
     assert all(drive.follow is None for drive in scene.linkage().drives)
     assert scene.linkage().drives == followed(DWELL).drives
-
-
-@pytest.mark.parametrize(
-    ("rises", "most"),
-    [
-        # A short rise in one interval of the cycle.
-        ([Rise(3.01, 3.011, 0.3), Rise(5.01, 5.011, -0.3)], 1700),
-        # 40 turns in a cycle, of which 36 instants tell nothing.
-        ([Rise(1.0, 6.0, 40 * TURN)], 3500),
-    ],
-)
-def test_a_fast_motion_takes_few_steps(
-    rises: list[Rise], most: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Steps are long again behind a fast part; the slider is where the closed form has it."""
-    steps = []
-
-    def counted(*arguments: Any) -> Any:
-        steps.append(arguments)
-        return close(*arguments)
-
-    monkeypatch.setattr(ideal, "close", counted)
-    drive = Drive("crank", 0.0, 0.0, 30.0, rises=rises)
-    motion = ideal_motion(CRANK.changed(drives=[drive]), TURN / 30.0)
-    time = np.linspace(0.0, TURN / 30.0, 500)
-    slider = motion.at(time).position[:, 3 * CRANK.index("slider")]
-    angle = drive.motion(time)[0]
-    exact = R * np.cos(angle) + np.sqrt(ROD**2 - (R * np.sin(angle)) ** 2)
-    assert np.abs(slider - exact).max() < 1e-14
-    assert len(steps) < most

@@ -1,13 +1,11 @@
 """Motions of drives: the same in every engine, derivatives of each other, exact."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from listeners import Keeps
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
@@ -25,7 +23,6 @@ from presswear.physics.ideal import motion_of as ideal_of
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.arrays import State
 from presswear.tools.compile import Records
 
 TURN = 2.0 * math.pi
@@ -168,27 +165,6 @@ FAR = {"clearance": "0.9 m", "bearing_radius": "1 m"}
 """The pin never meets its bearing: what is left is smooth but for the breaks of the motion."""
 
 
-@pytest.mark.parametrize("joint", ["O", "B"])
-@pytest.mark.parametrize("is_far", [True, False], ids=["far", "near"])
-def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) -> None:
-    """Its hinge, or a joint behind which the loop keeps freedom; with contacts and without."""
-    clearance = FAR if is_far else {"clearance": "0.2 mm"}
-    scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), clearance)
-    linkage, period = scene.linkage(), scene.mechanism.period
-    kept: list[State] = []
-    plan = Plan(0.07 * period, 3, observers=(Keeps(kept.append),))
-    run = ExudynJoints().for_cycle(period).simulate(linkage, start_of(scene), plan)
-    touches = int(run.recorder.records.counters["contacts"].sum())
-    assert run.status == "completed", run.message
-    assert (touches < 3) == is_far
-    for count, state in enumerate(kept, 1):
-        exact = linkage.drives[0].motion(np.array([count * plan.cycle]))
-        result = [state[level][2] for level in "qva"]
-        # Round-off of the accelerations of the free bodies is in that of the drive.
-        np.testing.assert_allclose(result, np.ravel(exact), rtol=1e-12)
-    assert len(kept) == 3
-
-
 def flying(linkage: Linkage) -> Scene:
     return changed(Scene(mechanism=linkage, joints="B", wear_updates=0), FAR)
 
@@ -219,28 +195,6 @@ def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
     assert error(InHouse(integration_tolerance=1e6, free_step=period / 74)) < 1e-11
 
 
-@pytest.mark.parametrize(
-    "engine",
-    [
-        *(kind(free_step=1e-3) for kind in (ExudynTree, ExudynJoints, InHouse)),
-        InHouse(integrator="rk4", equal_step=1e-3),
-    ],
-    ids=["tree", "joints", "dae", "rk4"],
-)
-def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
-    """Steps of 1 ms are rows of the series; each break, the end of the run-up too, is one."""
-    scene = flying(MOTIONS["table, run-up"])
-    run = flown(scene, engine, 2.4)
-    time = run.recorder.series("time")
-    motion = run.recorder.records.motions[0]
-    breaks = [0.0]
-    while breaks[-1] < run.time:
-        breaks.append(break_after(motion, breaks[-1]))
-    assert scene.run_up in breaks
-    for item in breaks[1:-1]:
-        assert np.abs(time - item).min() < 1e-12
-
-
 @pytest.mark.parametrize("scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"])
 def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
     """No worse than it says, and no better than ``at`` is needed for."""
@@ -265,23 +219,6 @@ def test_a_run_up_starts_at_rest_and_ends_in_step() -> None:
     for level in ("position", "velocity", "acceleration"):
         one, other = getattr(late, level), getattr(exact, level)
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
-
-
-@pytest.mark.parametrize("engine", [ExudynTree(), ExudynJoints(), InHouse()])
-def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
-    """Cycles are those of the linkage that starts at speed; a run goes on bit for bit."""
-    scene = flying(MOTIONS["table, run-up"])
-    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    kept: list[State] = []
-    plan = Plan(period, 2, run_up=scene.run_up, observers=(Keeps(kept.append),))
-    run = engine.simulate(linkage, start, plan)
-    assert run.status == "completed"
-    assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period, rel=1e-9)
-    # The steps of the run-up are in none of them.
-    assert run.recorder.each_cycle("steps").sum() < 0.7 * float(run.diagnostics["steps"])
-    again = engine.simulate(linkage, start, replace(plan, observers=(), resume=kept[0]))
-    np.testing.assert_array_equal(again.recorder.cycles, run.recorder.cycles)
-    np.testing.assert_array_equal(again.end.position, run.end.position)
 
 
 @st.composite

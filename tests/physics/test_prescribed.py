@@ -1,7 +1,6 @@
 """Bodies without freedom: which they are, how they move, and what their drives must do."""
 
 import math
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -11,8 +10,6 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
-from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Guide
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
 from presswear.physics.constraints import constraints_of
@@ -131,12 +128,3 @@ def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
         q[2::3] -= 2.0 * math.pi * turns
         assert np.abs(q - ideal.position[1]).max() < 1e-11
     assert 0 < refused < 250
-
-
-def test_what_is_held_twice_is_no_chain() -> None:
-    twice = FOUR_BAR.changed(drives=(*FOUR_BAR.drives, Drive("rocker", 1.0)))
-    with pytest.raises(ValueError, match="coupler, crank, rocker are no chain"):
-        pack_prescribed(twice, prescribed_of(twice))
-    still = replace(PUMP, joints=(*PUMP.joints, Guide("second", "slider", 0.0, 0.0, 1.0)))
-    with pytest.raises(ValueError, match="are no chain"):
-        pack_prescribed(still, frozenset({"crank", "rod", "slider"}))

@@ -295,17 +295,6 @@ def test_a_pin_that_bounces_is_counted_timed_and_loses_what_the_law_says(speed: 
     assert sent_back <= 3
 
 
-def test_a_run_that_starts_closed_counts_no_contact() -> None:
-    line = _Line()
-    line.memory["penetration"] = 1e-6
-    line.start(LINE.clearance + 1e-6, -0.1)
-    assert bool(line.memory["started_closed"][0])
-    assert line.onset[0] > 0.0
-    line.accept(1e-4, LINE.clearance - 1e-6, -0.1)
-    assert line.onset[0] == 0.0
-    assert line.counters["contacts"][0] == 0
-
-
 def test_settle_takes_the_speed_at_touchdown_not_at_the_step() -> None:
     push, gap, speed = -3e4, 1e-6, 0.5
     line = _Line(push).start(LINE.clearance - gap, speed)

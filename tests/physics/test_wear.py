@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, placed, worn_joint
 
 from presswear.linkage.elements import ClearanceJoint, MapFrame, SurfaceContact, WearLaw
-from presswear.linkage.surface import Surface, bin_centres
+from presswear.linkage.surface import Surface
 from presswear.physics.contact import direction_of
 from presswear.physics.foundation import bin_of, press
 from presswear.physics.wear import (
@@ -240,28 +240,3 @@ def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
     state = eccentricity, 8e-4, 0.0, 4.1e17, -1.9e15
     for shares in np.zeros((2, 0)), np.zeros((2, 360)):
         press(pair.packed.surfaces[0], 360, *state, shares)
-
-
-def test_a_bump_wears_faster_by_its_height_over_the_overlap() -> None:
-    """A step that takes less than twice the overlap wears a bump down, a longer one digs a pit."""
-    bins, place, height, overlap = 360, 100, 2e-9, 2e-6
-    even = np.full(bins, 1e-6)
-    bumpy = even.copy()
-    bumpy[place] -= height
-    worn = []
-    for depth in (even, bumpy):
-        joint = replace(
-            JOINT,
-            map_frame="fixed",
-            contact="foundation",
-            bearing_surface=Surface(depth),
-            wear=_law("arc", 1.0),
-        )
-        # At the same place, from which the bump is pressed in further.
-        pressed = overlap + even[place] - depth[place]
-        pair = placed(joint, pressed, float(bin_centres(bins)[place]))
-        worn.append(_deposited(pair, bins, 1.0)[0])
-    plain, bump = worn
-    # The neighbours share what the bump takes; its bin's mean is three quarters of its height.
-    faster = bump[place] / plain[place] - bump[place + 4] / plain[place + 4]
-    assert faster == pytest.approx(0.75 * height / overlap, rel=0.1)
