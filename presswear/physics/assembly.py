@@ -9,14 +9,12 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.drives import Drive, series
 from presswear.linkage.elements import GROUND, Attachment, OutputPoint
 from presswear.linkage.linkage import Linkage
+from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
-
-Array = NDArray[np.float64]
 
 ROUND_OFF = 4e-15  # error of a row that is round-off, part of the size of the linkage
 _STEPS = 40  # most Newton steps from a guess

@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Guide, Revolute
 from presswear.linkage.linkage import Linkage
 from presswear.physics.drive_motion import drive_motion, motions_of
-from presswear.tools.compile import Records, compiled, copy_to, inlined
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled, copy_to, floats, inlined
 
 REVOLUTE, GUIDE, DRIVE = 0, 1, 2
 
@@ -29,14 +27,10 @@ CONSTRAINT = np.dtype(
         ("row", np.int64),  # first row
         ("first", np.int64),  # index of the body's x in q, -1 for the frame
         ("second", np.int64),
-        ("x1", np.float64),  # points in their bodies' frames, m
-        ("y1", np.float64),
-        ("x2", np.float64),
-        ("y2", np.float64),
+        *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
         ("angle", np.float64),  # of the body on a guide, rad
         ("drive", np.int64),  # its place among the motions
-        ("normal_x", np.float64),  # of a guide
-        ("normal_y", np.float64),
+        *floats("normal_x", "normal_y"),  # of a guide
     ]
 )
 

@@ -9,14 +9,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile, turned
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
-from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
 # A pin in its bearing at one instant, open or closed
 CONTACT = np.dtype(
@@ -24,16 +22,12 @@ CONTACT = np.dtype(
         ("penetration", np.float64),  # greatest overlap of the surfaces, m; below zero if open
         ("rate", np.float64),  # at which it grows, m/s
         ("sliding", np.float64),  # v_t at the contact point, m/s
-        ("eccentricity", np.float64),  # |e|, m
-        ("eccentricity_x", np.float64),
-        ("eccentricity_y", np.float64),
-        ("velocity_x", np.float64),  # rate of e, m/s
-        ("velocity_y", np.float64),
+        *floats("eccentricity", "eccentricity_x", "eccentricity_y"),  # |e| and e, m
+        *floats("velocity_x", "velocity_y"),  # rate of e, m/s
         ("turning", np.float64),  # rate of the direction of e, rad/s
-        ("normal_x", np.float64),  # direction in which the pin presses on the bearing
-        ("normal_y", np.float64),
-        ("pin_arm", np.float64),  # from the two centres to the contact point along the normal, m
-        ("bearing_arm", np.float64),
+        *floats("normal_x", "normal_y"),  # direction in which the pin presses on the bearing
+        # from the two centres to the contact point along the normal, m
+        *floats("pin_arm", "bearing_arm"),
         ("approach", np.float64),  # speed on which the normal force works, m/s
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
@@ -41,16 +35,10 @@ CONTACT = np.dtype(
         ("place", np.float64),  # on a foundation the direction of the greatest overlap, rad
         # Of the pressure on the worn pin about the contact point, N m; the bearing's is opposite.
         ("couple", np.float64),
-        ("bearing_angle", np.float64),  # rad
-        ("bearing_spin", np.float64),  # rad/s
-        ("bearing_lever_x", np.float64),  # from the body's mass centre to the bearing's, m
-        ("bearing_lever_y", np.float64),
-        ("pin_angle", np.float64),
-        ("pin_spin", np.float64),
-        ("pin_lever_x", np.float64),
-        ("pin_lever_y", np.float64),
-        ("normal", np.float64),  # forces, N, see ``note_forces``
-        ("tangential", np.float64),
+        # Of the bodies, rad and rad/s; from their mass centres to those of bearing and pin, m
+        *floats("bearing_angle", "bearing_spin", "bearing_lever_x", "bearing_lever_y"),
+        *floats("pin_angle", "pin_spin", "pin_lever_x", "pin_lever_y"),
+        *floats("normal", "tangential"),  # forces, N, see ``note_forces``
         ("bristle", np.float64),  # deflection of the bristles of its friction, m
         ("bristle_rate", np.float64),  # m/s
     ]

@@ -6,13 +6,12 @@ import numpy as np
 
 from presswear.linkage.drives import DEGREE, MAX_HARMONICS, MAX_PIECES, Drive
 from presswear.linkage.linkage import Linkage
-from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
+from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
 # A drive as the kernels see it
 MOTION = np.dtype(
     [
-        ("speed", np.float64),  # mean, with what the pieces turn in a cycle
-        ("angle", np.float64),
+        *floats("speed", "angle"),  # the mean speed, with what the pieces turn in a cycle
         ("base", np.float64),  # frequency of the first harmonic, rad/s
         ("count", np.int64),  # of harmonics
         ("cosine", np.float64, (MAX_HARMONICS,)),

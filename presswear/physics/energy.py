@@ -11,28 +11,20 @@ force is not the gradient of an energy, as that of radial contact on a sloping p
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.physics.loads import spring_energy
 from presswear.physics.packed import Packed, depths_of
-from presswear.tools.compile import Records, inlined
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, floats, inlined
 
 # Sums that an engine keeps step by step, and the powers they went on from
 LEDGER = np.dtype(
     [
-        ("drive_work", np.float64),  # J
-        ("drive_exchange", np.float64),  # integral of the absolute drive power, J
-        ("load_work", np.float64),  # J
-        ("contact_loss", np.float64),  # J
-        ("friction_loss", np.float64),  # J
-        ("made", np.float64),  # J
-        ("drive_power", np.float64),  # in the last accepted state, W
-        ("load_power", np.float64),
-        ("contact_power", np.float64),
-        ("friction_power", np.float64),
-        ("made_power", np.float64),
+        # J; the exchange is the integral of the absolute drive power
+        *floats("drive_work", "drive_exchange", "load_work"),
+        *floats("contact_loss", "friction_loss", "made"),
+        # W, in the last accepted state
+        *floats("drive_power", "load_power", "contact_power", "friction_power", "made_power"),
     ]
 )
 

@@ -6,9 +6,6 @@ exact.
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from presswear.physics.energy import loss_powers
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
@@ -18,9 +15,8 @@ from presswear.physics.friction_and_normal import (
     normal_force,
 )
 from presswear.physics.wear import wear_rates
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, inlined
-
-Array = NDArray[np.float64]
 
 # Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
 # its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s

@@ -15,12 +15,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface
+from presswear.tools.arrays import Array
 from presswear.tools.compile import compiled, fused, fused_inlined
-
-Array = NDArray[np.float64]
 
 # Rows of each surface, of the bearing from 0 and of the pin from 4: depth, m, and slope, m/rad, at
 # the bin centres; coefficients of x^2 and x^3 of the cubic after each, m/rad^2 and m/rad^3

@@ -15,7 +15,15 @@ from presswear.linkage.laws import (
     FrictionLaw,
     NormalLaw,
 )
-from presswear.tools.compile import Records, address_of, call, compile_function, compiled, inlined
+from presswear.tools.compile import (
+    Records,
+    address_of,
+    call,
+    compile_function,
+    compiled,
+    floats,
+    inlined,
+)
 
 INLINE = 0  # address of a law that stands in the kernels
 FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, beside it, user law
@@ -23,15 +31,11 @@ FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, besi
 # A normal law as the kernels see it
 NORMAL = np.dtype(
     [
-        ("stiffness", np.float64),
-        ("exponent", np.float64),
-        ("damping", np.float64),
-        ("clearance", np.float64),
+        *floats("stiffness", "exponent", "damping", "clearance"),
         ("address", np.int64),  # of a force of NORMAL_PARAMETERS, elastic at rest
         ("kind", np.int64),  # of damping
         # The power law with which the time of a contact is estimated.
-        ("estimated_stiffness", np.float64),
-        ("estimated_exponent", np.float64),
+        *floats("estimated_stiffness", "estimated_exponent"),
         ("abrupt", np.bool_),  # the force begins with a jump
     ]
 )
@@ -39,14 +43,10 @@ NORMAL = np.dtype(
 # A law of friction as the kernels see it
 FRICTION = np.dtype(
     [
-        ("coefficient", np.float64),
-        ("lower", np.float64),
-        ("upper", np.float64),
+        *floats("coefficient", "lower", "upper"),
         ("force", np.int64),  # its address
-        ("static", np.float64),
-        ("stribeck", np.float64),
-        ("bristle_stiffness", np.float64),  # 0 where the law has no bristles
-        ("bristle_damping", np.float64),
+        *floats("static", "stribeck"),
+        *floats("bristle_stiffness", "bristle_damping"),  # 0 where the law has no bristles
     ]
 )
 
@@ -166,17 +166,6 @@ def normal_force(
     return 0.0 if force < 0.0 else force
 
 
-@inlined
-def friction_ramp(speed: float, lower: float, upper: float) -> float:
-    """Return the dynamic correction c_d in 0 .. 1 (equation 9) for a sliding speed, m/s."""
-    magnitude = abs(speed)
-    if magnitude <= lower:
-        return 0.0
-    if magnitude >= upper:
-        return 1.0
-    return (magnitude - lower) / (upper - lower)
-
-
 @compiled
 def corner_ahead(sliding: float, sense: float, law: Records) -> float:
     """Return the next corner of the friction ramp, m/s, upwards or, by a sense of -1, downwards."""
@@ -213,9 +202,14 @@ FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfa
 
 @inlined
 def friction_force(sliding: float, normal: float, law: Records) -> float:
-    """Return the friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9)."""
+    """Return the friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
+
+    The dynamic correction c_d rises from 0 at the lower speed to 1 at the upper.
+    """
     if law.force == INLINE:
-        ramp = friction_ramp(sliding, law.lower, law.upper)
+        speed, ramp = abs(sliding), 1.0
+        if speed < law.upper:
+            ramp = max((speed - law.lower) / (law.upper - law.lower), 0.0)
         return -math.copysign(law.coefficient * ramp * normal, sliding)
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
 

@@ -26,9 +26,8 @@ from presswear.physics.assembly import (
     motion_of_row,
     stuck,
 )
+from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
-
-Array = NDArray[np.float64]
 
 # Least measure of how far the joints are from a dead point; of two links in line it is some
 # half of the sine of the angle between them

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
@@ -23,18 +22,18 @@ from presswear.linkage.loads import (
     OverTime,
 )
 from presswear.physics.constraints import lever
+from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     Records,
     address_of,
     call,
     compile_function,
     compiled,
+    floats,
     inlined,
     lazily_compiled,
 )
 from presswear.tools.user_function import UserFunction
-
-Array = NDArray[np.float64]
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
 # Branches of a load in one sense of motion: none, growing with the speed, all of it; the elastic
@@ -48,10 +47,8 @@ LOAD = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
         ("turns", np.bool_),  # a moment over the body's angle, and no force at a point
-        ("x", np.float64),  # the point in the body's frame, m
-        ("y", np.float64),
-        ("cosine", np.float64),  # of the direction; of a moment 1 or -1
-        ("sine", np.float64),
+        *floats("x", "y"),  # the point in the body's frame, m
+        *floats("cosine", "sine"),  # of the direction; of a moment 1 or -1
         ("kind", np.int64),
         ("first", np.int64),  # of its nodes
         ("count", np.int64),
@@ -73,15 +70,11 @@ MODE = np.dtype(
         ("piece", np.int64),  # of the table: 0 before its first node, count behind its last
         ("turn", np.int64),  # periods that have passed
         ("branch", np.int64),
-        ("low", np.float64),  # positions, m or rad, between which the mode holds, or times, s
-        ("high", np.float64),
-        ("slow", np.float64),  # speeds between which it does
-        ("fast", np.float64),
+        *floats("low", "high"),  # positions, m or rad, between which the mode holds, or times, s
+        *floats("slow", "fast"),  # speeds between which it does
         ("deepest", np.float64),  # where the motion turned back last, m or rad
         ("borne", np.float64),  # size there, N or N m
-        ("place", np.float64),  # in the last accepted state, m or rad
-        ("speed", np.float64),
-        ("faster", np.float64),
+        *floats("place", "speed", "faster"),  # in the last accepted state, m or rad
         ("change", np.float64),  # of the acceleration, over the last step
         ("jump", np.float64),  # of the size on leaving that state, part of the greater one
         ("time", np.float64),  # of that state, s
@@ -524,13 +517,8 @@ SPRING = np.dtype(
     [
         ("first", np.int64),  # index of a body's x in q; -1 for the frame
         ("second", np.int64),
-        ("x1", np.float64),  # points in their bodies' frames, m
-        ("y1", np.float64),
-        ("x2", np.float64),
-        ("y2", np.float64),
-        ("stiffness", np.float64),
-        ("damping", np.float64),
-        ("length", np.float64),
+        *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
+        *floats("stiffness", "damping", "length"),
     ]
 )
 

@@ -18,23 +18,16 @@ from presswear.physics.loads import (
     pack_springs,
     spring_forces,
 )
-from presswear.tools.compile import Records, copy_to, inlined
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, copy_to, floats, inlined
 
 # A clearance joint as the kernels see it; SI units
 JOINT = np.dtype(
     [
         ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
         ("pin_body", np.int64),
-        ("bearing_x", np.float64),  # centres in the bodies' frames, m
-        ("bearing_y", np.float64),
-        ("pin_x", np.float64),
-        ("pin_y", np.float64),
-        ("bearing_radius", np.float64),
-        ("pin_radius", np.float64),
-        ("clearance", np.float64),
-        ("width", np.float64),
+        *floats("bearing_x", "bearing_y", "pin_x", "pin_y"),  # centres in the bodies' frames, m
+        *floats("bearing_radius", "pin_radius", "clearance", "width"),
         ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
         ("normal", NORMAL),
         ("friction", FRICTION),

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage, branches_of, chain_of, prescribed_of
@@ -27,19 +26,15 @@ from presswear.physics.tree import (
     pack_links,
     place_links,
 )
-from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
 # A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
 CLOSING = np.dtype(
     [
         ("first", np.int64),  # part; -1 for the frame
         ("second", np.int64),
-        ("x1", np.float64),  # points in their bodies' frames, m
-        ("y1", np.float64),
-        ("x2", np.float64),
-        ("y2", np.float64),
+        *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
     ]
 )
 
@@ -70,20 +65,15 @@ class Prescribed(NamedTuple):
 SOME = Prescribed(np.zeros(0, LINK), np.zeros(0, CLOSING), np.zeros(0, MOTION), np.zeros((0, 0)))
 
 
-@compiled
 def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
     """Note a state of all bodies from which the motion is to go on, and its time, s."""
     parts, _, _, work = prescribed
+    b = parts["body"]
+    along = (q[b] - parts["before_x"]) * parts["cosine"]
+    along += (q[b + 1] - parts["before_y"]) * parts["sine"]
     work[:] = 0.0
     work[LAST, TIME] = t
-    for i in range(parts.shape[0]):
-        part = parts[i]
-        b = part.body
-        if part.kind == GUIDED:
-            along_x = (q[b] - part.before_x) * part.cosine
-            work[PLACE, i] = along_x + (q[b + 1] - part.before_y) * part.sine
-        else:
-            work[PLACE, i] = q[b + 2]
+    work[PLACE, : b.size] = np.where(parts["kind"] == GUIDED, along, q[b + 2])
 
 
 @inlined

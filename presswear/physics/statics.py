@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import root
 
 from presswear.linkage.elements import Revolute
@@ -18,11 +17,10 @@ from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
 from presswear.physics.ideal import IdealMotion, Motion, bottom_of, ideal_motion
 from presswear.physics.loads import place_loads, settle_loads
 from presswear.physics.packed import applied_forces, pack
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity
-
-Array = NDArray[np.float64]
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
 

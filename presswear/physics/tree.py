@@ -13,13 +13,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Guide
 from presswear.linkage.linkage import Branch, Linkage
-from presswear.tools.compile import Records, inlined
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, floats, inlined
 
 # A body of a tree as the kernels see it; parents come before children
 LINK = np.dtype(
@@ -31,17 +29,12 @@ LINK = np.dtype(
         ("before", np.int64),  # index in q of the body it hangs from; -1 for the frame
         ("below", np.int64),  # link it hangs from; -1 for the frame or a prescribed body
         ("drive", np.int64),  # place of its drive among the linkage's; -1 for none
-        ("before_x", np.float64),  # joint in the frame of the body before, m
-        ("before_y", np.float64),
-        ("own_x", np.float64),  # joint in the body's own frame, m
-        ("own_y", np.float64),
-        ("cosine", np.float64),  # of the guide's direction
-        ("sine", np.float64),
+        *floats("before_x", "before_y"),  # joint in the frame of the body before, m
+        *floats("own_x", "own_y"),  # joint in the body's own frame, m
+        *floats("cosine", "sine"),  # of the guide's direction
         ("angle", np.float64),  # of a sliding body, rad
-        ("axis_x", np.float64),  # cosine and sine of that
-        ("axis_y", np.float64),
-        ("mass", np.float64),
-        ("inertia", np.float64),  # kg m^2
+        *floats("axis_x", "axis_y"),  # cosine and sine of that
+        *floats("mass", "inertia"),
     ]
 )
 
@@ -219,14 +212,13 @@ def pack_links(linkage: Linkage, branches: Sequence[Branch]) -> Records:
 # A link with all that hangs from it, about its mass centre; SI units, global directions
 ARTICULATED = np.dtype(
     [
-        *((name, np.float64) for name in ("xx", "xy", "yy", "xt", "yt", "tt")),  # its inertia
-        *((name, np.float64) for name in ("fx", "fy", "ft")),  # force and moment on it
-        *((name, np.float64) for name in ("sx", "sy", "st")),  # its motion with its coordinate
-        *((name, np.float64) for name in ("ux", "uy", "ut")),  # inertia times that motion
-        *((name, np.float64) for name in ("cx", "cy")),  # acceleration that no coordinate gives
-        *((name, np.float64) for name in ("dx", "dy")),  # from the parent's mass centre to its own
-        ("mobility", np.float64),  # of its coordinate
-        ("force", np.float64),  # on its coordinate
+        *floats("xx", "xy", "yy", "xt", "yt", "tt"),  # its inertia
+        *floats("fx", "fy", "ft"),  # force and moment on it
+        *floats("sx", "sy", "st"),  # its motion with its coordinate
+        *floats("ux", "uy", "ut"),  # inertia times that motion
+        *floats("cx", "cy"),  # acceleration that no coordinate gives
+        *floats("dx", "dy"),  # from the parent's mass centre to its own
+        *floats("mobility", "force"),  # of its coordinate; on its coordinate
     ]
 )
 

@@ -10,16 +10,12 @@ foundation, and the worn volume is K_d times the integral of F_n ds to round-off
 import math
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.foundation import SURFACES, bin_of, press, spread_round
 from presswear.physics.packed import JOINT
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
-
-Array = NDArray[np.float64]
 
 
 @inlined

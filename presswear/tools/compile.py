@@ -37,6 +37,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 Records = Any  # structured array; kernels read ``records[k].name``, a type checker cannot
 
+
+def floats(*names: str) -> list[tuple[str, type]]:
+    """Return fields of a record for floating-point numbers."""
+    return [(name, np.float64) for name in names]
+
+
 _PACKAGE = Path(__file__).resolve().parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
 

@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, force_of, gap_of, normal_law, placed, worn_joint
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
 from presswear.physics.contact import direction_of, joint_end
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, friction_force, friction_record
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 EPS = float(np.finfo(float).eps)
 NO_LOAD = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

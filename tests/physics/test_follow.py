@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from presswear.linkage.drives import Drive, Dwell, Follow
 from presswear.linkage.linkage import Linkage
@@ -19,7 +18,6 @@ from presswear.physics.ideal import followed, motion_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError
 
-Array = NDArray[np.float64]
 TURN = 2.0 * math.pi
 PRESS = Press().linkage()
 W = Press().speed

@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, placed
 
 from presswear.linkage.surface import Surface, bin_centres
@@ -18,8 +17,7 @@ from presswear.physics.foundation import (
     packed_rows,
     press,
 )
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 C = 8e-4
 BINS = 360
@@ -181,23 +179,3 @@ def test_rates_of_overlap_and_energy_are_derivatives() -> None:
     h = 1e-8
     ahead, behind = (pair.after(d).contact().energy for d in (h, -h))
     assert contact.elastic * contact.closing == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
-
-
-@given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
-@example(seed=626, above=3e-6)
-@example(seed=1790, above=3e-6)
-def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
-    """On coarse rough maps the overlap can rise and fall twice inside one segment."""
-    random = np.random.default_rng(seed)
-    bearing, pin = Surface(3e-5 * random.random(24)), Surface(3e-5 * random.random(24))
-    places = (float(random.uniform(0.0, 6.0)), float(random.uniform(0.0, 6.0)))
-    before = bed(bearing, pin, C, *places)
-    # So far that the place that comes nearest meets by the micrometre.
-    eccentricity = C + (1e-6 + above - before.overlap) / math.cos(before.place)
-    result = bed(bearing, pin, eccentricity, *places)
-    assert result.along > 0.0
-    s = np.linspace(-1.5, 1.5, 300_001)
-    overlap = overlaps(s, bearing, pin, eccentricity, *places)
-    assert result.overlap == pytest.approx(overlap.max(), abs=1e-12)
-    along = (np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0])
-    assert result.along == pytest.approx(along, rel=2e-4, abs=1e-12)

@@ -1,11 +1,11 @@
-"""Linkages at rest under a load: closed forms, the engine run to rest, and what is refused."""
+"""Linkages at rest under a load, and torques that ideal motions need; what is refused."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_form import press_motion
+from closed_form import needed_by_virtual_work, press_motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,10 +14,19 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.loads import OverPosition
 from presswear.linkage.mechanisms import GEOMETRIES
-from presswear.physics.ideal import bottom_of
-from presswear.physics.statics import LEAST_PULL, equilibrium, heights_at_bottom, pull_of
+from presswear.physics.ideal import bottom_of, motion_of
+from presswear.physics.statics import (
+    LEAST_PULL,
+    check_drives,
+    equilibrium,
+    heights_at_bottom,
+    needed_torques,
+    pull_of,
+)
 from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError
 
 LIGHT = pw.Scene(pw.SliderCrank(gravity=0.0), joints="AB", wear_updates=0)
 
@@ -182,3 +191,36 @@ def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
         pw.deflection(linkage, 1.0, math.inf)
     with pytest.raises(pw.InputError, match="no bottom dead centre: its output point"):
         pw.total_clearance(replace(held(1.0, 2.0), loads=()))
+
+
+@pytest.mark.parametrize("run_up", [0, 1])
+def test_torques_of_the_press_are_those_of_virtual_work(run_up: int) -> None:
+    """Under a stop and weights; behind a run-up the cycle is the same."""
+    press = pw.Press(run_up=run_up)
+    stop = OverPosition([(-0.6, 200.0), (-0.5, 0.0)], outside="hold")
+    plain = press.linkage()
+    linkage = plain.changed(loads=[pw.Force("slider 6", 0.5 * np.pi, stop)])
+    within = np.linspace(0.0, press.period, 101)
+    place = press_motion(press, within).output(plain)[:, 0]
+    upwards = np.interp(place, *np.array(stop.table).T)
+    result = needed_torques(linkage, motion_of(linkage), linkage.run_up_time + within)
+    expected = needed_by_virtual_work(press, within, upwards)
+    np.testing.assert_allclose(result, expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_a_limit_is_that_of_the_greatest_torque() -> None:
+    """A bar on a pin at even speed bears its weight alone: m g r."""
+    bar = pw.Bar("crank", length=0.4, mass=2.0)
+    weight = 2.0 * 9.81 * 0.2
+
+    def made(limit: float) -> pw.Linkage:
+        drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=limit)
+        return pw.assemble([bar], [pw.Pin("O", (0.0, 0.0), "crank.tail")], [drive])
+
+    enough, little = made(1.001 * weight), made(0.999 * weight)
+    check_drives(enough, motion_of(enough))
+    says = r"torque_limit of crank = 3\.92008 N m: the ideal motion needs 3\.924 N m, 568\.\d+ ms"
+    with pytest.raises(InputError, match=says):
+        check_drives(little, motion_of(little))
+    with pytest.raises(InputError, match="torque_limit of crank = 0 N m: allowed is 1e-06 to"):
+        made(0.0)
