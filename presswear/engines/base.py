@@ -12,7 +12,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of
-from presswear.physics.energy import LEDGER, SETTLED
+from presswear.physics.forces import LEDGER, SETTLED
 from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
-from presswear.physics.energy import Ledger
+from presswear.physics.forces import Ledger
 from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine

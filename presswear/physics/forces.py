@@ -1,12 +1,20 @@
-"""Forces of contacts on the bodies, and the powers that go with them.
+"""Forces of contacts on the bodies, their powers, and the ledger of energies.
 
-Both forces of a joint act at one common point, so that linear and angular momentum are
-exact.
+Both forces of a joint act at one common point, so that linear and angular momentum are exact.
+
+The ledger that every engine keeps: drive work + load work = change of kinetic, potential and
+elastic contact energy + contact loss + friction loss + residual. Load work is that of loads with a
+law, less what dampers of springs take; constant loads have a potential. The normal force does its
+work along n, on the approach e_dot . n; what it does beyond loading the elastic law is the contact
+loss: the damping, less what the law makes of nothing where its force is not the gradient of an
+energy, as that of radial contact on a sloping profile.
 """
 
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
-from presswear.physics.energy import loss_powers
+import numpy as np
+
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     bristle_force,
@@ -14,9 +22,11 @@ from presswear.physics.friction_and_normal import (
     friction_force,
     normal_force,
 )
+from presswear.physics.loads import spring_energy
+from presswear.physics.packed import Packed, depths_of
 from presswear.physics.wear import wear_rates
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, inlined
+from presswear.tools.compile import Records, floats, inlined
 
 # Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
 # its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s
@@ -101,6 +111,21 @@ def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
 
 
 @inlined
+def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float, float]:
+    """Return the powers lost in contact and friction, and made by the normal law, W."""
+    if contact.penetration <= 0.0:
+        return 0.0, 0.0, 0.0
+    stored = contact.elastic * contact.closing
+    lost = normal * contact.approach - stored
+    made = normal * (contact.closing - contact.approach)
+    damped = normal * contact.closing - stored
+    if damped < 0.0:
+        # A user law that pushes harder where it opens.
+        made -= damped
+    return lost, -tangential * contact.sliding, made
+
+
+@inlined
 def add_contacts(
     joints: Records, onset: Array, contacts: Records, force: Array, rates: Array
 ) -> None:
@@ -135,3 +160,102 @@ def add_contacts(
                 force[b] -= load.x
                 force[b + 1] -= load.y
                 force[b + 2] += load.bearing_moment
+
+
+# Sums that an engine keeps step by step, and the powers they went on from
+LEDGER = np.dtype(
+    [
+        # J; the exchange is the integral of the absolute drive power
+        *floats("drive_work", "drive_exchange", "load_work"),
+        *floats("contact_loss", "friction_loss", "made"),
+        # W, in the last accepted state
+        *floats("drive_power", "load_power", "contact_power", "friction_power", "made_power"),
+    ]
+)
+
+
+def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
+    """Return the kinetic, potential and elastic energy of a state, J; the last of each contact."""
+    with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
+        kinetic = 0.5 * float(np.sum(packed.mass * v**2))
+    potential = -float(packed.weight @ q)
+    springs = spring_energy(packed.springs, q) if len(packed.springs) else 0.0
+    return kinetic + potential + springs + float(np.sum(elastic))
+
+
+# Energy that contacts may make, part of what the drives exchanged, before a run is ended
+MAX_MADE = 0.5
+SETTLED = 0.05  # part of the first cycle before which that is not judged, nor in a run-up
+
+
+def has_worn_radial_contact(packed: Packed) -> bool:
+    """Return whether a joint with radial contact has a worn surface."""
+    return bool(depths_of(packed)[packed.joints["foundation"] == 0.0].any())
+
+
+def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
+    """Return a message if contacts created more energy than they dissipated, else nothing.
+
+    A radial force over a steep worn profile is not the gradient of an energy: pin and wall can
+    drive each other, ever faster. Losses and exchange are those so far, J; see ``Ledger``.
+    """
+    # Energies that are no numbers come from a broken state, which is reported elsewhere.
+    if not (exchange > 0.0 and contact_loss < -MAX_MADE * exchange):
+        return ""
+    cause = "the steps are too coarse"
+    if has_worn_radial_contact(packed):
+        cause = f"the worn surfaces are too steep for contact = radial, or {cause}"
+    return (
+        f"the contacts created {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
+        f"{cause}"
+    )
+
+
+def made_remedy(packed: Packed, finer: str) -> str:
+    """Return advice where contacts created energy; ``finer`` is that for the steps."""
+    if has_worn_radial_contact(packed):
+        return f"contact = foundation can follow steep surfaces; else finer steps: {finer}"
+    return finer
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Balance of the energy of a run, J."""
+
+    drive_work: float
+    drive_exchange: float  # integral of the absolute power of the drives
+    stored: float  # change of kinetic, potential and elastic energy
+    contact_loss: float  # dissipated by contacts, less what they created
+    friction_loss: float
+    made: float = 0.0  # by the normal law, positive or negative
+    load_work: float = 0.0  # of loads with a law, less the loss in the dampers of springs
+
+    @staticmethod
+    def of(sums: Records, stored: float) -> "Ledger":
+        """Return the ledger from one record of LEDGER and the change of stored energy, J."""
+        names = (field.name for field in fields(Ledger) if field.name != "stored")
+        return Ledger(stored=stored, **{name: float(sums[name]) for name in names})
+
+    @property
+    def dissipated(self) -> float:
+        """Energy that damping and friction turned into heat, J."""
+        return self.contact_loss + self.made + self.friction_loss
+
+    @property
+    def residual(self) -> float:
+        """Residual of the balance, J: the error of the integration."""
+        supplied = self.drive_work + self.load_work
+        return supplied - self.stored - self.contact_loss - self.friction_loss
+
+    def as_dict(self) -> dict[str, float]:
+        """Return the balance with the names of ``result.json``."""
+        return {
+            "drive_work_J": self.drive_work,
+            "drive_exchange_J": self.drive_exchange,
+            "load_work_J": self.load_work,
+            "stored_energy_change_J": self.stored,
+            "contact_loss_J": self.contact_loss,
+            "friction_loss_J": self.friction_loss,
+            "contact_made_J": self.made,
+            "energy_residual_J": self.residual,
+        }

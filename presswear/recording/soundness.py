@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
-from presswear.physics.energy import Ledger, made_remedy
+from presswear.physics.forces import Ledger, made_remedy
 from presswear.physics.packed import mass_of
 from presswear.recording.recorder import Recorder
 

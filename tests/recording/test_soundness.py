@@ -15,7 +15,7 @@ from presswear.engines.settings import ExudynJoints
 from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.energy import Ledger, made_energy, made_remedy
+from presswear.physics.forces import Ledger, made_energy, made_remedy
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine
 from presswear.scene.catalog import scene_named

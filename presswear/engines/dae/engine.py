@@ -15,8 +15,16 @@ from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
-from presswear.physics.energy import Ledger, made_energy, made_remedy, stored_energy
-from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, JOINT_RATES, MADE
+from presswear.physics.forces import (
+    CONTACT_LOSS,
+    FRICTION_LOSS,
+    JOINT_RATES,
+    MADE,
+    Ledger,
+    made_energy,
+    made_remedy,
+    stored_energy,
+)
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding

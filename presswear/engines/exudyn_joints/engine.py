@@ -39,8 +39,7 @@ from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
-from presswear.physics.energy import Ledger, stored_energy
-from presswear.physics.forces import JOINT_RATES
+from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.touchdown import STEPS
 from presswear.recording.recorder import Recorder

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from presswear.physics.constraints import DRIVE, Held, project, project_acceleration
 from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import drive_motion, step_to_break
-from presswear.physics.energy import loss_powers
-from presswear.physics.forces import add_contacts, load_of
+from presswear.physics.forces import add_contacts, load_of, loss_powers
 from presswear.physics.loads import (
     count_transitions,
     greatest_jump,

@@ -31,8 +31,7 @@ from presswear.engines.exudyn_tree.kernels import (
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage, prescribed_of
-from presswear.physics.energy import Ledger, stored_energy
-from presswear.physics.forces import JOINT_RATES
+from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
 from presswear.physics.prescribed import Tree, begin_motion, tree_of
 from presswear.physics.tree import CARRIED, COORDINATES, GUIDED, LOOSE
 from presswear.recording.recorder import Recorder
