@@ -359,18 +359,6 @@ def add_pressed(g: Segment, sums: ArcIntegrals) -> ArcIntegrals:
     return sums
 
 
-@fused
-def with_peak(g: Segment, middle: float, sums: ArcIntegrals) -> ArcIntegrals:
-    """Return the sums with the greatest overlap of a segment, where it is the greatest so far."""
-    first, _, second = turning_points(g)
-    overlap, place = sums.overlap, sums.place
-    for x in (-1.0, first, second, 1.0):
-        value = value_at(g, x)
-        if value > overlap:
-            overlap, place = value, middle + g.half * x
-    return ArcIntegrals(overlap, place, sums.along, sums.across, sums.slope, sums.square, sums.area)
-
-
 @fused_inlined
 def onward(cell: int, x: float, length: float, width: float, count: int) -> tuple[int, float]:
     """Return cell and way into it a length further on, which ends in the cell or with it."""
@@ -449,7 +437,7 @@ def press(
     half_before, half_behind = 0.5 * node / before, 0.5 * (width - node) / behind
     b = (b - ahead + 2 * count) % count
     p = (p - ahead + 2 * count) % count
-    sums = ArcIntegrals(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    sums, peak, place = NOTHING, eccentricity - clearance - here, 0.0
     start = -ahead * width - into
     left = place_at(surfaces, eccentricity, clearance, b, p, 0.0, width - node, start)
     for i in range(cells):
@@ -470,17 +458,20 @@ def press(
             third = right.overlap - 2.0 * THIRD * half * right.rise
             low = min(min(left.overlap, right.overlap), min(second, third)) - quartic
             high = max(max(left.overlap, right.overlap), max(second, third)) + quartic
-            if high > 0.0 or high > sums.overlap:
+            if high > 0.0 or high > peak:
                 g = segment_between(left, right, half, quartic, cube)
-                if high > sums.overlap:
-                    sums = with_peak(g, cell + offset + half, sums)
+                if high > peak:
+                    first, _, second = turning_points(g)
+                    for x in (-1.0, first, second, 1.0):
+                        if value_at(g, x) > peak:
+                            peak, place = value_at(g, x), cell + offset + half + half * x
                 sums = add_whole(g, sums) if low > 0.0 else add_pressed(g, sums)
                 if shares.shape[1] > 0 and high > 0.0:
                     at = cell + offset
                     _share_segment(g, bearing_place + at, pin_place + at, shares)
             left = right
         b = b + 1 if b + 1 < count else 0
-    return sums
+    return ArcIntegrals(peak, place, *sums[2:])
 
 
 @fused_inlined

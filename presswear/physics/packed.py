@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, ClearanceJoint
+from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import BEARING, PIN, ROWS, foundation_stiffness, packed_rows
@@ -59,15 +59,21 @@ class Packed(NamedTuple):
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     """Pack a linkage for the kernels; ``wearing``: surfaces that are round now wear in a run."""
+    driven = {drive.body for drive in linkage.drives}
+    bodies = {body.name: body for body in linkage.bodies if body.name not in driven}
     offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     joints = np.zeros(len(linkage.clearances), JOINT)
     for record, joint in zip(joints, linkage.clearances, strict=True):
+        # Both bodies taken as free: 1/m = sum of 1/m + r^2/I; driven ones do not give way.
+        mobility = 0.0
         for end, point in (("bearing", joint.bearing), ("pin", joint.pin)):
             record[f"{end}_body"] = offset[point.body]
             record[f"{end}_x"], record[f"{end}_y"] = point.x, point.y
+            if body := bodies.get(point.body):
+                mobility += 1.0 / body.mass + (point.x**2 + point.y**2) / body.effective_inertia
+        record["effective_mass"] = 1.0 / mobility if mobility > 0.0 else math.inf
         for name in ("bearing_radius", "pin_radius", "clearance", "width"):
             record[name] = getattr(joint, name)
-        record["effective_mass"] = effective_mass(linkage, joint)
         record["normal"] = normal_record(joint.normal, joint.clearance)
         record["friction"] = friction_record(joint.friction)
         record["map_bins"] = joint.bins
@@ -90,9 +96,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         weight[i : i + 3] += load.x, load.y, load.moment
     most = int(joints["surface_bins"].max(initial=0))
     surfaces = np.zeros((len(joints), ROWS, most))
-    driven = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
+    turned = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
     springs, loads = pack_springs(linkage), pack_loads(linkage)
-    packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, driven)
+    packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, turned)
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
@@ -101,21 +107,6 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
 def mass_of(linkage: Linkage) -> Array:
     """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
     return np.ravel([(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies])
-
-
-def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
-    """Return the lower bound of the mass that meets in a clearance joint, kg.
-
-    Both bodies taken as free: 1/m = sum of 1/m + r^2/I. Constraints only add mass.
-    A driven body and the frame do not give way.
-    """
-    driven = {drive.body for drive in linkage.drives}
-    mobility = 0.0
-    for end in (joint.bearing, joint.pin):
-        for body in linkage.bodies:
-            if body.name == end.body and body.name not in driven:
-                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.effective_inertia
-    return 1.0 / mobility if mobility > 0.0 else math.inf
 
 
 def depths_of(packed: Packed) -> Array:

@@ -19,14 +19,6 @@ from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 
 @inlined
-def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
-    """Return the rate of slip ds/dt, m/s: (R_j + delta) |phi_dot| (equation 24) or |v_t|."""
-    if by_angle:
-        return (pin_radius + contact.penetration) * abs(contact.turning)
-    return abs(contact.sliding)
-
-
-@inlined
 def contact_area(
     penetration: float, eccentricity: float, bearing_radius: float, pin_radius: float, width: float
 ) -> float:
@@ -46,11 +38,14 @@ def contact_area(
 def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
     """Return the rates of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
 
-    Zero where no account is kept.
+    The rate of slip is (R_j + delta) |phi_dot| (equation 24) or |v_t|. Zero without an account.
     """
     if normal <= 0.0 or joint.wear_coefficient == 0.0:
         return 0.0, 0.0
-    work = normal * slip_speed(joint.slip_by_angle, joint.pin_radius, contact)
+    slip = abs(contact.sliding)
+    if joint.slip_by_angle:
+        slip = (joint.pin_radius + contact.penetration) * abs(contact.turning)
+    work = normal * slip
     indentation = 0.5 * contact.penetration
     area = contact_area(
         contact.penetration,
@@ -119,11 +114,7 @@ def deposit_over_arc(
 
 
 def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
-    """Return the shape (joints, 2, m) of the wear maps of joints.
-
-    They have room for the finest; each joint's maps are in the first of the m, its own ``bins``,
-    and nothing behind.
-    """
+    """Return the shape (joints, 2, m) of the wear maps: each joint's are in its first ``bins``."""
     return len(joints), 2, max((joint.bins for joint in joints), default=1)
 
 

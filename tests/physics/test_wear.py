@@ -19,7 +19,6 @@ from presswear.physics.wear import (
     contact_area,
     deposit_in_bin,
     deposit_over_arc,
-    slip_speed,
     wear_rates,
     worn_volume,
 )
@@ -47,8 +46,7 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
         assert not shares.any()
     else:
         # The force that makes the load distance with the slip of the contact.
-        slip = slip_speed(bool(packed["slip_by_angle"]), JOINT.pin_radius, contact)
-        work, pressure = wear_rates(packed, contact, load_distance / slip)
+        work, pressure = wear_rates(packed, contact, load_distance / abs(contact.sliding))
         assert work == pytest.approx(load_distance, rel=1e-14)
         deposit_in_bin(depth, packed, contact, pressure)
     return depth
