@@ -193,26 +193,23 @@ def constraints_of(linkage: Linkage) -> Constraints:
     items += linkage.drives
     records = np.zeros(len(items), CONSTRAINT)
     names: list[str] = []
-
-    def offset(body: str) -> int:
-        return -1 if body == GROUND else 3 * linkage.index(body)
-
+    offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     for record, item in zip(records, items, strict=True):
         record["row"] = len(names)
         if isinstance(item, Drive):
-            record["kind"], record["first"] = DRIVE, offset(item.body)
+            record["kind"], record["first"] = DRIVE, offset[item.body]
             record["drive"] = linkage.drives.index(item)
             names.append(item.name)
             continue
         names += [item.name, item.name]
         if isinstance(item, Guide):
-            record["kind"], record["first"] = GUIDE, offset(item.body)
+            record["kind"], record["first"] = GUIDE, offset[item.body]
             record["x1"], record["y1"], record["angle"] = item.x, item.y, item.angle
             record["normal_x"] = -math.sin(item.direction)
             record["normal_y"] = math.cos(item.direction)
         else:
             record["kind"] = REVOLUTE
-            record["first"], record["second"] = offset(item.first.body), offset(item.second.body)
+            record["first"], record["second"] = offset[item.first.body], offset[item.second.body]
             record["x1"], record["y1"] = item.first.x, item.first.y
             record["x2"], record["y2"] = item.second.x, item.second.y
     return Constraints(records, motions_of(linkage), tuple(names))

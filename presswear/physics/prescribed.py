@@ -27,7 +27,7 @@ from presswear.physics.tree import (
     place_links,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
+from presswear.tools.compile import Records, floats, inlined, lazily_compiled
 
 # A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
 CLOSING = np.dtype(
@@ -117,36 +117,6 @@ def place_prescribed(
         work[PLACE, i] = q[parts[i].body] = math.nan
 
 
-@compiled
-def _end(
-    prescribed: Prescribed, row: int, i: int, x: float, y: float, sign: float, q: Array, axes: Array
-) -> None:
-    """Add one end of a closing pin to its two rows, and its place to what they are short of."""
-    parts, _, _, work = prescribed
-    px, py = x, y
-    if i >= 0:
-        b = parts[i].body
-        px, py = arm(x, y, axes, b)
-        px += q[b]
-        py += q[b + 1]
-    work[RIGHT, row] += sign * px
-    work[RIGHT, row + 1] += sign * py
-    across, up = work[HEAD + row], work[HEAD + row + 1]
-    while i >= 0:
-        part = parts[i]
-        if part.kind == GUIDED:
-            across[i] += sign * part.cosine
-            up[i] += sign * part.sine
-            break
-        hx, hy = arm(part.own_x, part.own_y, axes, part.body)
-        hx += q[part.body]
-        hy += q[part.body + 1]
-        across[i] -= sign * (py - hy)
-        up[i] += sign * (px - hx)
-        px, py = hx, hy
-        i = part.below
-
-
 @lazily_compiled(0, SOME, np.int64(0))
 def _solve(prescribed: Prescribed, row: int) -> float:
     """Solve for the right-hand side by Gauss elimination, and subtract it from a row of ``work``.
@@ -196,14 +166,36 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 @lazily_compiled(0, SOME, 1, 1)
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a step towards closed loops; returns its size, leaves the rows."""
-    _, closings, _, work = prescribed
-    count = 2 * closings.shape[0]
+    parts, closings, _, work = prescribed
     work[RIGHT] = 0.0
-    work[HEAD : HEAD + count] = 0.0
-    for c in range(closings.shape[0]):
-        pin = closings[c]
-        _end(prescribed, 2 * c, pin.first, pin.x1, pin.y1, 1.0, q, axes)
-        _end(prescribed, 2 * c, pin.second, pin.x2, pin.y2, -1.0, q, axes)
+    work[HEAD : HEAD + 2 * closings.shape[0]] = 0.0
+    for row in range(0, 2 * closings.shape[0], 2):
+        pin = closings[row // 2]
+        across, up = work[HEAD + row], work[HEAD + row + 1]
+        ends = ((pin.first, pin.x1, pin.y1, 1.0), (pin.second, pin.x2, pin.y2, -1.0))
+        for end, x, y, sign in ends:
+            i, px, py = end, x, y
+            if i >= 0:
+                b = parts[i].body
+                px, py = arm(x, y, axes, b)
+                px += q[b]
+                py += q[b + 1]
+            work[RIGHT, row] += sign * px
+            work[RIGHT, row + 1] += sign * py
+            # The rows by the coordinates of all parts down to the frame
+            while i >= 0:
+                part = parts[i]
+                if part.kind == GUIDED:
+                    across[i] += sign * part.cosine
+                    up[i] += sign * part.sine
+                    break
+                hx, hy = arm(part.own_x, part.own_y, axes, part.body)
+                hx += q[part.body]
+                hy += q[part.body + 1]
+                across[i] -= sign * (py - hy)
+                up[i] += sign * (px - hx)
+                px, py = hx, hy
+                i = part.below
     return _solve(prescribed, PLACE)
 
 
