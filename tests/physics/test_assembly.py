@@ -154,29 +154,6 @@ def test_a_linkage_without_motion_is_refused_by_name(linkage: Linkage, message: 
     assert "\n" not in str(refusal.value)
 
 
-def test_a_truss_stands_still_or_is_refused() -> None:
-    """Two bars between two points of the frame: nothing drives them, and nothing has to."""
-
-    def truss(base: float) -> Linkage:
-        return assemble(
-            bodies=[Bar("left", 0.2, 1.0), Bar("right", 0.2, 1.0)],
-            joints=[
-                Pin("O", (0.0, 0.0), "left.tail"),
-                Pin("M", "left.head", "right.tail"),
-                Pin("P", (base, 0.0), "right.head"),
-            ],
-            guess={"left": 1.0, "right": -1.0},
-            cycle=1.0,
-        )
-
-    motion = motion_of(truss(0.2)).at(np.linspace(0.0, 2.0, 7))
-    np.testing.assert_allclose(motion.position[:, 2], math.pi / 3.0, rtol=1e-13)
-    assert not motion.velocity.any()
-    for base in (0.4, 0.5):
-        with pytest.raises(AssemblyError, match=r"over the cycle: joint \S does not close"):
-            motion_of(truss(base))
-
-
 def bar(speed: float = 10.0, angle: float = 0.0, **changes: Any) -> Linkage:
     """A bar that turns about its tail; its head is watched upright."""
     return assemble(

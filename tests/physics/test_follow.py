@@ -1,7 +1,6 @@
 """Points that follow curves: closed forms, the seven-bar press, and what cannot be followed."""
 
 import math
-import re
 from dataclasses import replace
 from typing import Any
 
@@ -85,48 +84,6 @@ def test_the_crank_is_turned_as_the_law_of_cosines_says(
     exact = np.arccos((x**2 + R**2 - ROD**2) / (2.0 * R * x))
     assert np.abs(solution.drives[0].motion(time)[0] - exact).max() < 1e-8
     assert solution.run_up == run_up
-
-
-def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly() -> None:
-    """Two motions of the servo meet there; begun 1.6 degrees later, a step ends close behind."""
-    uneven = replace(PRESS.drives[1], harmonics=[(0.0, 0.0), (0.0, 0.0), (0.0, 0.08)])
-    later = math.radians(1.6) / W
-    phase, time = TURN * np.arange(250) / 250, np.linspace(0.0, PERIOD, 500)
-    motion, expected = motion_of(servo(uneven)), uneven.motion(time + later)[0]
-    there = motion.at(np.array([later])).position[0].reshape(-1, 3)
-    angles = {body.name: float(there[k, 2]) for k, body in enumerate(PRESS.bodies)}
-    place, velocity, acceleration = motion.at(later + phase / W).output(PRESS).T
-    rows = np.column_stack([phase, place - place[0], velocity / W, acceleration / W**2]).tolist()
-    follow = Follow("slider 6.centre", table=rows)
-    linkage = PRESS.changed(
-        guess={name: angles[name] for name in ("rod 3", "plate 4", "rod 5")},
-        drives=[
-            replace(PRESS.drives[0], angle=angles["crank 2"]),
-            Drive("crank 7", W, float(expected[0]), follow=follow),
-        ],
-    )
-    assert np.abs(followed(linkage).drives[1].motion(time)[0] - expected).max() < 1e-7
-
-
-def test_a_dead_point_that_is_in_the_way_is_told_with_its_place() -> None:
-    """A curve higher by a ten thousandth leads past what the servo can reach there."""
-    curve: Any = [[phase, *(1.0001 * item for item in rest)] for phase, *rest in curve_of(PRESS)]
-    drive = Drive("crank 7", W, ANGLE, follow=Follow("slider 6.centre", table=curve))
-    message = "drive of crank 7 cannot make its point follow the curve: at crank angle "
-    with pytest.raises(AssemblyError, match=message) as refusal:
-        followed(servo(drive))
-    located = re.search(r"angle ([\d.]+) deg \(([\d.]+) s", str(refusal.value))
-    assert located is not None
-    angle, instant = map(float, located.groups())
-    assert angle == pytest.approx(360.0 * instant / PERIOD, abs=0.1)
-    # There, and not a few degrees off, the slider hardly moves with crank 7.
-    moved = []
-    for turn in (-1e-4, 1e-4):
-        turned = servo(replace(PRESS.drives[1], angle=ANGLE + turn))
-        times = instant + np.array([0.0, -PERIOD / 36.0, PERIOD / 36.0])
-        moved.append(motion_of(turned).at(times).output(turned)[:, 0])
-    influence = np.abs(moved[1] - moved[0]) / 2e-4
-    assert influence[0] < 0.1 * influence[1:].min()
 
 
 ROWS = [(TURN * k / 300, 1e-4 * math.sin(TURN * k / 300)) for k in range(300)]
