@@ -55,8 +55,7 @@ def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
     """Return a point of a body relative to its mass centre, in global directions, m."""
     if body < 0:
         return x, y
-    cosine = math.cos(q[body + 2])
-    sine = math.sin(q[body + 2])
+    cosine, sine = math.cos(q[body + 2]), math.sin(q[body + 2])
     return cosine * x - sine * y, sine * x + cosine * y
 
 

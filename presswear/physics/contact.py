@@ -69,14 +69,12 @@ def joint_end(
     """
     if body < 0:
         return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    angle = q[body + 2]
-    spin = v[body + 2]
+    angle, spin = q[body + 2], v[body + 2]
     if axes is None:
         cosine, sine = math.cos(angle), math.sin(angle)
     else:
         cosine, sine = axes[body], axes[body + 1]
-    lever_x = cosine * local_x - sine * local_y
-    lever_y = sine * local_x + cosine * local_y
+    lever_x, lever_y = cosine * local_x - sine * local_y, sine * local_x + cosine * local_y
     x, y = q[body] + lever_x, q[body + 1] + lever_y
     vx, vy = v[body] - spin * lever_y, v[body + 1] + spin * lever_x
     return Pose(x, y, vx, vy, lever_x, lever_y, angle, spin)
@@ -187,8 +185,7 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     bed = press(surfaces, count, eccentricity, joint.clearance, joint.least_depth, *places, nowhere)
     place = direction + bed.place
     along, across = turned(bed.place)
-    nx = cosine * along - sine * across
-    ny = sine * along + cosine * across
+    nx, ny = cosine * along - sine * across, sine * along + cosine * across
     _, bearing_slope, _ = profile(surfaces, BEARING, count, place - at_bearing)
     pin_depth, pin_slope, _ = profile(surfaces, PIN, count, place - at_pin)
     rate = vx * nx + vy * ny
@@ -265,8 +262,7 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
             mixed += turns * bend * spin
             across -= bend
         return second - mixed * mixed / across if across < 0.0 else second
-    nx = ex / eccentricity
-    ny = ey / eccentricity
+    nx, ny = ex / eccentricity, ey / eccentricity
     turning = (vy * nx - vx * ny) / eccentricity
     result = ax * nx + ay * ny + turning * turning * eccentricity
     if count > 0:

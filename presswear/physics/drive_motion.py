@@ -92,8 +92,7 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     faster = 0.0
     for k in range(drive.count):
         w = (k + 1) * drive.base
-        cosine = math.cos(w * t)
-        sine = math.sin(w * t)
+        cosine, sine = math.cos(w * t), math.sin(w * t)
         turned += drive.cosine[k] * (cosine - 1.0) + drive.sine[k] * sine
         speed += w * (drive.sine[k] * cosine - drive.cosine[k] * sine)
         faster -= w * w * (drive.cosine[k] * cosine + drive.sine[k] * sine)

@@ -92,10 +92,8 @@ def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     normal, tangential = contact_forces(joint, onset_speed, contact)
     if normal == 0.0:
         return JointLoad(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    nx = contact.normal_x
-    ny = contact.normal_y
-    fx = -normal * nx - tangential * ny
-    fy = -normal * ny + tangential * nx
+    nx, ny = contact.normal_x, contact.normal_y
+    fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
     # The contact point, the same from both mass centres.
     px = contact.pin_lever_x + contact.pin_arm * nx
     py = contact.pin_lever_y + contact.pin_arm * ny

@@ -128,8 +128,7 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
 def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Return the position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
-    along = load.cosine
-    across = load.sine
+    along, across = load.cosine, load.sine
     if load.turns:
         return along * q[b + 2] - load.zero, along * v[b + 2], along * a[b + 2]
     rx, ry = lever(b, load.x, load.y, q)
@@ -177,8 +176,7 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
         return 0.0
     total = 0.0
     for k in range(loads.records.shape[0]):
-        load = loads.records[k]
-        mode = loads.modes[k]
+        load, mode = loads.records[k], loads.modes[k]
         if load.kind != POSITION or mode.branch == RISING:
             continue
         s, speed, _ = load_motion(load, q, v, v)
@@ -304,8 +302,7 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
     changes = 0
     nodes = loads.nodes
     for k in range(loads.records.shape[0]):
-        load = loads.records[k]
-        mode = loads.modes[k]
+        load, mode = loads.records[k], loads.modes[k]
         changes_before = changes
         s, speed, faster = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
@@ -407,8 +404,7 @@ def greatest_jump(loads: Loads | None) -> float:
 def place_loads(loads: Loads, q: Array, v: Array) -> None:
     """Set all modes in an initial state, at t = 0."""
     for k in range(loads.records.shape[0]):
-        load = loads.records[k]
-        mode = loads.modes[k]
+        load, mode = loads.records[k], loads.modes[k]
         s, speed, _ = load_motion(load, q, v, v)
         mode.place, mode.speed = s, speed
         place_mode(load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0)
@@ -568,8 +564,7 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
         power -= spring.damping * rate * rate
         for b, x, y, sign in ends:
             if b >= 0:
-                fx = -sign * pull * dx / length
-                fy = -sign * pull * dy / length
+                fx, fy = -sign * pull * dx / length, -sign * pull * dy / length
                 force[b] += fx
                 force[b + 1] += fy
                 force[b + 2] += x * fy - y * fx

@@ -47,8 +47,7 @@ CARRIED = 4  # transport velocity and acceleration of a branch: v_x, v_y, a_x, a
 @inlined
 def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
     """Return a vector of the frame of the body whose x is ``q[body]``, in global directions."""
-    cosine = axes[body]
-    sine = axes[body + 1]
+    cosine, sine = axes[body], axes[body + 1]
     return cosine * x - sine * y, sine * x + cosine * y
 
 
@@ -62,42 +61,33 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Ar
     """
     for i in range(links.shape[0]):
         link = links[i]
-        b = link.body
-        c = link.place
+        b, c = link.body, link.place
         if link.kind == GUIDED:
             q[b] = link.before_x + x[c] * link.cosine
             q[b + 1] = link.before_y + x[c] * link.sine
             q[b + 2] = link.angle
-            v[b] = u[c] * link.cosine
-            v[b + 1] = u[c] * link.sine
+            v[b], v[b + 1] = u[c] * link.cosine, u[c] * link.sine
             v[b + 2] = 0.0
-            axes[b] = link.axis_x
-            axes[b + 1] = link.axis_y
+            axes[b], axes[b + 1] = link.axis_x, link.axis_y
             continue
         p = link.before
         jx, jy, jvx, jvy, angle, spin = link.before_x, link.before_y, 0.0, 0.0, 0.0, 0.0
         if p >= 0:
             rx, ry = arm(link.before_x, link.before_y, axes, p)
-            jx = q[p] + rx
-            jy = q[p + 1] + ry
-            jvx = v[p] - v[p + 2] * ry
-            jvy = v[p + 1] + v[p + 2] * rx
+            jx, jy = q[p] + rx, q[p + 1] + ry
+            jvx, jvy = v[p] - v[p + 2] * ry, v[p + 1] + v[p + 2] * rx
             if link.parent >= 0:
-                angle = q[p + 2]
-                spin = v[p + 2]
+                angle, spin = q[p + 2], v[p + 2]
         elif link.kind == LOOSE:
             jx, jy, jvx, jvy = x[c], x[c + 1], u[c], u[c + 1]
             c += 2
         angle += x[c]
         spin += u[c]
-        axes[b] = math.cos(angle)
-        axes[b + 1] = math.sin(angle)
+        axes[b], axes[b + 1] = math.cos(angle), math.sin(angle)
         rx, ry = arm(link.own_x, link.own_y, axes, b)
-        q[b] = jx - rx
-        q[b + 1] = jy - ry
+        q[b], q[b + 1] = jx - rx, jy - ry
         q[b + 2] = angle
-        v[b] = jvx + spin * ry
-        v[b + 1] = jvy - spin * rx
+        v[b], v[b + 1] = jvx + spin * ry, jvy - spin * rx
         v[b + 2] = spin
 
 
@@ -106,11 +96,9 @@ def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array
     """Fill the accelerations of a tree; those of prescribed bodies must be there already."""
     for i in range(links.shape[0]):
         link = links[i]
-        b = link.body
-        c = link.place
+        b, c = link.body, link.place
         if link.kind == GUIDED:
-            a[b] = u_t[c] * link.cosine
-            a[b + 1] = u_t[c] * link.sine
+            a[b], a[b + 1] = u_t[c] * link.cosine, u_t[c] * link.sine
             a[b + 2] = 0.0
             continue
         p = link.before
@@ -128,8 +116,7 @@ def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array
         spin_t += u_t[c]
         rx, ry = arm(link.own_x, link.own_y, axes, b)
         square = v[b + 2] * v[b + 2]
-        a[b] = jax + spin_t * ry + square * rx
-        a[b + 1] = jay - spin_t * rx + square * ry
+        a[b], a[b + 1] = jax + spin_t * ry + square * rx, jay - spin_t * rx + square * ry
         a[b + 2] = spin_t
 
 
@@ -162,10 +149,8 @@ def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Arra
     """
     for i in range(links.shape[0] - 1, -1, -1):
         link = links[i]
-        b = link.body
-        c = link.place
-        fx = force[b]
-        fy = force[b + 1]
+        b, c = link.body, link.place
+        fx, fy = force[b], force[b + 1]
         if link.kind == GUIDED:
             out[c] = fx * link.cosine + fy * link.sine
             continue
@@ -177,8 +162,7 @@ def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Arra
         out[c] = moment
         p = link.before
         if p >= 0:
-            sx = q[b] + rx - q[p]
-            sy = q[b + 1] + ry - q[p + 1]
+            sx, sy = q[b] + rx - q[p], q[b + 1] + ry - q[p + 1]
             force[p] += fx
             force[p + 1] += fy
             force[p + 2] += sx * fy - sy * fx
@@ -273,8 +257,7 @@ def articulate(
         fx = child.fx - part * child.ux - xx * child.cx - xy * child.cy
         fy = child.fy - part * child.uy - xy * child.cx - yy * child.cy
         ft = child.ft - part * child.ut - xt * child.cx - yt * child.cy
-        turned_x = child.dx * xy - child.dy * xx
-        turned_y = child.dx * yy - child.dy * xy
+        turned_x, turned_y = child.dx * xy - child.dy * xx, child.dx * yy - child.dy * xy
         parent.xx += xx
         parent.xy += xy
         parent.yy += yy
@@ -313,6 +296,5 @@ def release(links: Records, bodies: Records, u_t: Array, a: Array) -> None:
             ay += a[p + 1] + at * child.dx
         own_t = child.mobility * (child.force - child.ux * ax - child.uy * ay - child.ut * at)
         u_t[c] = own_t
-        a[b] = ax + child.sx * own_t
-        a[b + 1] = ay + child.sy * own_t
+        a[b], a[b + 1] = ax + child.sx * own_t, ay + child.sy * own_t
         a[b + 2] = at + child.st * own_t
