@@ -14,6 +14,7 @@ from presswear.results.folder import program_digest, provenance
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.sweeps import runner
 from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
 from presswear.sweeps.responses import (
@@ -23,16 +24,6 @@ from presswear.sweeps.responses import (
     digest_of,
     parse_limits,
     request,
-)
-from presswear.sweeps.runner import (
-    ROWS,
-    RUNS,
-    Notify,
-    Progress,
-    open_executor,
-    read_row,
-    run_row,
-    run_rows,
 )
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import FolderLock, check_name, digest, inside, is_free, write_bytes
@@ -74,7 +65,7 @@ class Sweep:
 
     def result(self, row: int) -> Result:
         """Return the complete result of a row of a sweep with ``keep="results"``."""
-        return load(self.path / RUNS / self.name(row))
+        return load(self.path / runner.RUNS / self.name(row))
 
     @cached_property
     def table(self) -> Table:
@@ -82,7 +73,7 @@ class Sweep:
         plan, requested, errors = self.plan, self.requested, []
         numbers = np.full((3, plan.rows, len(requested.keys)), np.nan)
         for row in range(plan.rows):
-            outcome = read_row(self.path, self.name(row))
+            outcome = runner.read_row(self.path, self.name(row))
             errors.append(NOT_RUN if outcome is None else outcome.error)
             for k, key in enumerate(requested.keys):
                 if response := outcome and outcome.response(key):
@@ -188,8 +179,8 @@ def run_sweep(
     on: str = "",
     jobs: int | None = None,
     shard: tuple[int, int] = (1, 1),
-    on_progress: Callable[[Progress], object] = lambda progress: None,
-    notify: Notify = print,
+    on_progress: Callable[[runner.Progress], object] = lambda progress: None,
+    notify: runner.Notify = print,
 ) -> Sweep:
     """Run the missing rows of part K of N of a sweep by this program; see `sweep`.
 
@@ -199,12 +190,12 @@ def run_sweep(
     requested, keep_results = sweep.requested, sweep.keep == "results"
     if requested.extra != digest_of(requested.optional, requested.functions):
         raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
-    for name in (ROWS, RUNS):
+    for name in (runner.ROWS, runner.RUNS):
         inside(sweep.path, name)
     sweep = replace(sweep, program=program_digest())
     rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
     scenes = {sweep.name(row): partial(sweep.plan.scene_of, row) for row in rows}
-    with open_executor(on, jobs, notify) as (executor, slots):
+    with runner.open_executor(on, jobs, notify) as (executor, slots):
         # Parts of a sweep share its folder; one process at a time runs each part.
         part = sweep.path / PARTS / "-of-".join(map(str, shard))
         folder = sweep.path if shard[1] == 1 else part
@@ -212,7 +203,9 @@ def run_sweep(
         try:
             sweep.write(folder / FILE)
             os.replace(folder / FILE, sweep.path / FILE)
-            run_rows(sweep.path, scenes, requested, executor, slots, keep_results, on_progress)
+            runner.run_rows(
+                sweep.path, scenes, requested, executor, slots, keep_results, on_progress
+            )
         finally:
             lock.release()
     return sweep
@@ -232,7 +225,7 @@ def sweep(
     jobs: int | None = None,
     shard: str = "1/1",
     limits: Sequence[str] = (),
-    notify: Notify = print,
+    notify: runner.Notify = print,
 ) -> Sweep:
     """Run a scene at many points; rows that are in the folder do not run again.
 
@@ -314,7 +307,7 @@ def _evaluate(
     """Return responses of the scene with changed settings."""
     settings = {**parameters.get(EXUDYN_KEYS[1], {}), **parameters}
     settings = {key: value for key, value in settings.items() if key not in EXUDYN_KEYS}
-    outcome = run_row(changed(scene, settings), requested, None, program_digest())
+    outcome = runner.run_row(changed(scene, settings), requested, None, program_digest())
     if outcome.error and failed is None:
         raise RunFailed(outcome.error)
     numbers = []

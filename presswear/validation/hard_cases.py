@@ -40,6 +40,7 @@ from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
+from presswear.validation import reference_problems as references
 from presswear.validation.cases import (
     PATIENCE,
     Case,
@@ -49,17 +50,6 @@ from presswear.validation.cases import (
     guarded,
     order_of,
     run_sound,
-)
-from presswear.validation.reference_problems import (
-    FRICTION,
-    GRAVITY,
-    TIGHT,
-    Impact,
-    block,
-    creep_speed,
-    delivered,
-    free_bodies,
-    on_incline,
 )
 
 Checks = Iterator[Check]
@@ -84,13 +74,13 @@ def _energy_check(name: str, run: Run, energy: float, bound: float) -> Check:
 def stays_centred(engine: Engine) -> Checks:
     """Check that a pin at rest exactly in the middle stays there."""
     start = Start(np.zeros(6), np.zeros(6))
-    run = run_sound(Impact(0.9).linkage, start, engine, guarded(0.01))
+    run = run_sound(references.Impact(0.9).linkage, start, engine, guarded(0.01))
     yield Check("distance from the middle (m)", float(np.abs(run.end.position).max()), 0.0)
 
 
 def strikes(engine: Engine, clearance: float, speed: float, gap: float, nominal: float) -> Checks:
     """Check restitution and energy of one central impact from a gap, m."""
-    impact = Impact(nominal, clearance=clearance, speed=speed)
+    impact = references.Impact(nominal, clearance=clearance, speed=speed)
     start = impact.start
     start.position[3] = clearance - gap
     duration = gap / speed + 3.0 * impact.elastic_duration
@@ -101,7 +91,7 @@ def strikes(engine: Engine, clearance: float, speed: float, gap: float, nominal:
     share = min(speed / ONSET_SPEED_FLOOR, 1.0)
     expected = delivered_restitution(share * lankarani_nikravesh_damping(nominal))
     bound = RESTITUTION[engine.word]
-    yield Check("restitution less closed form", delivered(run, speed) - expected, bound)
+    yield Check("restitution less closed form", references.delivered(run, speed) - expected, bound)
     yield _energy_check("kinetic", run, 0.5 * 0.1 * speed**2, 2.0 * bound)
 
 
@@ -110,7 +100,7 @@ def rests(engine: Engine, duration: float, speed: float) -> Checks:
 
     Its closing speed stays in the law as long as it lies; the initial downward speed is in m/s.
     """
-    linkage, start = block(0.0, GRAVITY, FRICTION, 0.0)
+    linkage, start = references.block(0.0, references.GRAVITY, references.FRICTION, 0.0)
     joint = linkage.clearances[0]
     normal = replace(joint.normal, damping=lankarani_nikravesh_damping(0.9))
     linkage = replace(linkage, clearances=(replace(joint, normal=normal),))
@@ -119,16 +109,16 @@ def rests(engine: Engine, duration: float, speed: float) -> Checks:
     run = run_sound(linkage, falling, engine, guarded(duration))
     yield Check("depth at the end / closed form, less 1", -run.end.position[1] / sunk - 1.0, 1e-6)
     yield Check("speed at the end (m/s)", float(np.abs(run.end.velocity[:2]).max()), 1e-7)
-    initial = 0.5 * speed**2 + GRAVITY * sunk
+    initial = 0.5 * speed**2 + references.GRAVITY * sunk
     yield _energy_check("that at the start", run, initial, REST_ENERGY[engine.word])
 
 
 def comes_back(engine: Engine, speed: float) -> Checks:
     """Check a block that leaves the floor at nearly zero speed and falls back at once."""
-    linkage, start = block(0.0, GRAVITY, FRICTION, 0.0)
+    linkage, start = references.block(0.0, references.GRAVITY, references.FRICTION, 0.0)
     velocity = np.array([0.0, speed, 0.0])
     run = run_sound(linkage, Start(np.zeros(3), velocity), engine, guarded(0.01))
-    fall = -GRAVITY * float(start.position[1])
+    fall = -references.GRAVITY * float(start.position[1])
     yield _energy_check("of its fall", run, fall, REST_ENERGY[engine.word])
     pressed = run_sound(linkage, Start(np.zeros(3), -velocity), engine, guarded(0.01))
     depth = float(run.end.position[1] / pressed.end.position[1])
@@ -137,15 +127,17 @@ def comes_back(engine: Engine, speed: float) -> Checks:
 
 def creeps(engine: Engine, slope: float) -> Checks:
     """Check the creep of a block on an incline, from rest."""
-    run = run_sound(*on_incline(slope, 0.0), engine, guarded(0.2))
-    error = float(run.end.velocity[0]) / creep_speed(FRICTION, slope) - 1.0
+    run = run_sound(*references.on_incline(slope, 0.0), engine, guarded(0.2))
+    error = float(run.end.velocity[0]) / references.creep_speed(references.FRICTION, slope) - 1.0
     yield Check("creep / closed form, less 1", error, 1e-5)
 
 
 def sticks(engine: Engine) -> Checks:
     """Check that a block on the flat ends at the speed below which there is no friction."""
-    run = run_sound(*block(0.0, GRAVITY, FRICTION, 0.01), engine, guarded(0.1))
-    error = float(run.end.velocity[0]) / FRICTION.lower - 1.0
+    run = run_sound(
+        *references.block(0.0, references.GRAVITY, references.FRICTION, 0.01), engine, guarded(0.1)
+    )
+    error = float(run.end.velocity[0]) / references.FRICTION.lower - 1.0
     # The floor is a bowl of 10 km, which slows the block by 4e-5 in this time.
     yield Check("speed left / v_0, less 1", error, 1e-4)
 
@@ -157,8 +149,8 @@ def twins() -> tuple[Linkage, Start]:
     for side, name in ((-1.0, "left"), (1.0, "right")):
         bodies.append(Body(name, 0.1, 1e-4))
         ends = Attachment("bar", 0.1 * side, 0.0), Attachment(name, 0.0, 0.0)
-        joints.append(ClearanceJoint(name, *ends, 0.015, 0.8e-3, 0.02, law, FRICTION))
-    linkage = free_bodies("twins", tuple(bodies), tuple(joints), "right")
+        joints.append(ClearanceJoint(name, *ends, 0.015, 0.8e-3, 0.02, law, references.FRICTION))
+    linkage = references.free_bodies("twins", tuple(bodies), tuple(joints), "right")
     position, velocity = np.zeros((2, 3, 3))
     position[1:, 0], velocity[1:, 0] = (-0.1, 0.1), (-0.25, 0.25)
     return linkage, Start(position.ravel(), velocity.ravel())
@@ -205,7 +197,7 @@ def worn_pair() -> tuple[Linkage, Start]:
     bodies = Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)
     position = np.array([-0.01, 0.005, 0.0, 0.004, -0.006, 0.0])
     velocity = np.array([-0.1, 0.05, 9.0, 0.3, -0.15, -14.0])
-    return free_bodies("worn pair", bodies, (joint,), "shaft"), Start(position, velocity)
+    return references.free_bodies("worn pair", bodies, (joint,), "shaft"), Start(position, velocity)
 
 
 def conservation_errors(tolerance: float, duration: float) -> tuple[int, float, float]:
@@ -247,7 +239,7 @@ def impact_cases() -> Iterator[Case]:
         each.__name__: each
         for each in (stays_centred, strikes, rests, comes_back, creeps, sticks, touch_together)
     }
-    for engine in (JOINTS, TIGHT):
+    for engine in (JOINTS, references.TIGHT):
         for name, reason, function, *values in DATA["impacts"]:
             checks = functions[function]
             is_calm = engine is JOINTS and checks in (creeps, sticks, rests)

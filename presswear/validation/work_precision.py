@@ -36,6 +36,7 @@ from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
+from presswear.validation import crosscheck
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import (
     Progress,
@@ -44,12 +45,6 @@ from presswear.validation.cases import (
     guarded,
     missing_energy,
     part_of,
-)
-from presswear.validation.crosscheck import (
-    FIRST_TOUCHDOWNS,
-    horizon,
-    touchdown_differences,
-    touchdowns_of,
 )
 from presswear.validation.timing import TimedRun, Timing, time_runs
 
@@ -311,7 +306,7 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
     in Exudyn at 1e-12, or from DOPRI5 at 1e-13 if the linkage is no open tree.
     """
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    end = horizon(scene, TIGHT, extent.longest, report)
+    end = crosscheck.horizon(scene, TIGHT, extent.longest, report)
     plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
     has_tree = isinstance(tree_of(linkage), Tree)
     second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
@@ -323,14 +318,14 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
         *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),
         *("closing speeds, relative", "peak forces, relative", "energy residual / exchanged"),
     )
-    first = touchdowns_of(exact)[:FIRST_TOUCHDOWNS]
+    first = crosscheck.touchdowns_of(exact)[: crosscheck.FIRST_TOUCHDOWNS]
 
     def slider_at_end(run: Run) -> Array:
         q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
         return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[0, :2]
 
     def errors(run: Run) -> Sequence[float]:
-        differences = touchdown_differences(first, touchdowns_of(run))
+        differences = crosscheck.touchdown_differences(first, crosscheck.touchdowns_of(run))
         missing = int(np.count_nonzero(np.isinf(differences[:, 0])))
         if missing:
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")

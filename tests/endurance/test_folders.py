@@ -11,25 +11,12 @@ from random import Random
 
 import pytest
 
+from endurance import subject
 from endurance.sameness import folder_differences
-from endurance.subject import (
-    SEED,
-    TREE,
-    Alone,
-    Subject,
-    Trial,
-    check_checkpoint,
-    checkpoint_of,
-    end,
-    is_at_work,
-    is_one_line,
-    resume_option,
-    wait_for,
-)
 from presswear.results.result import load
 from presswear.tools.errors import InputError
 
-Runs = Callable[[Subject], Alone]
+Runs = Callable[[subject.Subject], subject.Alone]
 
 
 @contextmanager
@@ -46,17 +33,17 @@ def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
 
 
 @pytest.mark.endurance
-def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
-    whole = alone(TREE).folder
+def test_disk_full(trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
+    whole = alone(subject.TREE).folder
     for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
         with small_disk(tmp_path / size, size) as disk:
             problems = []
-            answer = TREE.finish(disk / "out")
-            described = is_one_line(answer.errors) and "space" in answer.errors
+            answer = subject.TREE.finish(disk / "out")
+            described = subject.is_one_line(answer.errors) and "space" in answer.errors
             if answer.code not in (1, 2) or not described:
                 problems.append(answer.problem)
             subprocess.run(["mount", "-o", "remount,size=200m", str(disk)], check=True)
-            answer = TREE.finish(disk / "out", *resume_option(disk / "out"))
+            answer = subject.TREE.finish(disk / "out", *subject.resume_option(disk / "out"))
             if answer.code != 0:
                 problems.append(f"resumed, {answer.problem}")
             else:
@@ -66,30 +53,30 @@ def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) ->
 
 
 @pytest.mark.endurance
-def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
+def test_read_only_folder(trial: subject.Trial, tmp_path: Path) -> None:
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
     if os.access(closed, os.W_OK):  # as root
         with small_disk(tmp_path / "disk", "1m", ",ro") as disk:
-            answer = TREE.finish(disk / "out")
+            answer = subject.TREE.finish(disk / "out")
     else:
-        answer = TREE.finish(closed / "out")
-    is_named = is_one_line(answer.errors) and "out" in answer.errors
+        answer = subject.TREE.finish(closed / "out")
+    is_named = subject.is_one_line(answer.errors) and "out" in answer.errors
     trial.add("" if answer.code == 2 and is_named else answer.problem)
     trial.check()
 
 
 @pytest.mark.endurance
-def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bool) -> None:
-    wait = Random(SEED)
+def test_folder_deleted_while_running(trial: subject.Trial, tmp_path: Path, is_quick: bool) -> None:
+    wait = Random(subject.SEED)
     for k in range(1 if is_quick else 5):
         out = tmp_path / f"out-{k}"
-        process = TREE.start(out)
-        wait_for((out / "result.json").exists)
+        process = subject.TREE.start(out)
+        subject.wait_for((out / "result.json").exists)
         time.sleep(wait.uniform(0.0, 1.0))
         shutil.rmtree(out, ignore_errors=True)
-        answer = end(process)
-        is_named = is_one_line(answer.errors) and str(out) in answer.errors
+        answer = subject.end(process)
+        is_named = subject.is_one_line(answer.errors) and str(out) in answer.errors
         wrong = "" if answer.code == 1 and is_named else answer.problem
         trial.add("something was written into its place" if out.exists() else wrong)
     trial.check()
@@ -97,18 +84,18 @@ def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bo
 
 @pytest.mark.endurance
 def test_two_runs_into_one_folder(
-    trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
+    trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
 ) -> None:
     out = tmp_path / "out"
-    first = TREE.start(out)
-    wait_for(lambda: is_at_work(first, out))
+    first = subject.TREE.start(out)
+    subject.wait_for(lambda: subject.is_at_work(first, out))
     for k in range(1 if is_quick else 3):
-        second = TREE.finish(out, *(("--resume",) if k % 2 else ()))
-        is_refused = second.code == 2 and is_one_line(second.errors)
+        second = subject.TREE.finish(out, *(("--resume",) if k % 2 else ()))
+        is_refused = second.code == 2 and subject.is_one_line(second.errors)
         trial.add("" if is_refused or first.poll() is not None else second.problem)
-    answer = end(first)
+    answer = subject.end(first)
     assert answer.code == 0, answer.problem
-    assert folder_differences(alone(TREE).folder, out) == []
+    assert folder_differences(alone(subject.TREE).folder, out) == []
     trial.check()
 
 
@@ -121,20 +108,20 @@ def missed(check: Callable[[Path], object], file: Path) -> str:
 
 
 @pytest.mark.endurance
-def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
+def test_damaged_files(trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
     """Every file of data is cut off, changed in a bit, and removed."""
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
-    shutil.copytree(alone(TREE).folder, whole)
-    process = TREE.start(stopped)
-    wait_for(lambda: checkpoint_of(stopped))
+    shutil.copytree(alone(subject.TREE).folder, whole)
+    process = subject.TREE.start(stopped)
+    subject.wait_for(lambda: subject.checkpoint_of(stopped))
     process.kill()
-    end(process)
+    subject.end(process)
     files = [*whole.glob("*.json"), *sorted(whole.glob("*.npz"))]
     cases: list[tuple[Callable[[Path], object], Path]] = [(load, file) for file in files]
-    checkpoint = checkpoint_of(stopped)
+    checkpoint = subject.checkpoint_of(stopped)
     assert checkpoint is not None
-    cases.append((check_checkpoint, checkpoint))
-    chance = Random(SEED)
+    cases.append((subject.check_checkpoint, checkpoint))
+    chance = Random(subject.SEED)
     for check, file in cases:
         data = file.read_bytes()
         for _ in range(5 if is_quick else 100):

@@ -17,15 +17,6 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.validation import timing, work_precision
 from presswear.validation.cases import order_of
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
-from presswear.validation.timing import (
-    CLEARANCES,
-    SWITCHES,
-    FeatureCost,
-    FeatureExtent,
-    feature_costs,
-    time_runs,
-    timed_run,
-)
 from presswear.validation.work_precision import (
     Extent,
     Point,
@@ -187,7 +178,7 @@ def test_a_scene_without_clearance_is_refused() -> None:
     with pytest.raises(InputError, match="no clearance"):
         work_precision.work_precision(replace(SCENE, joints="none"), SHORT, silent)
     with pytest.raises(InputError, match="clearance at A and C"):
-        feature_costs(replace(SCENE, joints="A"), FeatureExtent(), silent)
+        timing.feature_costs(replace(SCENE, joints="A"), timing.FeatureExtent(), silent)
 
 
 def test_the_command_writes_table_and_figure(
@@ -226,14 +217,14 @@ def test_the_command_writes_table_and_figure(
 
 
 @pytest.fixture(scope="module")
-def costs() -> list[FeatureCost]:
-    extent = FeatureExtent(repeats=2, tree_cycles=0.05, joints_cycles=0.02, wear_cycles=1)
-    return feature_costs(SCENE, extent, silent)
+def costs() -> list[timing.FeatureCost]:
+    extent = timing.FeatureExtent(repeats=2, tree_cycles=0.05, joints_cycles=0.02, wear_cycles=1)
+    return timing.feature_costs(SCENE, extent, silent)
 
 
-def test_every_feature_is_timed_on_and_off(costs: list[FeatureCost]) -> None:
-    switches = [(name, state) for name in SWITCHES for state in ("off", "on")]
-    clearances = [("clearance", state) for state in CLEARANCES]
+def test_every_feature_is_timed_on_and_off(costs: list[timing.FeatureCost]) -> None:
+    switches = [(name, state) for name in timing.SWITCHES for state in ("off", "on")]
+    clearances = [("clearance", state) for state in timing.CLEARANCES]
     for engine, expected in (
         ("exudyn", clearances),
         ("exudyn-tree", switches),
@@ -248,13 +239,13 @@ def test_every_feature_is_timed_on_and_off(costs: list[FeatureCost]) -> None:
             assert cost.timing.wall == min(cost.timing.walls)
     tree = {(c.feature, c.state): c.timing.steps for c in costs if c.engine == "exudyn-tree"}
     # Neither wear account nor stored torques change the motion.
-    for feature in SWITCHES:
+    for feature in timing.SWITCHES:
         is_equal = feature in ("wear account", "torques stored")
         assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
 
 
 def test_the_features_command_writes_its_table(
-    costs: list[FeatureCost],
+    costs: list[timing.FeatureCost],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -268,8 +259,8 @@ def test_the_features_command_writes_its_table(
 
 
 def test_a_repeat_with_other_steps_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    timed = timed_run("short", SCENE, 0.02)
-    runs = [timed.run(), timed_run("shorter", SCENE, 0.01).run()]
+    timed = timing.timed_run("short", SCENE, 0.02)
+    runs = [timed.run(), timing.timed_run("shorter", SCENE, 0.01).run()]
     monkeypatch.setattr(type(timed), "run", lambda self: runs.pop(0))
     with pytest.raises(RunFailed, match="other steps"):
-        time_runs([timed], 2, silent)
+        timing.time_runs([timed], 2, silent)

@@ -11,17 +11,7 @@ from presswear.__main__ import main
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.tools.errors import InputError, RunFailed
-from presswear.validation import hard_cases, reference_problems
-from presswear.validation.cases import (
-    Case,
-    Check,
-    energy_check,
-    guarded,
-    order_of,
-    outcomes,
-    run_sound,
-    sound,
-)
+from presswear.validation import cases, hard_cases, reference_problems
 
 HARD = list(hard_cases.hard_cases())
 CASES = [*reference_problems.reference_cases(), *HARD]
@@ -36,14 +26,14 @@ SLOW = (  # some ten seconds each
 TIGHT, GRAVITY = reference_problems.TIGHT, reference_problems.GRAVITY
 
 
-def _marked(case: Case) -> object:
+def _marked(case: cases.Case) -> object:
     marks = [pytest.mark.slow] if case.is_long or case.name in SLOW else []
     return pytest.param(case, id=f"{case.name}, {case.engine}", marks=marks)
 
 
 @pytest.mark.parametrize("case", [_marked(case) for case in CASES])
-def test_case_is_within_its_bounds_or_refused(case: Case) -> None:
-    results = list(outcomes(case))
+def test_case_is_within_its_bounds_or_refused(case: cases.Case) -> None:
+    results = list(cases.outcomes(case))
     assert results
     assert [f"{each.label} {each.check}" for each in results if each.verdict == "MISS"] == []
     assert all((each.verdict == "refused") == bool(case.refusal) for each in results)
@@ -68,49 +58,49 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hard_cases, "ONSET_SPEED_FLOOR", 2e-6)
     assert not next(iter(hard_cases.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
-    monkeypatch.setattr(hard_cases, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
+    monkeypatch.setattr(reference_problems, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
     on_flat = reference_problems.block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
-    monkeypatch.setattr(hard_cases, "on_incline", lambda *arguments: on_flat)
+    monkeypatch.setattr(reference_problems, "on_incline", lambda *arguments: on_flat)
     assert not next(iter(hard_cases.creeps(TIGHT, 0.05))).passed
 
 
 def test_lost_energy_contacts_and_numbers_miss() -> None:
-    plan = guarded(0.01)
-    run = run_sound(*hard_cases.twins(), TIGHT, plan)
+    plan = cases.guarded(0.01)
+    run = cases.run_sound(*hard_cases.twins(), TIGHT, plan)
     run.diagnostics["drive_exchange_J"] = 1.0
     run.diagnostics["energy_residual_J"] = -1e-5
-    assert not energy_check(run, "dae").passed
-    assert energy_check(run, "exudyn-joints").passed
+    assert not cases.energy_check(run, "dae").passed
+    assert cases.energy_check(run, "exudyn-joints").passed
     with pytest.raises(RunFailed, match=r"ended at 0.01 s, not at 0.02 s"):
-        sound(run, guarded(0.02))
+        cases.sound(run, cases.guarded(0.02))
     run.recorder.records.counters["unresolved"][1] = 1
     with pytest.raises(RunFailed, match="1 of 2 contacts unresolved"):
-        sound(run, plan)
+        cases.sound(run, plan)
     run.recorder.rows[1, 2] = math.nan
     with pytest.raises(RunFailed, match="not finite: series"):
-        sound(run, plan)
+        cases.sound(run, plan)
 
 
 def test_a_run_that_takes_too_long_is_stopped() -> None:
-    plan = guarded(1.0, patience=-1.0)
+    plan = cases.guarded(1.0, patience=-1.0)
     with pytest.raises(RunFailed, match=r"stopped after -1 s of CPU time at 20 %"):
         plan.report(0.2, cast(Any, None))
-    guarded(1.0, patience=60.0).report(0.2, cast(Any, None))
+    cases.guarded(1.0, patience=60.0).report(0.2, cast(Any, None))
 
 
 def test_the_order_is_the_slope() -> None:
-    assert order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(2.0)
+    assert cases.order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(2.0)
     for steps, errors in (((1, 2), [math.inf, 1e-6]), ((1, 2), [0.0, 1e-6]), ((1, 1), [1e-6] * 2)):
-        assert math.isnan(order_of(steps, errors))
+        assert math.isnan(cases.order_of(steps, errors))
 
 
-def _case(refusal: str = "", *, error: Exception | None = None, value: float = 0.5) -> Case:
-    def checks() -> Iterator[Check]:
+def _case(refusal: str = "", *, error: Exception | None = None, value: float = 0.5) -> cases.Case:
+    def checks() -> Iterator[cases.Check]:
         if error is not None:
             raise error
-        yield Check("x", value, 1.0)
+        yield cases.Check("x", value, 1.0)
 
-    return Case("made up", "nothing", "none", checks, refusal)
+    return cases.Case("made up", "nothing", "none", checks, refusal)
 
 
 REFUSED = InputError("c = 0 m: allowed is 1 to 2 m")
@@ -133,19 +123,19 @@ REFUSED = InputError("c = 0 m: allowed is 1 to 2 m")
         (_case("c = 0 m"), "MISS"),
     ],
 )
-def test_verdicts(case: Case, verdict: str) -> None:
-    assert [outcome.verdict for outcome in outcomes(case)] == [verdict]
+def test_verdicts(case: cases.Case, verdict: str) -> None:
+    assert [outcome.verdict for outcome in cases.outcomes(case)] == [verdict]
 
 
 def test_the_command_prints_the_hard_cases_and_fails_on_a_miss(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
-    cases = [_case(), _case("c = 0 m", error=REFUSED)]
-    monkeypatch.setattr(hard_cases, "hard_cases", lambda: iter(cases))
+    listed = [_case(), _case("c = 0 m", error=REFUSED)]
+    monkeypatch.setattr(hard_cases, "hard_cases", lambda: iter(listed))
     assert main(["verify", "--hard"]) == 0
     assert "refused" in capsys.readouterr().out
-    cases.append(_case(value=2.0))
+    listed.append(_case(value=2.0))
     assert main(["verify", "--hard"]) == 1
     out = capsys.readouterr().out
     assert "1 of 3 within their bounds, 1 refused, 1 missed" in out
@@ -157,15 +147,15 @@ def test_the_command_prints_references_and_fails_on_a_miss(
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
-    checks = [Check.against(name, -15.75637105984, -15.756371, 1e-3)]
-    cases = [Case("one", "", "all", lambda: iter(checks))]
-    monkeypatch.setattr(reference_problems, "reference_cases", lambda: cases)
+    checks = [cases.Check.against(name, -15.75637105984, -15.756371, 1e-3)]
+    listed = [cases.Case("one", "", "all", lambda: iter(checks))]
+    monkeypatch.setattr(reference_problems, "reference_cases", lambda: listed)
     assert main(["verify"]) == 0
     out = capsys.readouterr().out
     for words in (name, "-15.7563711", "pass", "1 of 1"):
         assert words in out
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-    cases.append(_case(error=RunFailed("the step vanished (t = 0.1 s)")))
+    listed.append(_case(error=RunFailed("the step vanished (t = 0.1 s)")))
     assert main(["verify"]) == 1
     out = capsys.readouterr().out
     for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)"):
