@@ -155,7 +155,21 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
         is_near = False
     if not is_near:
         motion = _follow_cycle(rows, start, times)
-    _check_cycle(motion)
+    q = motion.position
+    measure = 1.0 / np.linalg.norm(np.linalg.inv(rows.jacobian(q) * rows.scale), axis=(1, 2))
+    worst = int(measure.argmin())
+    # Where points follow curves, those of the joints are seen when the motion is found.
+    if not (rows.following or measure[worst] > NEAREST_DEAD_POINT):
+        raise stuck(rows, times[worst : worst + 1], q[worst : worst + 1])
+    turned = q[-1] - q[0]
+    turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))
+    off = np.abs(turned).max(axis=1)
+    if off.max() > 1e-6:
+        raise AssemblyError(
+            f"the linkage does not come back: after a cycle of {period:.6g} s "
+            f"{linkage.bodies[int(off.argmax())].name} is elsewhere; the speeds of the drives, or "
+            "the cycle, do not fit"
+        )
     return motion
 
 
@@ -196,29 +210,7 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             else:
                 step *= 0.5
         result.append(levels)
-    return IdealMotion(
-        rows, float(times[-1]), *(np.concatenate(item) for item in zip(*result, strict=True))
-    )
-
-
-def _check_cycle(motion: IdealMotion) -> None:
-    """Raise AssemblyError for a cycle that comes too near a dead point or does not come back."""
-    rows = motion.rows
-    inverse = np.linalg.inv(rows.jacobian(motion.position) * rows.scale)
-    measure = 1.0 / np.sqrt((inverse**2).sum(axis=(1, 2)))
-    worst = int(measure.argmin())
-    # Where points follow curves, those of the joints are seen when the motion is found.
-    if not (rows.following or measure[worst] > NEAREST_DEAD_POINT):
-        raise stuck(rows, motion.times[worst : worst + 1], motion.position[worst : worst + 1])
-    turned = motion.position[-1] - motion.position[0]
-    turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))
-    off = np.abs(turned).max(axis=1)
-    if off.max() > 1e-6:
-        body = rows.linkage.bodies[int(off.argmax())].name
-        raise AssemblyError(
-            f"the linkage does not come back: after a cycle of {motion.period:.6g} s {body} is "
-            "elsewhere; the speeds of the drives, or the cycle, do not fit"
-        )
+    return IdealMotion(rows, float(times[-1]), *map(np.concatenate, zip(*result, strict=True)))
 
 
 # Part of a cycle for which an ideal motion stays at its bottom that has no instant there
@@ -280,18 +272,16 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
 def dwell_of(ideal: IdealMotion, within: float) -> float:
     """Return how long a motion stays within a height of its bottom, s, to a 1440th of the cycle."""
     place = _places(ideal)
-    is_above = np.roll(place, -int(place.argmin())) > place.min() + within
-    above = np.flatnonzero(is_above)
+    above = np.flatnonzero(np.roll(place, -int(place.argmin())) > place.min() + within)
     stays = place.size if not above.size else int(above[0]) + place.size - 1 - int(above[-1])
     return (stays - 1) * ideal.period / place.size
 
 
 def _places(ideal: IdealMotion) -> Array:
     """Return the places of the output point at the nodes of a cycle, m."""
-    nodes = len(ideal.position) - 1
     levels = (ideal.position, ideal.velocity, ideal.acceleration)
-    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
-    return Motion(ideal.times[:nodes], *flat).output(ideal.rows.linkage)[:, 0]
+    flat = (level.reshape(len(level), -1)[:-1] for level in levels)
+    return Motion(ideal.times[:-1], *flat).output(ideal.rows.linkage)[:, 0]
 
 
 def _lowest(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
@@ -309,10 +299,7 @@ def _lowest(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float
 
     for _ in range(_STEPS):
         _, speed, faster = moved(time)
-        if speed < 0.0:
-            low = time
-        else:
-            high = time
+        low, high = (time, high) if speed < 0.0 else (low, time)
         nearer = time - speed / faster if faster > 0.0 else low
         nearer = nearer if low < nearer < high else 0.5 * (low + high)
         if abs(nearer - time) < 1e-15 * period:

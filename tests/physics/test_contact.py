@@ -47,24 +47,18 @@ def pairs(
     )
 
 
-def _contact_point(pair: Pair) -> Array:
-    """The common point, from the bearing's side and without the kernel."""
+def _arms(pair: Pair) -> Array:
+    """The common point from both mass centres, from the bearing's side and without the kernel."""
     joint = pair.joint
     bearing = joint_end(0, joint.bearing.x, joint.bearing.y, pair.q, pair.v)
     pin = joint_end(3, joint.pin.x, joint.pin.y, pair.q, pair.v)
     e = np.array([pin.x - bearing.x, pin.y - bearing.y])
-    n = e / np.hypot(*e)
-    turns = float(joint.map_frame == "body")
-    angle = np.array([math.atan2(e[1], e[0]) - turns * pair.q[2]])
-    gap = gap_of(joint, math.atan2(e[1], e[0]), pair.q[2], pair.q[5])
-    indentation = 0.5 * max(float(np.hypot(*e)) - gap, 0.0)
-    reach = joint.bearing_radius + float(joint.bearing_surface(angle)[0]) + indentation
-    return np.asarray(np.array([bearing.x, bearing.y]) + reach * n)
-
-
-def _arms(pair: Pair) -> Array:
-    """The common point from the mass centres of bearing and pin, shape (2, 2)."""
-    return np.asarray(_contact_point(pair) - np.array([pair.q[0:2], pair.q[3:5]]))
+    distance, direction = float(np.hypot(*e)), math.atan2(e[1], e[0])
+    place = np.array([direction - float(joint.map_frame == "body") * pair.q[2]])
+    indentation = 0.5 * max(distance - gap_of(joint, direction, pair.q[2], pair.q[5]), 0.0)
+    reach = joint.bearing_radius + float(joint.bearing_surface(place)[0]) + indentation
+    point = np.array([bearing.x, bearing.y]) + reach * e / distance
+    return np.asarray(point - np.array([pair.q[0:2], pair.q[3:5]]))
 
 
 @given(pairs(st.floats(1e-9, 1e-4)))

@@ -155,14 +155,6 @@ def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
         assert force[i] == pytest.approx((behind - ahead) / (2.0 * step[i]), abs=3e-6 * scale)
 
 
-@given(seed=st.integers(0, 10_000))
-def test_angular_momentum_is_exact(seed: int) -> None:
-    pair = worn(Surface(1e-5 * np.random.default_rng(seed).random(90)), groove(0.5, 8e-6, 90))
-    load = pair.load(0.3)
-    assert load.normal > 0.0
-    assert pair.moment_of(load) == pytest.approx(0.0, abs=1e-14 * load.normal)
-
-
 def test_rates_of_overlap_and_energy_are_derivatives() -> None:
     pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
     acceleration = np.array([3.0, -20.0, 400.0, 50.0, 10.0, -300.0])

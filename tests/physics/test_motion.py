@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.linkage.drives import RISES, Drive, Rise, run_up_motion
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import FOUR_BAR, SliderCrank
@@ -138,22 +138,6 @@ def test_every_engine_follows_an_uneven_drive(
     if joints == "B":
         residual = abs(float(run.diagnostics["energy_residual_J"]))
         assert residual < 10.0 * bound * float(run.diagnostics["drive_exchange_J"])
-
-
-@pytest.mark.parametrize("name", MOTIONS)
-def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name: str) -> None:
-    """All levels of what is watched, over the border of two cycles: nothing drifts or swings."""
-    scene = Scene(mechanism=MOTIONS[name], joints="none", wear_updates=0)
-    period = scene.mechanism.period
-    engine = ExudynJoints(free_step=period / 500)
-    plan = Plan(period, 2, 2, run_up=scene.run_up)
-    run = engine.simulate(scene.linkage(), start_of(scene), plan)
-    assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period)
-    rows = run.recorder.rows
-    exact = scene.ideal_slider(rows[:, 0])
-    off = np.abs(rows[:, 1:4] - exact).max(axis=0) / np.abs(exact).max(axis=0)
-    assert len(rows) > 1000
-    assert np.all(off < (1e-12, 1e-12, 1e-11))
 
 
 FAR = {"clearance": "0.9 m", "bearing_radius": "1 m"}
