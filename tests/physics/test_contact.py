@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from two_bodies import JOINT, Pair, force_of, gap_of, normal_law, placed, worn_joint
+from two_bodies import JOINT, Pair, force_of, gap_of, normal_law, placed, turned, worn_joint
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
-from presswear.physics.contact import direction_of, joint_end
+from presswear.physics.contact import direction_of
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, friction_force, friction_record
 from presswear.tools.arrays import Array
 
@@ -48,29 +48,25 @@ def pairs(
 
 
 def _arms(pair: Pair) -> Array:
-    """The common point from both mass centres, from the bearing's side and without the kernel."""
-    joint = pair.joint
-    bearing = joint_end(0, joint.bearing.x, joint.bearing.y, pair.q, pair.v)
-    pin = joint_end(3, joint.pin.x, joint.pin.y, pair.q, pair.v)
-    e = np.array([pin.x - bearing.x, pin.y - bearing.y])
-    distance, direction = float(np.hypot(*e)), math.atan2(e[1], e[0])
-    place = np.array([direction - float(joint.map_frame == "body") * pair.q[2]])
-    indentation = 0.5 * max(distance - gap_of(joint, direction, pair.q[2], pair.q[5]), 0.0)
-    reach = joint.bearing_radius + float(joint.bearing_surface(place)[0]) + indentation
-    point = np.array([bearing.x, bearing.y]) + reach * e / distance
-    return np.asarray(point - np.array([pair.q[0:2], pair.q[3:5]]))
+    """The common point from both mass centres, (2, 2), from the bearing's side, without kernels."""
+    joint, q = pair.joint, pair.q
+    bearing = q[:2] + turned(q[2], joint.bearing.x, joint.bearing.y)
+    e = q[3:5] + turned(q[5], joint.pin.x, joint.pin.y) - bearing
+    direction, length = math.atan2(e[1], e[0]), float(np.hypot(*e))
+    angle = np.array([direction - (joint.map_frame == "body") * q[2]])
+    indentation = 0.5 * max(length - gap_of(joint, direction, q[2], q[5]), 0.0)
+    reach = joint.bearing_radius + float(joint.bearing_surface(angle)[0]) + indentation
+    return np.asarray(bearing + reach * e / length - q.reshape(2, 3)[:, :2])
 
 
 @given(pairs(st.floats(1e-9, 1e-4)))
 def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
     """Linear and angular momentum stay to round-off."""
-    contact = pair.contact()
-    load = pair.load(0.5)
+    contact, load = pair.contact(), pair.load(0.5)
     law = normal_law(1.25e10, 1.5, pair.joint.normal.damping)
     assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
-    assert load.tangential == friction_force(
-        contact.sliding, load.normal, friction_record(FrictionLaw(0.1))
-    )
+    friction = friction_force(contact.sliding, load.normal, friction_record(FrictionLaw(0.1)))
+    assert load.tangential == friction
     n = np.array([contact.normal_x, contact.normal_y])
     t = np.array([-n[1], n[0]])
     force = np.array([load.x, load.y])
@@ -93,9 +89,8 @@ def test_penetration_is_measured_from_the_worn_gap(
     contact = placed(joint, penetration, direction, angles=angles).contact()
     # Positions of order 1 m are rounded; a worn profile adds slope 1e-3 times that angle.
     assert contact.penetration == pytest.approx(penetration, abs=8.0 * EPS)
-    assert contact.eccentricity == pytest.approx(
-        penetration + gap_of(joint, direction, *angles), abs=8.0 * EPS
-    )
+    eccentricity = penetration + gap_of(joint, direction, *angles)
+    assert contact.eccentricity == pytest.approx(eccentricity, abs=8.0 * EPS)
     assert math.cos(direction_of(contact) - direction) == pytest.approx(1.0, abs=1e-12)
 
 
@@ -106,12 +101,12 @@ def test_sliding_is_that_of_the_material_points(pair: Pair) -> None:
         pair.v[body : body + 2] + pair.v[body + 2] * np.array([-arm[1], arm[0]])
         for body, arm in zip((0, 3), _arms(pair), strict=True)
     ]
-    n = np.array([contact.normal_x, contact.normal_y])
-    t = np.array([-contact.normal_y, contact.normal_x])
+    x, y = velocity[1] - velocity[0]
+    nx, ny = contact.normal_x, contact.normal_y
     # Speeds up to 300 rad/s times 0.2 m.
-    assert contact.sliding == pytest.approx((velocity[1] - velocity[0]) @ t, abs=1e-12)
+    assert contact.sliding == pytest.approx(y * nx - x * ny, abs=1e-12)
     if pair.joint is JOINT:
-        assert contact.rate == pytest.approx((velocity[1] - velocity[0]) @ n, abs=1e-12)
+        assert contact.rate == pytest.approx(x * nx + y * ny, abs=1e-12)
 
 
 @given(pairs(st.floats(-1e-4, 1e-4), 0.05, 0.3))
@@ -130,21 +125,16 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
 
 def _knot_is_near(pair: Pair, span: float) -> bool:
     """Whether the contact crosses the centre of a bin within so many radians."""
-    count = pair.surfaces.shape[1]
-    turns = float(pair.joint.map_frame == "body")
-    positions = [
-        (direction_of(pair.contact()) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
-        for body in (0, 3)
-    ]
-    width = 2.0 * math.pi / max(count, 1)
-    return any(abs(x - round(x)) * width <= span for x in positions)
+    width = 2.0 * math.pi / max(pair.surfaces.shape[1], 1)
+    places = direction_of(pair.contact()) - (pair.joint.map_frame == "body") * pair.q[2::3]
+    positions = places / width - 0.5
+    return bool(np.any(np.abs(positions - np.round(positions)) * width <= span))
 
 
 @given(pairs(st.floats(-5e-4, 1e-4), 0.1, 3.0), rates(1e2, 1e3))
 def test_penetration_acceleration_is_the_derivative_of_the_rate(
     pair: Pair, acceleration: Array
 ) -> None:
-    formula = pair.penetration_acceleration(acceleration)
     eccentricity = pair.contact().eccentricity
     # Centres move at up to 1.5 m/s against each other: a small part of the time in which
     # the pin would cross the joint.
@@ -157,19 +147,18 @@ def test_penetration_acceleration_is_the_derivative_of_the_rate(
     # Truncation is (2e-5)^2 of it but for a small factor; positions rounded to 2e-16 m turn
     # the normal by 2e-16 / e, and worn slopes (to 1e-3 m/rad) with it.
     noise = 8e-16 / eccentricity * speed / step * (1.0 + 1e-2 * speed / eccentricity)
-    assert formula == pytest.approx(
+    expected = pytest.approx(
         (ahead - behind) / (2.0 * step), abs=1e-8 * (centripetal + 2e3) + noise
     )
+    assert pair.penetration_acceleration(acceleration) == expected
 
 
 @pytest.mark.parametrize("joint", [JOINT, worn_joint("fixed"), worn_joint("body")])
 def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
-    centred = replace(
-        joint, bearing=Attachment("bearing", 0.0, 0.0), pin=Attachment("pin", 0.0, 0.0)
-    )
+    bearing, pin = (Attachment(body, 0.0, 0.0) for body in ("bearing", "pin"))
     q = np.array([0.3, 0.2, 0.7, 0.3, 0.2, -0.4])
     v = np.array([0.1, 0.2, 30.0, -0.3, 0.1, -20.0])
-    pair = Pair(centred, q, v)
+    pair = Pair(replace(joint, bearing=bearing, pin=pin), q, v)
     contact = pair.contact()
     assert contact.eccentricity == 0.0
     assert contact.penetration <= -joint.clearance

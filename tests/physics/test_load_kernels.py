@@ -7,19 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import assemble
-from presswear.linkage.loads import (
-    Force,
-    Harmonics,
-    Law,
-    Moment,
-    OverPosition,
-    OverTime,
-    Sense,
-    Table,
-)
+from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Sense
 from presswear.physics.loads import (
     Loads,
     load_forces,
@@ -57,12 +49,9 @@ def size(packed: Loads, t: float, s: float, v: float) -> float:
     return turned * load_size(record, packed.nodes, mode, t, turned * s, turned * v)
 
 
-def table_of(spaces: list[float], sizes: list[float], ends: bool = False) -> Table:
-    places = np.cumsum(spaces) - 1.0
-    values = np.array(sizes[: len(places)])
-    if ends:
-        values[[0, -1]] = 0.0
-    return list(zip(places.tolist(), values.tolist(), strict=True))
+def table_of(spaces: list[float], sizes: list[float]) -> NDArray[np.float64]:
+    """Places and sizes of a table, shape (2, n)."""
+    return np.array([np.cumsum(spaces) - 1.0, sizes[: len(spaces)]])
 
 
 @given(SPACES, SIZES, WALK, st.booleans(), st.floats(-1.0, 1.0))
@@ -70,10 +59,12 @@ def test_a_table_over_position_is_that_of_numpy(
     spaces: list[float], sizes: list[float], walk: list[float], held: bool, zero: float
 ) -> None:
     """Whatever way the body goes: the piece is followed, and it is the right one."""
-    table = table_of(spaces, sizes, ends=not held)
+    places, values = table_of(spaces, sizes)
+    if not held:
+        values[[0, -1]] = 0.0
+    table = np.transpose([places, values]).tolist()
     law = OverPosition(table, outside="hold" if held else "zero", zero=zero)
     packed = packed_of(law, turning=True)
-    places, values = np.array(table).T
     place_loads(packed, np.zeros(3), np.zeros(3))
     s = 0.0
     for step in walk:
@@ -88,10 +79,10 @@ def test_a_table_over_time_is_that_of_numpy(
     spaces: list[float], sizes: list[float], steps: list[float], repeats: bool
 ) -> None:
     """Bends are told beforehand, one by one; once passed there is none behind."""
-    table = [(place + 1.0, value) for place, value in table_of(spaces, sizes)]
-    period = table[-1][0] + 0.5 if repeats else 0.0
-    packed = packed_of(OverTime(table, period), turning=True)
-    places, values = np.array(table).T
+    places, values = table_of(spaces, sizes)
+    places += 1.0
+    period = float(places[-1]) + 0.5 if repeats else 0.0
+    packed = packed_of(OverTime(np.transpose([places, values]).tolist(), period), turning=True)
     place_loads(packed, np.zeros(3), np.zeros(3))
     t = 0.0
     for step in steps:
@@ -151,18 +142,17 @@ def plastic(
     spaces: list[float], sizes: list[float], steeper: float, sense: Sense, release: bool
 ) -> OverPosition:
     """A law that resists with what a table of sizes above zero says, and unloads."""
-    places, values = np.array(table_of(spaces, [0.0, *np.abs(sizes).tolist()])).T
+    places, values = table_of(spaces, [0.0, *np.abs(sizes).tolist()])
     steepest = max(float((np.diff(values) / np.diff(places)).max()), 0.1)
     sign = 1.0 if sense == "along" else -1.0
-    table = sorted(zip((sign * places).tolist(), (-sign * values).tolist(), strict=True))
+    table = sorted(np.transpose([sign * places, -sign * values]).tolist())
     return OverPosition(table, sense, "hold", release=release, unloading=steeper * steepest)
 
 
-def rows_of(law: OverPosition) -> tuple[list[float], list[float]]:
+def rows_of(law: OverPosition) -> NDArray[np.float64]:
     """Places in the sense of a law, and its resistance there on the way in."""
     sign = 1.0 if law.sense == "along" else -1.0
-    rows = sorted((sign * place, -sign * size) for place, size in law.table)
-    return [place for place, _ in rows], [size for _, size in rows]
+    return np.array(sorted((sign * place, -sign * size) for place, size in law.table)).T
 
 
 def borne(law: OverPosition, walk: list[float]) -> list[float]:
@@ -248,18 +238,14 @@ def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
     assert power == pytest.approx(force @ v)
     h = 1e-4
 
-    def place(t: float) -> float:
-        return load_motion(load, q + t * v + 0.5 * t * t * a, v, a)[0]
+    def place(moved: NDArray[np.float64]) -> float:
+        return load_motion(load, q + moved, v, a)[0]
 
-    assert speed == pytest.approx((place(h) - place(-h)) / (2.0 * h), rel=1e-6)
-    assert faster == pytest.approx((place(h) - 2.0 * s + place(-h)) / h**2, rel=1e-5)
-    for c in range(3):
-        step = np.zeros(3)
-        step[c] = h
-        slope = (load_motion(load, q + step, v, a)[0] - load_motion(load, q - step, v, a)[0]) / (
-            2.0 * h
-        )
-        assert force[c] == pytest.approx(scale * slope, rel=1e-6)
+    ahead, behind = (place(t * v + 0.5 * t * t * a) for t in (h, -h))
+    assert speed == pytest.approx((ahead - behind) / (2.0 * h), rel=1e-6)
+    assert faster == pytest.approx((ahead - 2.0 * s + behind) / h**2, rel=1e-5)
+    slopes = [(place(step) - place(-step)) / (2.0 * h) for step in h * np.eye(3)]
+    assert force == pytest.approx(scale * np.array(slopes), rel=1e-6)
 
 
 def test_loads_with_a_law_are_no_weight() -> None:

@@ -48,11 +48,8 @@ def test_slider_crank_in_line_has_the_play_of_its_joints(
     force: float, first: float, second: float, exponent: float
 ) -> None:
     """At bottom dead centre crank and rod are in line with the pull: both plays, twice."""
-    bearings = {
-        name: pw.Bearing(clearance=clearance, exponent=exponent)
-        for name, clearance in (("A", first), ("B", second))
-    }
-    linkage = replace(LIGHT, bearings=bearings).linkage()
+    pins = (pw.Bearing(clearance=play, exponent=exponent) for play in (first, second))
+    linkage = replace(LIGHT, bearings=dict(zip("AB", pins, strict=True))).linkage()
     expected = 2.0 * sum(play(joint, force) for joint in linkage.clearances)
     assert pw.total_clearance(linkage, force) == pytest.approx(expected, abs=1e-13)
 
@@ -72,17 +69,14 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(geometry: str, force: 
     time = np.array([bottom.time])
 
     def height(longer: Array) -> float:
-        rods = {"length_3": press.length_3 + longer[0], "length_5": press.length_5 + longer[1]}
-        item = replace(press, **rods)
+        rods = press.length_3 + longer[0], press.length_5 + longer[1]
+        item = replace(press, length_3=rods[0], length_5=rods[1])
         return float(press_motion(item, time).output(linkage)[0, 0])
 
-    longer, way = np.zeros(2), 1e-6
+    longer, ways = np.zeros(2), 1e-6 * np.eye(2)
     for _ in range(20):
-        ahead, behind = (
-            np.array([height(longer + sign * way * item) for item in np.eye(2)])
-            for sign in (1.0, -1.0)
-        )
-        bears = force * (ahead - behind) / (2.0 * way)
+        rises = np.array([height(longer + way) - height(longer - way) for way in ways])
+        bears = force * rises / 2e-6
         plays = [play(*item) for item in zip(linkage.clearances, bears, strict=True)]
         longer = np.copysign(plays, bears)
     result = equilibrium(linkage, press.period + bottom.time, force)
@@ -182,11 +176,9 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
 def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
     ideal, linkage = pw.Press().linkage(), LIGHT.linkage()
     assert pw.total_clearance(ideal) == pw.deflection(ideal, 500.0) == 0.0
-    for force in (0.0, -1.0, 1e12):
+    for force in (0.0, -1.0, 1e12, math.nan):
         with pytest.raises(pw.InputError, match=r"force = .* allowed is above 0 up to 1e\+09 N"):
             pw.total_clearance(linkage, force)
-    with pytest.raises(pw.InputError, match="force = nan N: allowed is above 0"):
-        pw.total_clearance(linkage, math.nan)
     with pytest.raises(pw.InputError, match="idle = inf"):
         pw.deflection(linkage, 1.0, math.inf)
     with pytest.raises(pw.InputError, match="no bottom dead centre: its output point"):

@@ -175,31 +175,24 @@ def test_bodies_without_freedom_are_those_that_the_jacobian_holds(linkage: Linka
     assert moving > 0
 
 
-def followed(prescribed: Prescribed, motion: Motion) -> list[Array]:
+def followed(prescribed: Prescribed, motion: Motion) -> Array:
     """q, v and a of all bodies at the times of a motion, from its first place on."""
-    levels: list[list[Array]] = [[], [], []]
-    count = motion.position.shape[1]
-    q, v, a, axes = np.zeros((4, count))
+    levels = np.zeros((len(motion.time), 3, motion.position.shape[1]))
+    axes = np.zeros(motion.position.shape[1])
     begin_motion(prescribed, float(motion.time[0]), motion.position[0])
-    for time in motion.time:
+    for time, (q, v, a) in zip(motion.time, levels, strict=True):
         place_prescribed(prescribed, float(time), q, v, a, axes)
-        for level, item in zip(levels, (q, v, a), strict=True):
-            level.append(item.copy())
-    return [np.array(level) for level in levels]
-
-
-def times_of(linkage: Linkage) -> Array:
-    """Forwards and back over a cycle, in steps up to that of a run, and standing still."""
-    steps = np.random.default_rng(1).uniform(-0.001, 0.002, 2000)
-    steps[::7] *= 1e-4
-    steps[::11] = 0.0
-    return np.cumsum(steps) * linkage.period
+    return levels.transpose(1, 0, 2)
 
 
 @each_mechanism
 def test_a_linkage_without_freedom_follows_its_ideal_motion(linkage: Linkage) -> None:
+    """Forwards and back over a cycle, in steps up to that of a run, and standing still."""
+    steps = np.random.default_rng(1).uniform(-0.001, 0.002, 2000)
+    steps[::7] *= 1e-4
+    steps[::11] = 0.0
+    ideal = motion_of(linkage).at(np.cumsum(steps) * linkage.period)
     everything = frozenset(body.name for body in linkage.bodies)
-    ideal = motion_of(linkage).at(times_of(linkage))
     q, v, a = followed(pack_prescribed(linkage, everything), ideal)
     assert np.abs(q - ideal.position).max() < 1e-12
     for item, exact in ((v, ideal.velocity), (a, ideal.acceleration)):
@@ -210,16 +203,16 @@ def test_a_linkage_without_freedom_follows_its_ideal_motion(linkage: Linkage) ->
 def test_torques_are_the_multipliers_of_the_drives(linkage: Linkage) -> None:
     """Forces on every body against all rows at once, M a + J^T lambda = g."""
     prescribed = pack_prescribed(linkage, prescribed_of(linkage))
-    ideal = motion_of(linkage).at(np.array([0.31 * linkage.period]))
+    time = 0.31 * linkage.period
+    ideal = motion_of(linkage).at(np.array([time]))
     q, v, a, axes = np.zeros((4, 3 * len(linkage.bodies)))
-    begin_motion(prescribed, float(ideal.time[0]), ideal.position[0])
-    place_prescribed(prescribed, float(ideal.time[0]), q, v, a, axes)
+    begin_motion(prescribed, time, ideal.position[0])
+    place_prescribed(prescribed, time, q, v, a, axes)
     applied = np.random.default_rng(4).normal(size=q.size)
-    jacobian = constraints_of(linkage).evaluate(float(ideal.time[0]), q, v)[3]
+    jacobian = constraints_of(linkage).evaluate(time, q, v)[3]
     multipliers = np.linalg.solve(jacobian.T, applied - mass_of(linkage) * a)
     expected = -multipliers[-len(linkage.drives) :]
-    torque = np.zeros(len(linkage.drives))
-    force = applied.copy()
+    torque, force = np.zeros(len(linkage.drives)), applied.copy()
     subtract_inertia(prescribed.parts, a, force)
     drive_torques(prescribed, q, axes, force, torque)
     assert torque == pytest.approx(expected, rel=1e-10)
@@ -232,8 +225,7 @@ def test_torques_are_the_multipliers_of_the_drives(linkage: Linkage) -> None:
 def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
     """Links that Newton's method put on their other side would be wrong without a word."""
     linkage = MECHANISMS[name]
-    everything = frozenset(body.name for body in linkage.bodies)
-    prescribed = pack_prescribed(linkage, everything)
+    prescribed = pack_prescribed(linkage, frozenset(body.name for body in linkage.bodies))
     generator = np.random.default_rng(2)
     begins, sizes = generator.uniform(0.0, 1.0, 300), 10.0 ** generator.uniform(-3.0, -0.3, 300)
     refused = 0
