@@ -1,14 +1,15 @@
 """Constraint rows at many instants, and assembly of any linkage by Newton's method on them.
 
-These rows are those of ``physics.constraints``, evaluated by numpy: a scene finds its ideal motion
-without compiled code.
+A scene finds its ideal motion without compiled code; ``physics.constraints`` packs the rows for
+kernels.
 """
 
 import math
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.linkage.drives import Drive, series
 from presswear.linkage.elements import GROUND, Attachment, OutputPoint
@@ -41,6 +42,12 @@ class Rows:
     ----------
     names : tuple of str
         Joint, guide or drive behind each row.
+    ends : list
+        Indices of the bodies, -1 for the frame, x and y of the points, m, and sign in the
+        distance, of the first points and of the second.
+    normal, turn, held : ndarray
+        Directions, shape (rows, 2); shares of the first bodies' angles, and values that are held
+        before those of the drives, each (rows,).
     following : list of int
         Rows of drives whose points follow curves.
     size : float
@@ -72,18 +79,19 @@ class Rows:
                 point, turn = Attachment(output.body, output.x, output.y), 0.0
                 along = math.cos(output.direction), math.sin(output.direction)
             rows.append((drive.name, point, frame, along, turn, 0.0))
-        self.names, first, second, normal, turns, held = zip(*rows, strict=True)
-        self._normal, self._turn, self._held = map(np.array, (normal, turns, held))
+        self.names = tuple(row[0] for row in rows)
+        self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
+        self.turn, self.held = np.array([row[4:] for row in rows]).reshape(-1, 2).T
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
-        self._ends: list[tuple[Any, Array, Array, float]] = []  # bodies, places, sign
-        for ends, sign in ((first, 1.0), (second, -1.0)):
-            points = zip(*((indices[at.body], at.x, at.y) for at in ends), strict=True)
-            bodies, xs, ys = map(np.array, points)
-            self._ends.append((bodies, xs, ys, sign))
+        self.ends: list[tuple[NDArray[np.int64], Array, Array, float]] = []
+        for ends, sign in (([row[1] for row in rows], 1.0), ([row[2] for row in rows], -1.0)):
+            bodies = np.array([indices[end.body] for end in ends], dtype=np.int64)
+            x, y = np.array([(end.x, end.y) for end in ends]).reshape(-1, 2).T
+            self.ends.append((bodies, x, y, sign))
         pins = slice(0, 2 * len(linkage.revolutes), 2)
-        self.joined = [body[pins] for body, _, _, _ in self._ends]  # bodies of the pin joints
+        self.joined = [body[pins] for body, _, _, _ in self.ends]  # bodies of the pin joints
         sizes = np.zeros(self.bodies + 1)
-        for body, x, y, _ in self._ends:
+        for body, x, y, _ in self.ends:
             np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])
         self.size = float(sizes.max(initial=0.0)) or 1.0
         self.scale = np.ones(3 * self.bodies)
@@ -91,7 +99,7 @@ class Rows:
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
             initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
-            self._held[self.following] = initial[self.following]
+            self.held[self.following] = initial[self.following]
 
     def _moving(self, level: Array) -> Array:
         """Return a level with the frame, which is at rest, behind the bodies."""
@@ -100,7 +108,7 @@ class Rows:
     def _arms(self, q: Array) -> list[tuple[Array, Array]]:
         """Return x and y from the mass centres to both points, each (n, rows), m."""
         cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
-        ends = [(cosine[:, body], sine[:, body], x, y) for body, x, y, _ in self._ends]
+        ends = [(cosine[:, body], sine[:, body], x, y) for body, x, y, _ in self.ends]
         return [(cos * x - sin * y, sin * x + cos * y) for cos, sin, x, y in ends]
 
     def errors(self, time: Array, *levels: Array) -> list[Array]:
@@ -112,30 +120,30 @@ class Rows:
         for row, drive in enumerate(self.linkage.drives, -len(self.linkage.drives)):
             for level, value in zip(held, motion_of_row(drive, time), strict=True):
                 level[:, row] = value
-        held[0] += self._held
+        held[0] += self.held
         moving = [self._moving(level) for level in levels]
         arms = self._arms(moving[0])
         result = []
         for order, level in enumerate(moving):
             gap: Array | float = 0.0
-            for (body, _, _, sign), (x, y) in zip(self._ends, arms, strict=True):
+            for (body, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
                 arm, left = np.stack([x, y], axis=-1), np.stack([-y, x], axis=-1)
                 point = level[:, body, :2] + (arm if order == 0 else level[:, body, 2:] * left)
                 if order == 2:
                     point = point - moving[1][:, body, 2:] ** 2 * arm
                 gap = gap + sign * point
-            angle = self._turn * level[:, self._ends[0][0], 2]
-            result.append((gap * self._normal).sum(axis=-1) + angle - held[order])
+            angle = self.turn * level[:, self.ends[0][0], 2]
+            result.append((gap * self.normal).sum(axis=-1) + angle - held[order])
         return result
 
     def jacobian(self, q: Array) -> Array:
         """Return the derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
         rows = np.arange(len(self.names))
         result = np.zeros((len(q), rows.size, self.bodies + 1, 3))
-        for (body, _, _, sign), (x, y) in zip(self._ends, self._arms(self._moving(q)), strict=True):
-            result[:, rows, body, :2] += sign * self._normal
-            result[:, rows, body, 2] += sign * (x * self._normal[:, 1] - y * self._normal[:, 0])
-        result[:, rows, self._ends[0][0], 2] += self._turn
+        for (body, _, _, sign), (x, y) in zip(self.ends, self._arms(self._moving(q)), strict=True):
+            result[:, rows, body, :2] += sign * self.normal
+            result[:, rows, body, 2] += sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
+        result[:, rows, self.ends[0][0], 2] += self.turn
         return result[:, :, : self.bodies].reshape(len(q), rows.size, -1)
 
     def side(self, q: Array) -> Array:

@@ -11,26 +11,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.drives import Drive
-from presswear.linkage.elements import GROUND, Guide, Revolute
 from presswear.linkage.linkage import Linkage
+from presswear.physics.assembly import Rows
 from presswear.physics.drive_motion import drive_motion, motions_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to, floats, inlined
 
-REVOLUTE, GUIDE, DRIVE = 0, 1, 2
-
-# A constraint as the kernels see it.
+# A row as the kernels see it: the distance of two points along a direction, or an angle
 CONSTRAINT = np.dtype(
     [
-        ("kind", np.int64),
-        ("row", np.int64),  # first row
         ("first", np.int64),  # index of the body's x in q, -1 for the frame
         ("second", np.int64),
         *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
-        ("angle", np.float64),  # of the body on a guide, rad
-        ("drive", np.int64),  # its place among the motions
-        *floats("normal_x", "normal_y"),  # of a guide
+        *floats("normal_x", "normal_y"),  # the direction; 0 for an angle
+        ("turns", np.bool_),  # the angle of the first body
+        ("held", np.float64),  # value of the row, m or rad, before that of a drive
+        ("drive", np.int64),  # its place among the motions; -1 for none
     ]
 )
 
@@ -63,40 +59,35 @@ def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
 def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
     """Evaluate Phi, dPhi/dt, gamma (equation 16) and the Jacobian in the working space."""
     phi, phi_t, gamma, jacobian = held.phi, held.phi_t, held.gamma, held.jacobian
-    for i in range(held.constraints.shape[0]):
-        c = held.constraints[i]
-        row, first = c.row, c.first
-        if c.kind == REVOLUTE:
-            phi[row] = phi[row + 1] = phi_t[row] = phi_t[row + 1] = 0.0
-            gamma[row] = gamma[row + 1] = 0.0
-            for b, x, y, sign in ((first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
-                px, py = lever(b, x, y, q)
-                if b >= 0:
-                    spin = v[b + 2]
-                    phi_t[row] += sign * (v[b] - spin * py)
-                    phi_t[row + 1] += sign * (v[b + 1] + spin * px)
-                    gamma[row] += sign * (spin * spin * px)
-                    gamma[row + 1] += sign * (spin * spin * py)
-                    jacobian[row, b], jacobian[row, b + 2] = sign, -sign * py
-                    jacobian[row + 1, b + 1], jacobian[row + 1, b + 2] = sign, sign * px
-                    px += q[b]
-                    py += q[b + 1]
-                phi[row] += sign * px
-                phi[row + 1] += sign * py
-        elif c.kind == GUIDE:
-            phi[row] = (q[first] - c.x1) * c.normal_x + (q[first + 1] - c.y1) * c.normal_y
-            phi_t[row] = v[first] * c.normal_x + v[first + 1] * c.normal_y
-            phi[row + 1] = q[first + 2] - c.angle
-            phi_t[row + 1] = v[first + 2]
-            gamma[row] = gamma[row + 1] = 0.0
-            jacobian[row, first], jacobian[row, first + 1] = c.normal_x, c.normal_y
-            jacobian[row + 1, first + 2] = 1.0
-        else:
-            turned, speed, faster = drive_motion(held.motions[c.drive], t)
-            phi[row] = q[first + 2] - held.motions[c.drive].angle - turned
-            phi_t[row] = v[first + 2] - speed
-            gamma[row] = faster
-            jacobian[row, first + 2] = 1.0
+    for row in range(held.constraints.shape[0]):
+        c = held.constraints[row]
+        nx, ny = c.normal_x, c.normal_y
+        gap_x = gap_y = rate_x = rate_y = bend_x = bend_y = 0.0
+        for b, x, y, sign in ((c.first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
+            px, py = lever(b, x, y, q)
+            if b >= 0:
+                spin = v[b + 2]
+                rate_x += sign * (v[b] - spin * py)
+                rate_y += sign * (v[b + 1] + spin * px)
+                bend_x += sign * (spin * spin * px)
+                bend_y += sign * (spin * spin * py)
+                jacobian[row, b], jacobian[row, b + 1] = sign * nx, sign * ny
+                jacobian[row, b + 2] = sign * (px * ny - py * nx)
+                px += q[b]
+                py += q[b + 1]
+            gap_x += sign * px
+            gap_y += sign * py
+        phi[row] = gap_x * nx + gap_y * ny
+        phi_t[row] = rate_x * nx + rate_y * ny
+        gamma[row] = bend_x * nx + bend_y * ny
+        if c.turns:
+            phi[row], phi_t[row] = q[c.first + 2] - c.held, v[c.first + 2]
+            jacobian[row, c.first + 2] = 1.0
+        if c.drive >= 0:
+            turned, speed, gamma[row] = drive_motion(held.motions[c.drive], t)
+            phi[row] -= held.motions[c.drive].angle
+            phi[row] -= turned
+            phi_t[row] -= speed
 
 
 @compiled
@@ -188,27 +179,12 @@ class Constraints:
 
 def constraints_of(linkage: Linkage) -> Constraints:
     """Pack the ideal joints, guides and drives of a linkage."""
-    items: list[Revolute | Guide | Drive] = [*linkage.revolutes, *linkage.guides]
-    items += linkage.drives
-    records = np.zeros(len(items), CONSTRAINT)
-    names: list[str] = []
-    offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
-    for record, item in zip(records, items, strict=True):
-        record["row"] = len(names)
-        if isinstance(item, Drive):
-            record["kind"], record["first"] = DRIVE, offset[item.body]
-            record["drive"] = linkage.drives.index(item)
-            names.append(item.name)
-            continue
-        names += [item.name, item.name]
-        if isinstance(item, Guide):
-            record["kind"], record["first"] = GUIDE, offset[item.body]
-            record["x1"], record["y1"], record["angle"] = item.x, item.y, item.angle
-            record["normal_x"] = -math.sin(item.direction)
-            record["normal_y"] = math.cos(item.direction)
-        else:
-            record["kind"] = REVOLUTE
-            record["first"], record["second"] = offset[item.first.body], offset[item.second.body]
-            record["x1"], record["y1"] = item.first.x, item.first.y
-            record["x2"], record["y2"] = item.second.x, item.second.y
-    return Constraints(records, motions_of(linkage), tuple(names))
+    motions, rows = motions_of(linkage), Rows(linkage)
+    records = np.zeros(len(rows.names), CONSTRAINT)
+    for end, body, (places, x, y, _) in zip("12", ("first", "second"), rows.ends, strict=True):
+        records[body] = np.where(places < 0, -1, 3 * places)
+        records["x" + end], records["y" + end] = x, y
+    records["normal_x"], records["normal_y"] = rows.normal.T
+    records["turns"], records["held"], records["drive"] = rows.turn, rows.held, -1
+    records["drive"][len(records) - len(motions) :] = range(len(motions))
+    return Constraints(records, motions, rows.names)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.constraints import DRIVE, Constraints, Held, evaluate_constraints, solve
+from presswear.physics.constraints import Constraints, Held, evaluate_constraints, solve
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.drive_motion import drive_motion
 from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
@@ -238,10 +238,10 @@ def solve_multipliers(
         for c in range(out.shape[0]):
             out[c] -= held.jacobian[row, c] * multiplier
     power = 0.0
-    for i in range(held.constraints.shape[0]):
-        c = held.constraints[i]
-        if c.kind == DRIVE:
-            power -= held.multipliers[c.row] * drive_motion(held.motions[c.drive], t)[1]
+    for row in range(held.constraints.shape[0]):
+        drive = held.constraints[row].drive
+        if drive >= 0:
+            power -= held.multipliers[row] * drive_motion(held.motions[drive], t)[1]
     for i in range(out.shape[0]):
         out[i] *= held.inverse_mass[i]
     return power
@@ -251,11 +251,9 @@ def solve_multipliers(
 def _fill_torques(held: Held | None, tree: OpenTree | None, state: Array, torque: Array) -> None:
     """Fill the torques of the drives; adds the forces of a tree to those on prescribed bodies."""
     if held is not None:
-        drive = 0
-        for i in range(held.constraints.shape[0]):
-            if held.constraints[i].kind == DRIVE:
-                torque[drive] = -held.multipliers[held.constraints[i].row]
-                drive += 1
+        for row in range(held.constraints.shape[0]):
+            if held.constraints[row].drive >= 0:
+                torque[held.constraints[row].drive] = -held.multipliers[row]
     if tree is not None:
         q, _, a, force, axes = state
         for i in range(tree.links.shape[0] - 1, -1, -1):

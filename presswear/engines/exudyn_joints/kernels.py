@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.constraints import DRIVE, Held, project, project_acceleration
+from presswear.physics.constraints import Held, project, project_acceleration
 from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import drive_motion, step_to_break
 from presswear.physics.forces import add_contacts, load_of, loss_powers
@@ -137,10 +137,10 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
         return
     project(held, t, frame.q, frame.v)
     project_acceleration(held, t, frame.q, frame.v, frame.a)
-    for i in range(held.constraints.shape[0]):
-        c = held.constraints[i]
-        if c.kind == DRIVE and drives.multiplier[c.drive] >= 0:
-            drives.multipliers[drives.multiplier[c.drive]] += held.multipliers[c.row]
+    for row in range(held.constraints.shape[0]):
+        drive = held.constraints[row].drive
+        if drive >= 0 and drives.multiplier[drive] >= 0:
+            drives.multipliers[drives.multiplier[drive]] += held.multipliers[row]
     for i in range(frame.places.shape[0]):
         place = frame.places[i]
         frame.solved_q[i] = frame.q[place]
