@@ -60,14 +60,10 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
     check_file_name("--out", file, ".png")
-    import matplotlib  # slow to import
-
     from presswear.show.figures import save
     from presswear.show.figures.mechanism import labelled
-    from presswear.show.figures.style import SETTINGS
 
-    with matplotlib.rc_context(SETTINGS):
-        drawing = labelled(scene, time)
+    drawing = labelled(scene, time)
     save(replace(drawing, file=file.name), file.parent)
     print_lines(console, drawing.caption, f"picture in {file}")
     return 0

@@ -49,10 +49,6 @@ Record = dict[str, Any]
 _TABLES = TEMPLATES.from_string((files(__package__) / "templates/tables.toml").read_text("utf-8"))
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
-_ENDINGS = {
-    "completed": "all cycles completed",
-    "enough": "stopped when the wear maps reached the tolerance",
-}
 
 
 def write_report(result: Result) -> Path:
@@ -193,6 +189,7 @@ def _stage_records(result: Result) -> list[Record]:
     scene, represented = result.scene, 0.0
     records: list[Record] = []
     has_wear = any(stage.index > 0 for stage in result.stages)
+    endings = _tables(result)["endings"]
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
         joints, steps = stage.statistics.joints, stage.wear_steps
         bdc = stage.statistics.bdc if scene.clearance_joints else None
@@ -200,7 +197,7 @@ def _stage_records(result: Result) -> list[Record]:
         multiplier = numbers.readable(stage.amplification)
         if len(steps) > 1:
             multiplier = f"{_factor_range(steps)}, in {len(steps)} steps"
-        ending = _ENDINGS.get(stage.status, stage.status)
+        ending = endings.get(stage.status, stage.status)
         records.append(
             {
                 "name": name,

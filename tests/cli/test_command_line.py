@@ -54,6 +54,9 @@ run wear-times clearance=0.5mm: --set clearance=0.5mm
 run wear-times --jobs 0: --jobs 0: must be a whole number from 1 to 256
 run wear-times --jobs 99999999999: must be a whole number
 run wear-times --resume: --out
+run wear-times --resume --out nowhere: --resume --out nowhere: there is no such folder
+life ideal --resume --out nowhere: --resume --out nowhere: there is no such folder
+sweep wear-times --resume --out nowhere: --resume --out nowhere: there is no such folder
 run wear-times --checkpoint soon: --checkpoint soon: must be a number of seconds
 run wear-times --surfaces nowhere:1: nowhere: there is no such folder
 run wear-times --surfaces worn.csv: worn.csv: there is no such file
@@ -126,19 +129,6 @@ def test_bad_input_is_one_line_and_exit_code_2(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("line", ["run wear-times", "life ideal", "sweep wear-times"])
-def test_resume_of_a_missing_folder_names_the_nearest(
-    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "results" / "first").mkdir(parents=True)
-    assert main([*line.split(), "--resume", "--out", "results/frist"]) == 2
-    output = capsys.readouterr().err
-    assert output.startswith("presswear: --resume --out results/frist: there is no such folder")
-    assert "did you mean first?" in output
-    assert [path.name for path in (tmp_path / "results").iterdir()] == ["first"]
-
-
 def test_a_folder_of_several_runs_names_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -150,17 +140,11 @@ def test_a_folder_of_several_runs_names_them(
     assert f"name one that it holds: {named}\n" in capsys.readouterr().err
 
 
-def test_list_names_scenes_and_settings(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_list_names_scenes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(SCENES)
     assert len({line.index(line.split(None, 1)[1]) for line in lines}) == 1
-    file = tmp_path / "mine.toml"
-    file.write_text(example_file("four-bar"))
-    assert main(["list", f"{file}"]) == 0
-    keys = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
-    assert len(keys) == len(set(keys))
-    assert {"gravity", "run_up", "cycle"} <= set(keys)
 
 
 def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -229,8 +213,11 @@ def test_a_new_file_is_listed_drawn_and_run(
     assert "my-own.toml cannot be written: File exists" in capsys.readouterr().err
     assert main(["list", "my-own.toml"]) == 0
     output = capsys.readouterr().out
-    for key in ("bodies[0].mass", "joints[1].first", "drives[0].speed", "clearance"):
-        assert re.search(rf"^{re.escape(key)} ", output, re.MULTILINE), key
+    keys = [line.split()[0] for line in output.splitlines()]
+    assert len(keys) == len(set(keys))
+    assert {"bodies[0].mass", "joints[1].first", "drives[0].speed", "clearance", "cycle"} <= set(
+        keys
+    )
     assert main(["show", "my-own.toml", "--at", "10ms"]) == 0
     assert Path("my-own.png").read_bytes().startswith(b"\x89PNG")
     options = ["--engine", "dae", "--cycles", "1", "--wear-updates", "0", "--set", "replicates=1"]

@@ -3,6 +3,7 @@
 import io
 import re
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from rich.console import Console
@@ -21,13 +22,10 @@ SCENE = replace(wear_times(), engine="dae", wear_updates=2)
 class Clock:
     """Clock that is set by the test."""
 
-    def __init__(self) -> None:
-        self.now = 100.0
+    now = 100.0
 
-    def __call__(self) -> float:
+    def perf_counter(self) -> float:
         return self.now
-
-    perf_counter = __call__
 
 
 @pytest.fixture
@@ -38,18 +36,12 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 def console_of(width: int, clock: Clock) -> Console:
-    return Console(
-        width=width,
-        force_terminal=True,
-        file=io.StringIO(),
-        record=True,
-        get_time=clock,
-        legacy_windows=False,
-    )
+    look: dict[str, Any] = {"force_terminal": True, "legacy_windows": False, "record": True}
+    return Console(width=width, file=io.StringIO(), get_time=clock.perf_counter, **look)
 
 
 def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
-    console = Console(width=width, file=io.StringIO(), record=True, get_time=clock)
+    console = console_of(width, clock)
     console.print(bar.make_tasks_table(bar.tasks))
     return console.export_text().splitlines()
 

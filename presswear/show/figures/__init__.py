@@ -23,7 +23,7 @@ __all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 # and the function that returns the drawings of at least one stage, none where it would be empty.
 NAMES: dict[str, tuple[Callable[[Result, Stages], Any] | None, Callable[..., list[Drawing]]]] = {
     "life": (None, life.service_life),
-    "mechanism": (None, mechanism.draw_mechanism),
+    "mechanism": (None, lambda result, stages: [mechanism.labelled(result.scene)]),
     "stroke": (style.moving_stages, motion.height_over_angle),
     "tonnage": (style.moving_stages, motion.force_over_stroke),
     "wear": (style.shown_stages, wear.wear_depth),

@@ -4,16 +4,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
 
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import AnyLoad, Force, Load
-from presswear.results.result import Result
+from presswear.linkage.loads import Force, Load
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
-from presswear.show.figures.style import Array, Axes, Drawing, Stages
+from presswear.show.figures.style import Array, Axes, Drawing
 from presswear.show.replay.shapes import across, attachments, body_outline, points_of
 from presswear.show.replay.shapes import direction as direction_at
 
@@ -27,11 +27,7 @@ _BAR = 0.007  # half width of a bar, relative to the same size
 _UP, _LEFT = np.array([0.0, 1.0]), np.array([-1.0, 0.0])
 
 
-def draw_mechanism(result: Result, stages: Stages) -> list[Drawing]:
-    """Draw the mechanism of a result at the start; see ``labelled``."""
-    return [labelled(result.scene)]
-
-
+@matplotlib.rc_context(style.SETTINGS)
 def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     """Draw the mechanism of a scene at a time, s, with closed joints."""
     linkage, period = scene.base_linkage, scene.mechanism.period
@@ -184,21 +180,17 @@ def _draw_guides_and_forces(
         _label(axes, spring.name, 0.5 * (first + second), beside, 9.0, color=style.MUTED)
     for load in linkage.loads:
         point = load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0)
-        _draw_load(axes, load, points_of(linkage, position, point)[0, :2], size)
-
-
-def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
-    """Draw a force as an arrow to its point and a moment as a bent arrow."""
-    direction, moment = None, 1.0
-    if isinstance(load, Force):
-        direction, moment = load.direction, 0.0
-    elif isinstance(load, Load):
-        direction = math.atan2(load.y, load.x) if load.x or load.y else None
-        moment = load.moment
-    if direction is not None:
-        _arrow(axes, place - 0.19 * size * direction_at(direction), place, _LOAD, 1.4)
-    if moment:
-        _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
+        place = points_of(linkage, position, point)[0, :2]
+        direction, moment = None, 1.0
+        if isinstance(load, Force):
+            direction, moment = load.direction, 0.0
+        elif isinstance(load, Load):
+            direction = math.atan2(load.y, load.x) if load.x or load.y else None
+            moment = load.moment
+        if direction is not None:  # an arrow to the point; a moment is a bent arrow
+            _arrow(axes, place - 0.19 * size * direction_at(direction), place, _LOAD, 1.4)
+        if moment:
+            _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
 
 
 def _arrow(axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8) -> None:

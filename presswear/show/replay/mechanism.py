@@ -124,7 +124,7 @@ class EnlargedJoint:
         return (
             f"clearance, wear x{self.gap_factor:.4g}; pin x{self.pin_factor:.3g}",
             *worn,
-            f"arrow: square root of F, up to {self.max_force:.0f} N",
+            f"arrow: sqrt(F), up to {self.max_force:.0f} N",
         )
 
     def bodies(self, layer: Layer) -> list[list[Shape]]:

@@ -8,6 +8,7 @@ import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import chain
 from multiprocessing.connection import Connection
@@ -46,14 +47,11 @@ LIVE_PEAK_FRAMES = 10
 
 def still(clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
     """Return one picture, shape (height, width, 3)."""
-    picture = Picture(clips, size)
-    try:
-        first, last = clips[0].span
-        part = float((clips[0].film.time[frames[0]] - first) / (last - first))
+    first, last = clips[0].span
+    part = float((clips[0].film.time[frames[0]] - first) / (last - first))
+    with closing(Picture(clips, size)) as picture:
         picture.show(snapshots(clips, frames, frames), part, "")
         return picture.image()
-    finally:
-        picture.close()
 
 
 def write_still(file: Path, pixels: Pixels) -> None:

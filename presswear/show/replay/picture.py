@@ -44,36 +44,25 @@ class Layout(NamedTuple):
 
 
 def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float) -> Layout:
-    """Arrange clips side by side in a picture of an aspect, width over height.
+    """Arrange clips side by side, with the enlarged joints of each at its right.
 
     Boxes are the corners, m, between which each mechanism moves; ``joints`` are the numbers of
-    enlarged joints.
+    enlarged joints, and the aspect is width over height of the picture.
     """
     # All lengths except those of the boxes are relative to the height of the picture.
-    width = aspect / len(boxes)
-    inside, usable = width - 2.0 * MARGIN, 1.0 - HEAD - FOOT
-    count = max(joints)
-    is_column = len(boxes) == 1  # joints beside the mechanism, otherwise below it
-    if count == 0:
-        room, radius = np.array([inside, usable]), 0.0
-    elif is_column:
-        radius = min(0.34 * usable / count, 0.15 * width)
-        room = np.array([inside - 3.4 * radius, usable])
-    else:
-        radius = min(0.13 * usable * 1.6, 0.36 * inside / count)
-        room = np.array([inside, usable - 3.1 * radius])
+    width, usable = aspect / len(boxes), 1.0 - HEAD - FOOT
+    radius = min(0.34 * usable / max(joints), 0.15 * width) if any(joints) else 0.0
+    room = np.array([width - 2.0 * MARGIN - 3.4 * radius, usable])
     height = max(float(((high - low) / room).max()) for low, high in boxes)
     panels = []
     for k, ((low, high), number) in enumerate(zip(boxes, joints, strict=True)):
-        left, top = -0.5 * aspect + k * width, 0.5 - HEAD
-        steps = (np.arange(number) + 0.5) / max(number, 1)
-        x, y = left + MARGIN + inside * steps, np.full(number, -0.5 + FOOT + 1.35 * radius)
-        if is_column:
-            x, y = np.full(number, left + width - MARGIN - 1.65 * radius), top - usable * steps
-        middle = np.array([left + MARGIN, top]) + 0.5 * room * (1.0, -1.0)
-        offset = height * middle - 0.5 * (low + high)
-        title = height * np.array([left + MARGIN, 0.5 - 0.045])
+        left, top = -0.5 * aspect + k * width + MARGIN, 0.5 - HEAD
+        y = top - usable * (np.arange(number) + 0.5) / max(number, 1)
+        x = np.full(number, left + width - 2.0 * MARGIN - 1.65 * radius)
         places = tuple(height * np.column_stack([x, y]))
+        middle = np.array([left, top]) + 0.5 * room * (1.0, -1.0)
+        offset = height * middle - 0.5 * (low + high)
+        title = height * np.array([left, 0.5 - 0.045])
         panels.append(Panel(offset, title, places, height * radius))
     end = height * np.array([0.5 * aspect - 2.0 * MARGIN, -0.5 + 0.4 * FOOT])
     return Layout(height, tuple(panels), (end * (-1.0, 1.0), end))

@@ -140,7 +140,7 @@ def test_two_clips_have_one_scale() -> None:
     assert right.offset - left.offset == pytest.approx([0.75 * both.layout.height, 0.0])
     image = both.image().astype(int)
     # Equal halves except for text, wear and arrows.
-    assert np.abs(image[40:170, :240] - image[40:170, 240:]).max(axis=2).mean() < 2.0
+    assert np.abs(image[40:280, :120] - image[40:280, 240:360]).max(axis=2).mean() < 2.0
     both.close()
 
 
