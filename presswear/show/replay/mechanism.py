@@ -32,7 +32,6 @@ BAR = 0.017  # half width of a bar over the size of the mechanism
 PIN_SHARE, PLAY_SHARE, BAND_SHARE = 0.34, 0.36, 0.13  # of the radius of an enlarged joint
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
 DRAWN_BINS = 180  # of a wear map
-BODIES_PER_JOINT = 4  # bearing, pin, and a mark on each
 
 
 def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
@@ -156,7 +155,7 @@ class EnlargedJoint:
         """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""
         offset = self.gap_factor * (pin - bearing)[:2]
         return [
-            np.array([*point, angle])
+            np.array([*(self.centre + point), angle])
             for point, pose in ((np.zeros(2), bearing), (offset, pin))
             for angle in (self._map_angle(pose), pose[2])
         ]

@@ -1,11 +1,9 @@
 """Pictures of clips: an Exudyn system that contains only what is visible.
 
-Bodies, bearings and pins are rigid bodies with the stored coordinates. Shapes that change (forces,
-paths, text) are replaced in every picture.
+All shapes belong to one ground object and are replaced in every picture.
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,15 +13,17 @@ from presswear.linkage.drives import run_up_motion
 from presswear.show.replay import mechanism
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
 from presswear.show.replay.mechanism import FORCE, INK, JOINT_COLOURS, STEEL, EnlargedJoint
-from presswear.show.replay.shapes import Array, Colour, Point, Shape, attachments, line, points_of
+from presswear.show.replay.shapes import Array, Colour, Point, Shape, line, moved, points_of
 from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
 from exudyn.graphics import FromPointsAndTrigs  # noqa: E402  (after the choice of the module)
 
 HEAD, FOOT, MARGIN = 0.11, 0.09, 0.02  # title, time bar and margin over the height of the picture
-HIDDEN = 10.0  # position of the joints of a hidden stage over the height of the picture
 FONT = 13.0  # letters in a picture of 640 pixels height, pixels
+
+
+DrawnJoint = tuple[EnlargedJoint, list[list[Shape]]]
 
 
 class Panel(NamedTuple):
@@ -92,12 +92,21 @@ class Picture:
         self._size = max(float(np.hypot(*(high - low))) for low, high in boxes)  # m
         self._bar = mechanism.BAR * self._size
         self._font = FONT * size[1] / 640.0
-        self._joints: list[list[list[EnlargedJoint]]] = []  # of each chapter of each clip
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
+        ground = {"objectType": "Ground", "referencePosition": [0.0, 0.0, 0.0]}
+        self._ground = self.system.AddObject({**ground, "VgraphicsData": []})
+        self._frame: list[Shape] = []
+        self._bodies: list[list[list[Shape]]] = []  # of each clip
+        self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
         for clip, panel in zip(clips, self.layout.panels, strict=True):
-            self._add_clip(clip, panel)
-        self._changing = self._add_ground([0.0, 0.0, 0.0], [])
+            drawing = self._bar, self.layer
+            frame = mechanism.frame_shapes(clip.linkage, clip.film.position, *drawing)
+            self._frame += [moved(shape, np.append(panel.offset, 0.0)) for shape in frame]
+            names = [body.name for body in clip.linkage.bodies]
+            bodies = [mechanism.body_shapes(clip.linkage, name, *drawing) for name in names]
+            self._bodies.append(bodies)
+            self._joints.append([self._enlarged(clip, panel, each) for each in clip.chapters])
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
@@ -114,39 +123,19 @@ class Picture:
         self.container.renderer.ResetState()  # otherwise the view set before an image is lost
         self.set_view()
 
-    def _layer(self, number: int) -> float:
+    def layer(self, number: int) -> float:
         """Return the height of a layer, m."""
         return number * mechanism.LAYER_STEP * self._size
 
-    def _add_clip(self, clip: Clip, panel: Panel) -> None:
-        linkage = clip.linkage
-        frame = mechanism.frame_shapes(linkage, clip.film.position, self._bar, self._layer)
-        self._add_ground([*panel.offset, 0.0], [graphics(frame)] if frame else [])
-        bearings = {joint.bearing for joint in linkage.clearances}
-        for body in (each.name for each in linkage.bodies):
-            drawn = [graphics(mechanism.body_shapes(linkage, body, self._bar, self._layer))]
-            for name, end in attachments(linkage, body):
-                if end in bearings:
-                    label = self._text((end.x, end.y), name, 1.4, z=60)
-                    drawn.append({**label, "offset": [0.8, 0.5]})
-            self._add_body(panel.offset, drawn)
-        chapters = [_enlarged_joints(clip, panel, chapter) for chapter in clip.chapters]
-        self._joints.append(chapters)
-        for joint in chain(*chapters):
-            for shapes in joint.bodies(self._layer):
-                self._add_body(joint.centre, [graphics(shapes)])
-
-    def _add_ground(self, position: list[float], drawn: list[dict[str, Any]]) -> Any:
-        return self.system.AddObject(
-            {"objectType": "Ground", "referencePosition": position, "VgraphicsData": drawn}
-        )
-
-    def _add_body(self, origin: Array, drawn: list[dict[str, Any]]) -> None:
-        node = self.system.AddNode(
-            {"nodeType": "RigidBody2D", "referenceCoordinates": [*origin, 0.0], "Vshow": False}
-        )
-        body = {"nodeNumber": node, "mass": 1.0, "inertia": 1.0, "VgraphicsData": drawn}
-        self.system.AddObject({"objectType": "RigidBody2D", **body})
+    def _enlarged(self, clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
+        joints = []
+        places = zip(chapter.linkage.clearances, panel.joints, strict=True)
+        for k, (joint, centre) in enumerate(places):
+            limits = clip.max_depth[joint.name], clip.max_force[joint.name]
+            paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
+            enlarged = EnlargedJoint(joint, *limits, centre, panel.radius, paint)
+            joints.append((enlarged, enlarged.bodies(self.layer)))
+        return joints
 
     def set_view(self) -> None:
         """Point the view at the whole picture; Exudyn's zoom is half of the visible height."""
@@ -158,38 +147,34 @@ class Picture:
 
         ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the playing speed.
         """
-        coordinates, shapes, texts = [], self._time_bar(part), []
-        parts = zip(self.clips, self.layout.panels, self._joints, states, strict=True)
-        for clip, panel, chapters, state in parts:
-            coordinates.append(state.positions[-1])
+        shapes, texts = [*self._frame, *self._time_bar(part)], []
+        drawn = zip(self.clips, self.layout.panels, self._bodies, self._joints, states, strict=True)
+        for clip, panel, bodies, chapters, state in drawn:
             texts += self._title(clip, panel, state, note)
+            poses = state.positions[-1].reshape(-1, 3) + np.append(panel.offset, 0.0)
+            for body, pose in zip(bodies, poses, strict=True):
+                shapes += [moved(shape, pose) for shape in body]
             for spring in clip.linkage.springs:
-                poses = (points_of(clip.linkage, state.positions[-1:], end) for end in spring.ends)
-                start, end = (panel.offset + pose[0, :2] for pose in poses)
-                shapes.append(line(start, end, 0.5 * self._bar, self._layer(38), STEEL))
-            for chapter, joints in enumerate(chapters):
-                if chapter != state.chapter:
-                    hidden = np.array([HIDDEN * self.layout.height, 0.0, 0.0])
-                    coordinates += [hidden] * (mechanism.BODIES_PER_JOINT * len(joints))
-                    continue
-                for joint, row, peak in zip(joints, state.joints, state.peaks, strict=True):
-                    ends = joint.joint.bearing, joint.joint.pin
-                    bearing, pin = (points_of(clip.linkage, state.positions, end) for end in ends)
-                    coordinates += joint.coordinates(bearing[-1], pin[-1])
-                    shapes += joint.moving(bearing, pin, row, self._layer)
-                    texts += self._joint_text(joint, row, peak)
-        data = self.system.systemData
-        for kind in (exu.ConfigurationType.Current, exu.ConfigurationType.Visualization):
-            data.SetODE2Coordinates(np.concatenate(coordinates), kind)
-            data.SetTime(states[0].time, kind)
-        drawn = [graphics(shapes), *texts]
-        self.system.SetObjectParameter(self._changing, "VgraphicsData", drawn)
+                ends = (points_of(clip.linkage, state.positions[-1:], end) for end in spring.ends)
+                start, end = (panel.offset + pose[0, :2] for pose in ends)
+                shapes.append(line(start, end, 0.5 * self._bar, self.layer(38), STEEL))
+            joints = chapters[state.chapter]
+            for (joint, parts), row, peak in zip(joints, state.joints, state.peaks, strict=True):
+                sides = joint.joint.bearing, joint.joint.pin
+                bearing, pin = (points_of(clip.linkage, state.positions, side) for side in sides)
+                for shape, pose in zip(parts, joint.coordinates(bearing[-1], pin[-1]), strict=True):
+                    shapes += [moved(each, pose) for each in shape]
+                shapes += joint.moving(bearing, pin, row, self.layer)
+                texts += self._joint_text(joint, row, peak)
+                name = self._text(panel.offset + bearing[-1, :2], joint.joint.name, 1.4, z=60)
+                texts.append({**name, "offset": [0.8, 0.5]})
+        self.system.SetObjectParameter(self._ground, "VgraphicsData", [graphics(shapes), *texts])
 
     def _text(
         self, point: Point, words: str, size: float, paint: Colour = INK, z: int = 95
     ) -> dict[str, Any]:
         """Return a text that starts at a point, with letters of a size relative to the font."""
-        position = [float(point[0]), float(point[1]), self._layer(z)]
+        position = [float(point[0]), float(point[1]), self.layer(z)]
         look = {"position": position, "color": list(paint), "fontSize": size * self._font}
         return {"type": "Text", "text": words, **look}
 
@@ -222,9 +207,9 @@ class Picture:
         now = start + part * (end - start)
         mark = np.array([0.0, 1.6 * width])
         return [
-            line(start, end, width, self._layer(90), STEEL),
-            line(start, now, width, self._layer(91), INK),
-            line(now - mark, now + mark, 1.2 * width, self._layer(92), FORCE),
+            line(start, end, width, self.layer(90), STEEL),
+            line(start, now, width, self.layer(91), INK),
+            line(now - mark, now + mark, 1.2 * width, self.layer(92), FORCE),
         ]
 
     def image(self) -> NDArray[np.uint8]:
@@ -235,12 +220,3 @@ class Picture:
     def close(self) -> None:
         """Release the container."""
         self.container.Reset()
-
-
-def _enlarged_joints(clip: Clip, panel: Panel, chapter: Chapter) -> list[EnlargedJoint]:
-    joints = []
-    for k, (joint, centre) in enumerate(zip(chapter.linkage.clearances, panel.joints, strict=True)):
-        limits = clip.max_depth[joint.name], clip.max_force[joint.name]
-        paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
-        joints.append(EnlargedJoint(joint, *limits, centre, panel.radius, paint))
-    return joints

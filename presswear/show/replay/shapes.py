@@ -28,6 +28,12 @@ class Shape(NamedTuple):
     colour: Colour
 
 
+def moved(shape: Shape, pose: Array) -> Shape:
+    """Return a shape of a body in a pose: coordinates of its origin, m, and angle, rad."""
+    along = direction(pose[2])
+    return shape._replace(points=pose[:2] + shape.points @ np.array([along, across(along)]))
+
+
 def mix(first: Colour, second: Colour, share: float) -> Colour:
     """Return ``first`` with a share, 0 to 1, of ``second``."""
     return tuple((1.0 - share) * x + share * y for x, y in zip(first, second, strict=True))
