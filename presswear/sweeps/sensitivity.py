@@ -80,20 +80,20 @@ def points_of(table: Table, key: str) -> Points:
     values, halves, censored = (
         array[:, k].reshape(shape) for array in (table.values, table.half_widths, table.censored)
     )
-    is_valid = np.isfinite(values)
-    counts = is_valid.sum(axis=1).astype(float)
+    counts = np.isfinite(values).sum(axis=1).astype(float)
     with np.errstate(invalid="ignore"):
-        means = np.where(is_valid, values, 0.0).sum(axis=1) / np.where(counts > 0.0, counts, np.nan)
-    squares = np.where(is_valid, (values - means[:, None]) ** 2, 0.0).sum()
+        means = np.nansum(values, axis=1) / np.where(counts > 0.0, counts, np.nan)
     freedom = np.maximum(counts - 1.0, 0.0).sum()
+    halves = np.where(np.isfinite(values), halves, 0.0)
     variances, source = np.zeros(len(counts)), "none"
     if freedom > 0.0:
+        squares = np.nansum((values - means[:, None]) ** 2)
         variances, source = np.full(len(counts), squares / freedom), "replicates"
-    elif is_valid.any() and np.isfinite(halves[is_valid]).all():
-        squared = np.where(is_valid, halves / quantile(math.inf), 0.0) ** 2
+    elif counts.any() and np.isfinite(halves).all():
+        squared = (halves / quantile(math.inf)) ** 2
         variances, source = squared.sum(axis=1) / np.maximum(counts, 1.0), "intervals"
     points = table.points[:: table.replicates]
-    bounds = np.logical_or.reduce(censored & is_valid, axis=1)
+    bounds = np.logical_or.reduce(censored & np.isfinite(values), axis=1)
     response = table.responses[k]
     return Points(table.parameters, response, points, means, variances, counts, bounds, source)
 
@@ -245,11 +245,12 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     if count == 0:
         return None
     least, most = np.sort(values), np.sort(np.where(censored, np.inf, values))
-    first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
-    last = stats.binom.ppf(ENDS[1], count, PROBABILITIES).astype(int)
     place = np.ceil(count * PROBABILITIES).astype(int) - 1
-    low = np.where(first > 0, least[first - 1], np.nan)
-    high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
+    ends = [
+        [stats.quantile_test(data, p=p).confidence_interval(LEVEL) for p in PROBABILITIES]
+        for data in (least, most)
+    ]
+    low, high = np.array(ends)[0, :, 0], np.array(ends)[1, :, 1]
     violation = None
     if limit is not None:
         fewest, largest = limit.count(values, censored)

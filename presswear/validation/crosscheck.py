@@ -195,7 +195,6 @@ class Crosscheck:
     # Time, s, and distance of the slider from the reference, m, shape (n, 2): the disturbed initial
     # state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
-    exudyn: tuple[str, ...]  # models that Exudyn ran, coarsest first
     statistics: dict[str, dict[str, Estimate]]  # means over cycles by engine and quantity
 
     @property
@@ -213,7 +212,6 @@ class Crosscheck:
             "horizon_s": self.horizon,
             "diverged": self.diverged,
             "passed": self.passed,
-            "exudyn": list(self.exudyn),
             "checks": [{name: getattr(each, name) for name in fields} for each in self.checks],
             "touchdowns": [{**asdict(t), "joint": names[t.joint]} for t in self.touchdowns],
             "slider_difference_max_m": {
@@ -278,10 +276,8 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
     beyond, statistics = _check_means(scene, runner) if diverged else ([], {})
-    every, touchdowns, names = (*checks, *beyond), reference.touchdowns, tuple(engines)
-    return Crosscheck(
-        scene, end, diverged, every, touchdowns, curves | distances, names, statistics
-    )
+    every, curves = (*checks, *beyond), curves | distances
+    return Crosscheck(scene, end, diverged, every, reference.touchdowns, curves, statistics)
 
 
 def _exudyn_checks(
