@@ -37,23 +37,6 @@ class Rows:
     each guide, one for each drive. That of a drive whose point follows a curve holds the point on
     the curve, in place of the angle; the curve begins at ``start``, coordinates of the shape
     (bodies, 3). Other coordinates have the shape (n, bodies, 3); times are those behind a run-up.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Joint, guide or drive behind each row.
-    ends : list
-        Indices of the bodies, -1 for the frame, x and y of the points, m, and sign in the
-        distance, of the first points and of the second.
-    normal, turn, held : ndarray
-        Directions, shape (rows, 2); shares of the first bodies' angles, and values that are held
-        before those of the drives, each (rows,).
-    following : list of int
-        Rows of drives whose points follow curves.
-    size : float
-        Greatest distance of a joint from the mass centre of its body, m.
-    scale : ndarray, shape (3 bodies,)
-        Factors that make metres and radians of the coordinates comparable, by that of each body.
     """
 
     def __init__(self, linkage: Linkage, start: Array | None = None) -> None:
@@ -69,7 +52,7 @@ class Rows:
             across = -math.sin(guide.direction), math.cos(guide.direction)
             rows.append((guide.name, centre, point, across, 0.0, 0.0))
             rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
-        self.following = []
+        self.following = []  # rows of drives whose points follow curves
         for drive in linkage.drives:
             point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
             if drive.follow is not None:
@@ -79,10 +62,11 @@ class Rows:
                 point, turn = Attachment(output.body, output.x, output.y), 0.0
                 along = math.cos(output.direction), math.sin(output.direction)
             rows.append((drive.name, point, frame, along, turn, 0.0))
-        self.names = tuple(row[0] for row in rows)
+        self.names = tuple(row[0] for row in rows)  # joint, guide or drive
         self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
         self.turn, self.held = np.array([row[4:] for row in rows]).reshape(-1, 2).T
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
+        # Bodies, -1 for the frame, places, m, and sign, of the first points and of the second
         self.ends: list[tuple[NDArray[np.int64], Array, Array, float]] = []
         for ends, sign in (([row[1] for row in rows], 1.0), ([row[2] for row in rows], -1.0)):
             bodies = np.array([indices[end.body] for end in ends], dtype=np.int64)
@@ -93,8 +77,8 @@ class Rows:
         sizes = np.zeros(self.bodies + 1)
         for body, x, y, _ in self.ends:
             np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])
-        self.size = float(sizes.max(initial=0.0)) or 1.0
-        self.scale = np.ones(3 * self.bodies)
+        self.size = float(sizes.max(initial=0.0)) or 1.0  # farthest joint of a body, m
+        self.scale = np.ones(3 * self.bodies)  # makes metres and radians comparable
         self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.size)
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
