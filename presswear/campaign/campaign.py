@@ -301,7 +301,7 @@ def run_campaign(
 
     Observers are notified of each stage once the wear update after it is applied, or has failed.
     """
-    scene.check_own_laws()
+    scene.check_user_laws()
     runner = Runner(scene, workers or Workers(), observers)
     return _Campaign(runner, checkpoint or Checkpoint(depth=initial_depth(scene))).run()
 
@@ -500,9 +500,8 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     if steps > 1:
         needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
     return [
-        f"the wear of stage {stage.index} is known to {100.0 * error:.2g} % where "
-        f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about max_cycles = "
-        f"{needed:.2g} would do"
+        f"the error of the wear of stage {stage.index}, {100.0 * error:.2g} %, exceeds tolerance = "
+        f"{100.0 * scene.tolerance:.2g} %: about max_cycles = {needed:.2g} is needed"
     ]
 
 
@@ -512,8 +511,9 @@ def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
         return [f"the life is not known: {life.message}"]
     if life.error is not None and life.error <= scene.tolerance:
         return []
-    accuracy = "not at all" if life.error is None else f"to {100.0 * life.error:.2g} %"
+    if life.error is None:
+        return ["the error of the life is unknown: a larger life.max_cycles is needed"]
     return [
-        f"the life is known {accuracy} where tolerance = {100.0 * scene.tolerance:.2g} % was "
-        "asked: a larger life.max_cycles would do"
+        f"the error of the life, {100.0 * life.error:.2g} %, exceeds tolerance = "
+        f"{100.0 * scene.tolerance:.2g} %: a larger life.max_cycles is needed"
     ]

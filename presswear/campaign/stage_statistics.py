@@ -367,8 +367,16 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
     flights = [
         (recorder.series("penetration", k)[recorded] <= 0.0).astype(np.float64) for k in joints
     ]
+    since, period = time - scene.run_up, scene.mechanism.period
+    # The last row of a series may lie a rounding before the end of its cycle.
+    count = math.floor(float(since[-1]) / period + 1e-3) if since.size else -1
+    ends = np.searchsorted(since, period * np.arange(count + 1) - 1e-9 * period)
+    ends[-1:] = np.maximum(ends[-1:], 1)
     deviations = []
-    for rows in whole_cycles(time - scene.run_up, scene.mechanism.period):
+    for first, end in pairwise(map(int, ends)):
+        if end - first < 2:
+            continue
+        rows = slice(first, end)
         at = time[rows]
         ideal = scene.ideal_slider(at, closed=False)
         off, faster, wanted = moved[rows] - ideal[:, 0], speed[rows] - ideal[:, 1], ideal[:, 1]
@@ -379,17 +387,6 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
         stroke = float(np.ptp(moved[rows]))
         deviations.append([math.sqrt(off_mean), math.sqrt(faster_mean), lag, stroke, *open_parts])
     return np.array(deviations).reshape(len(deviations), len(COLUMNS) + len(flights))
-
-
-def whole_cycles(time: Array, period: float) -> list[slice]:
-    """Return the rows of each complete cycle of a series at times in s, shape (n,)."""
-    if time.size == 0 or time[-1] < 0.0:
-        return []
-    # The last row of a series may lie a rounding before the end of its cycle.
-    count = math.floor(float(time[-1]) / period + 1e-3)
-    ends = np.searchsorted(time, period * np.arange(count + 1) - 1e-9 * period)
-    ends[-1] = max(ends[-1], 1)
-    return [slice(int(first), int(last)) for first, last in pairwise(ends) if last - first > 1]
 
 
 def _time_mean(time: Array, values: Array) -> float:

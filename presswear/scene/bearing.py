@@ -196,7 +196,7 @@ class Bearing:
             self.bristle_damping,
         )
 
-    def check_own_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
+    def check_user_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         from presswear.tools.compile import check_compiles  # slow import
 

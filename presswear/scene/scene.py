@@ -217,11 +217,11 @@ class Scene:
     def _openable(self) -> Choice:
         return Choice((*self.mechanism.openable, "none"), several=True)
 
-    def check_own_laws(self) -> None:
+    def check_user_laws(self) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         self.check_trusted()
         for joint in self.clearance_joints:
-            self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
+            self.bearing(joint).check_user_laws(joint, self.conventions.stiffness)
         for key, law in self.user_laws.items():
             if key.startswith("loads["):
                 from presswear.tools.compile import check_compiles  # slow import

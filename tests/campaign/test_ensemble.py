@@ -1,15 +1,18 @@
 """Several replicates: they diverge, are pooled and end early together."""
 
 from dataclasses import replace
+from statistics import median
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.campaign.campaign import run_stage
+from presswear.campaign import replicates
+from presswear.campaign.campaign import run, run_stage
 from presswear.campaign.ensemble import FEWEST, Ensemble
-from presswear.campaign.replicates import SPREAD, start_of
+from presswear.campaign.replicates import SPREAD, StepCheck, start_of
 from presswear.campaign.stage_statistics import COLUMNS, deviation
+from presswear.campaign.wear_update import initial_depth
 from presswear.linkage.surface import SIDES
 from presswear.physics.constraints import constraints_of
 from presswear.recording.statistics import STARTUP_CYCLES, map_batches
@@ -102,3 +105,50 @@ def test_late_slider_lags_by_its_delay() -> None:
     assert np.abs(exact[:, :3]).max() < 1e-12
     ideal_stroke = np.ptp(QUICK.ideal_slider(np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
     assert exact[:, COLUMNS.index("stroke")] == pytest.approx(ideal_stroke, rel=1e-5)
+
+
+def tolerance_scene(engine: str, tolerance: float) -> Scene:
+    key = {"dae": "integration_tolerance", "exudyn-tree": "tree_tolerance"}[engine]
+    return changed(replace(wear_times(), wear_updates=0), {"engine": engine, key: str(tolerance)})
+
+
+def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
+    return StepCheck(scene, initial_depth(scene)[0], start)(lambda *_: None)
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+def test_pieces_with_equal_steps_are_equal(monkeypatch: pytest.MonkeyPatch, engine: str) -> None:
+    """Bit for bit, because each starts in a state of the run itself."""
+    monkeypatch.setattr(replicates, "REFINEMENT", 1.0)
+    scene = tolerance_scene(engine, 1e-5)
+    assert step_errors(scene) == {
+        "load_distance_step_error": 0.0,
+        "peak_force_step_error": 0.0,
+    }
+
+
+def test_step_error_falls_with_the_tolerance() -> None:
+    # The median, because chaos magnifies a small error in some pieces.
+    coarse, fine = (
+        median(step_errors(scene, start)["load_distance_step_error"] for start in (-1, -2, -3))
+        for scene in (tolerance_scene("exudyn-tree", 3e-5), tolerance_scene("exudyn-tree", 1e-8))
+    )
+    assert coarse > 10.0 * fine > 0.0
+
+
+def test_fixed_steps_and_closed_joints_have_no_step_error() -> None:
+    scene = changed(wear_times(), {"engine": "dae", "integrator": "rk4"})
+    assert step_errors(scene) == {}
+    scene = replace(wear_times(), joints="none", wear_updates=0)
+    assert step_errors(scene) == {}
+
+
+def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
+    many, few = (
+        run(replace(tolerance_scene("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
+        for cycles in (replicates.STEP_CHECK_CYCLES, replicates.STEP_CHECK_CYCLES - 1)
+    )
+    assert many.load_distance_step_error is not None
+    assert many.wear_error is not None
+    assert 0.0 < many.load_distance_step_error < many.wear_error
+    assert few.load_distance_step_error is None

@@ -16,7 +16,7 @@ from endurance.sameness import folder_differences
 from presswear.campaign import ensemble
 from presswear.campaign.campaign import Checkpoint, run, run_into, run_stage, workers_of
 from presswear.campaign.ensemble import FEWEST
-from presswear.campaign.replicates import RunState, StepCheck, WorkUnit
+from presswear.campaign.replicates import RunState, WorkUnit
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import ResultFolder, read_stored
@@ -143,27 +143,6 @@ def test_run_interrupted_in_many_processes_resumes_in_one(
     assert running.cycles / 32 > part - jobs / 32
     run_into(ResultFolder(path, scene, resume=True), scene)
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
-
-
-@pytest.mark.usefixtures("each_is_checked")
-def test_resumed_wear_update_does_not_check_its_stage_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    whole, path = finished(STEPS, 1, tmp_path / "whole"), tmp_path / "stopped"
-    depths: list[float] = []
-    call = StepCheck.__call__
-
-    def noting(self: StepCheck, report: Report) -> dict[str, float]:
-        depths.append(float(self.depth.max()))
-        return call(self, report)
-
-    monkeypatch.setattr(StepCheck, "__call__", noting)
-    with pytest.raises(KeyboardInterrupt):
-        run_into(ResultFolder(path, STEPS), STEPS, [At(interrupt, word="first wear")])
-    run_into(ResultFolder(path, STEPS, resume=True), STEPS)
-    assert folder_differences(whole, path) == []
-    assert depths[1] > depths[0] == 0.0
-    assert len(depths) == 2
 
 
 class Stored(Observer):

@@ -75,7 +75,7 @@ def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
 def test_engines_agree_and_keep_the_energy(settings: dict[str, object], tmp_path: Path) -> None:
     """Over the first touches of the press; the law makes a difference by then."""
     scene = with_laws(settings, tmp_path)
-    scene.check_own_laws()
+    scene.check_user_laws()
     # Quadratures of energies are not under the control of the error: they need it finer.
     engines = InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-11)
     one, other = (run_for(scene, engine, 0.03) for engine in engines)
@@ -167,7 +167,7 @@ def test_a_law_that_gives_no_number_later_ends_the_run(
     )
     (tmp_path / "late.py").write_text(text)
     scene = changed(BASE, {"normal_law": f"{tmp_path}/late.py:late"})
-    scene.check_own_laws()
+    scene.check_user_laws()
     plan = Plan(0.1, 1, recorded_cycles=1)
     run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "failed"
