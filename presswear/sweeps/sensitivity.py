@@ -245,12 +245,11 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     if count == 0:
         return None
     least, most = np.sort(values), np.sort(np.where(censored, np.inf, values))
+    first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
+    last = stats.binom.ppf(ENDS[1], count, PROBABILITIES).astype(int)
     place = np.ceil(count * PROBABILITIES).astype(int) - 1
-    ends = [
-        [stats.quantile_test(data, p=p).confidence_interval(LEVEL) for p in PROBABILITIES]
-        for data in (least, most)
-    ]
-    low, high = np.array(ends)[0, :, 0], np.array(ends)[1, :, 1]
+    low = np.where(first > 0, least[first - 1], np.nan)
+    high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
     violation = None
     if limit is not None:
         fewest, largest = limit.count(values, censored)

@@ -18,15 +18,8 @@ import numpy as np
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
+from presswear.linkage import laws
 from presswear.linkage.elements import Attachment, Body, ClearanceJoint
-from presswear.linkage.laws import (
-    DAMPINGS,
-    FRICTIONS,
-    KELVIN_VOIGT,
-    NormalLaw,
-    delivered_restitution,
-    lankarani_nikravesh_damping,
-)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
@@ -89,7 +82,7 @@ def strikes(engine: Engine, clearance: float, speed: float, gap: float, nominal:
     run = run_sound(impact.linkage, start, engine, guarded(duration))
     # Below its floor the closing speed in the law is the floor.
     share = min(speed / ONSET_SPEED_FLOOR, 1.0)
-    expected = delivered_restitution(share * lankarani_nikravesh_damping(nominal))
+    expected = laws.delivered_restitution(share * laws.lankarani_nikravesh_damping(nominal))
     bound = RESTITUTION[engine.word]
     yield Check("restitution less closed form", references.delivered(run, speed) - expected, bound)
     yield _energy_check("kinetic", run, 0.5 * 0.1 * speed**2, 2.0 * bound)
@@ -102,7 +95,7 @@ def rests(engine: Engine, duration: float, speed: float) -> Checks:
     """
     linkage, start = references.block(0.0, references.GRAVITY, references.FRICTION, 0.0)
     joint = linkage.clearances[0]
-    normal = replace(joint.normal, damping=lankarani_nikravesh_damping(0.9))
+    normal = replace(joint.normal, damping=laws.lankarani_nikravesh_damping(0.9))
     linkage = replace(linkage, clearances=(replace(joint, normal=normal),))
     sunk = -float(start.position[1])
     falling = Start(np.array([0.0, FALL, 0.0]), np.array([0.0, -speed, 0.0]))
@@ -144,7 +137,7 @@ def sticks(engine: Engine) -> Checks:
 
 def twins() -> tuple[Linkage, Start]:
     """Return a free bar between two pins that move away from each other symmetrically."""
-    law = NormalLaw(1.25e10, 1.5, lankarani_nikravesh_damping(0.9))
+    law = laws.NormalLaw(1.25e10, 1.5, laws.lankarani_nikravesh_damping(0.9))
     bodies, joints = [Body("bar", 0.3, 4e-4)], []
     for side, name in ((-1.0, "left"), (1.0, "right")):
         bodies.append(Body(name, 0.1, 1e-4))
@@ -165,7 +158,7 @@ def touch_together(engine: Engine, ahead: float) -> Checks:
     difference = left["touchdown"] - right["touchdown"] - ahead / 0.25
     yield Check("time between the touches less closed form (s)", difference, 1e-10)
     # Neither pin moves the bar while the second one holds it: an infinite mass for both.
-    expected = delivered_restitution(lankarani_nikravesh_damping(0.9))
+    expected = laws.delivered_restitution(laws.lankarani_nikravesh_damping(0.9))
     bound = RESTITUTION[engine.word]
     worst = max(abs(-pin["release_speed"] / 0.25 - expected) for pin in (left, right))
     yield Check("restitution less closed form", worst, bound + 1e5 * ahead)
@@ -188,7 +181,7 @@ def worn_pair() -> tuple[Linkage, Start]:
         bearing_radius=0.015,
         clearance=0.8e-3,
         width=0.02,
-        normal=NormalLaw(1.25e10),
+        normal=laws.NormalLaw(1.25e10),
         map_frame="body",
         contact="foundation",
         bearing_surface=Surface(bearing),
@@ -331,13 +324,13 @@ def approach(scene: Scene) -> Checks:
 def law_cases() -> Iterator[Case]:
     """Yield laws, sizes and speeds at the ends of their ranges."""
     rows: list[tuple[str, str, dict[str, Any]]] = [*DATA["press"]]
-    for name, law in DAMPINGS.items():
+    for name, law in laws.DAMPINGS.items():
         # Damping without bounds makes a pin at rest stiff: at 0.01 the tree takes a minute.
         nominal = 0.05 if law.least > 0.0 else 0.0
         settings: dict[str, Any] = {"normal_law": name, "restitution": nominal}
-        if name != KELVIN_VOIGT:
+        if name != laws.KELVIN_VOIGT:
             rows.append((f"{name}, ce = {nominal:g}", "strong damping", settings))
-    for name in FRICTIONS:
+    for name in laws.FRICTIONS:
         settings = {"friction_law": name, "friction": 0.8}
         rows.append((f"{name}, c_f = 0.8", "friction reverses the pin", settings))
     for name, reason, settings in rows:

@@ -36,16 +36,8 @@ from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
-from presswear.validation import crosscheck
+from presswear.validation import cases, crosscheck
 from presswear.validation import reference_problems as references
-from presswear.validation.cases import (
-    Progress,
-    contacts_of,
-    finished,
-    guarded,
-    missing_energy,
-    part_of,
-)
 from presswear.validation.timing import TimedRun, Timing, time_runs
 
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
@@ -268,7 +260,7 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
     duration = GAP / impact.speed + 2.2 * impact.elastic_duration
 
     def errors(run: Run) -> Sequence[float]:
-        contacts = contacts_of(run)
+        contacts = cases.contacts_of(run)
         count = contacts["touchdown"].size
         if count != 1:
             raise RunFailed(f"expected one contact, found {count}")
@@ -299,7 +291,7 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
     )
 
 
-def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
+def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return the unworn linkage of a scene up to its horizon.
 
     The reference is DOP853 at tolerance 1e-13. Its uncertainty is its distance from the open tree
@@ -331,7 +323,7 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
         times, speeds, forces = differences.max(axis=0, initial=0.0)
         position, velocity = np.abs(slider_at_end(run) - slider_at_end(exact))
-        numbers = position, times, velocity, speeds, forces, missing_energy(run)
+        numbers = position, times, velocity, speeds, forces, cases.missing_energy(run)
         return [float(number) for number in numbers]
 
     # Energy is conserved exactly, so that the residual needs no reference.
@@ -343,7 +335,7 @@ def with_clearance(scene: Scene, extent: Extent, report: Progress) -> Problem:
 
 def finite(run: Run) -> Run:
     """Return a run; RunFailed if it failed or its final state is not finite."""
-    end = finished(run).end
+    end = cases.finished(run).end
     if not (np.all(np.isfinite(end.position)) and np.all(np.isfinite(end.velocity))):
         raise RunFailed(f"the state is no longer finite (t = {run.time:.6g} s)")
     return run
@@ -352,7 +344,7 @@ def finite(run: Run) -> Run:
 def first_run(problem: Problem, method: Method) -> Point:
     """Run a method once for its errors; a failure of any kind becomes a point with a failure."""
     plan = problem.plan
-    plan = replace(plan, report=guarded(plan.cycle, plan.cycles).report)
+    plan = replace(plan, report=cases.guarded(plan.cycle, plan.cycles).report)
     try:
         with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
             run = finite(method.engine.simulate(problem.linkage, problem.start, plan))
@@ -365,7 +357,7 @@ def first_run(problem: Problem, method: Method) -> Point:
     return Point(problem, method, errors)
 
 
-def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
+def measure(problem: Problem, repeats: int, report: cases.Progress) -> list[Point]:
     """Run all methods of a problem once for their errors, then in turn for their wall times."""
     points, weight = [], 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
     for i, method in enumerate(problem.methods):
@@ -376,11 +368,11 @@ def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
         for p in points
         if not p.failure
     ]
-    timings = iter(time_runs(runs, repeats, part_of(report, weight, 1.0 - weight)))
+    timings = iter(time_runs(runs, repeats, cases.part_of(report, weight, 1.0 - weight)))
     return [p if p.failure else replace(p, timing=next(timings)) for p in points]
 
 
-def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point]:
+def work_precision(scene: Scene, extent: Extent, report: cases.Progress) -> list[Point]:
     """Measure errors and wall times of every engine and integrator.
 
     `InputError` if the scene has no clearance, `RunFailed` if a reference solution fails.
@@ -399,7 +391,9 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
         report("reference", done)
         problem = make()
         prefix = f"{problem.name}: "
-        points += measure(problem, extent.repeats, part_of(report, done, share, prefix=prefix))
+        points += measure(
+            problem, extent.repeats, cases.part_of(report, done, share, prefix=prefix)
+        )
         done += share
     return points
 
