@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from runs import run_scene
 
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan, Run
+from presswear.engines.base import Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.bearing import CONVENTIONS
@@ -34,10 +34,7 @@ def ran(engine: Engine, bins: dict[str, int], worn: bool) -> Run:
     surfaces = {name: (wave(own, 0.5), wave(own, 2.0)) for name, own in bins.items()}
     linkage = scene.linkage(surfaces if worn else None)
     assert {joint.name: joint.bins for joint in linkage.clearances} == bins
-    period = scene.mechanism.period
-    plan = Plan(PART * period, 1, 1)
-    run = engine.for_cycle(period).simulate(linkage, start_of(scene), plan)
-    assert run.status == "completed", run.message
+    run = run_scene(scene, engine, PART * scene.mechanism.period, linkage)
     assert run.recorder.records.counters["contacts"].min() > 1
     return run
 

@@ -6,15 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import DOP853 as SCIPY_8
+from scipy.integrate import RK45
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
+from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Spring
 from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
+from presswear.tools.arrays import Array
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import order_of
 
@@ -90,13 +94,14 @@ def test_order_on_the_ideal_press(
 def test_rk4_is_of_fourth_order_on_andrews() -> None:
     """Against the same equations solved to round-off: the reference ends at 1.4e-9."""
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    linkage, start = references.andrews(), references.andrews_start()
-    exact = InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan).end.position
+
+    def end(engine: InHouse) -> Array:
+        run = engine.simulate(references.andrews(), references.andrews_start(), plan)
+        return run.end.position[2::3]
+
+    exact = end(InHouse(integration_tolerance=1e-12))
     steps = [references.ANDREWS_DURATION / n for n in (750, 1500, 3000)]
-    errors = []
-    for step in steps:
-        end = InHouse("rk4", equal_step=step).simulate(linkage, start, plan).end
-        errors.append(float(np.abs(end.position[2::3] - exact[2::3]).max()))
+    errors = [float(np.abs(end(InHouse("rk4", equal_step=step)) - exact).max()) for step in steps]
     assert 3.8 < order_of(steps, errors) < 4.2
 
 
@@ -107,3 +112,12 @@ def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
     errors = [error for error, _ in found]
     assert 0.85 < order_of(tolerances, errors) < 1.1
     assert 7.3 < order_of([DURATION / steps for _, steps in found], errors) < 8.7
+
+
+def test_coefficients_are_those_of_scipy() -> None:
+    """To the last bit."""
+    five, eight = (DOPRI5.a[:, :5], *DOPRI5[1:4]), (*DOP853[:5],)
+    scipy_5 = RK45.A, RK45.B, RK45.C, RK45.E
+    scipy_8 = SCIPY_8.A[:12, :12], SCIPY_8.B, SCIPY_8.C[:12], SCIPY_8.E5, SCIPY_8.E3
+    for values, expected in zip((*five, *eight), (*scipy_5, *scipy_8), strict=True):
+        assert np.array_equal(values, expected)

@@ -5,14 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from free_pair import CLEARANCE, STIFFNESS, free_pair
 from numpy.typing import NDArray
+from runs import CLEARANCE, STIFFNESS, free_pair, run_scene
 
-from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.exudyn_joints.engine import left_out
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.elements import Attachment
 from presswear.linkage.laws import (
     FrictionLaw,
     delivered_restitution,
@@ -20,8 +17,6 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import Spring
-from presswear.recording.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, LOAD_DISTANCE
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 
@@ -70,20 +65,6 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     assert errors[50] / errors[100] > 3.0
 
 
-@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.9, 1.0])
-def test_central_impact_gives_back_the_closed_form(restitution: float) -> None:
-    linkage = free_pair(restitution)
-    speed = 0.25
-    run = run_pair(linkage, at((0.0,) * 6, (0.0, 0.0, 0.0, speed, 0.0, 0.0)), 0.005)
-    onset, _, closing, release = run.recorder.stored_contacts(0)[0, :4]
-    assert onset == pytest.approx(CLEARANCE / speed, rel=1e-9)
-    assert closing == pytest.approx(speed, rel=1e-9)
-    delivered = delivered_restitution(lankarani_nikravesh_damping(restitution))
-    final = run.end.velocity[3] - run.end.velocity[0]
-    assert -final / speed == pytest.approx(delivered, abs=3e-4)
-    assert release == pytest.approx(final, rel=1e-3)
-
-
 @pytest.mark.parametrize("exponent", [1.2, 1.5, 2.0])
 def test_penetration_and_order_of_one_impact(exponent: float) -> None:
     """Deepest penetration to the closed form, second order in the steps per contact."""
@@ -118,45 +99,32 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
 
-@pytest.fixture(scope="module")
-def press_runs() -> dict[str, Run]:
-    """A third of a cycle of the two-clearance press under both sets of conventions."""
-    runs = {}
-    for name, conventions in CONVENTIONS.items():
-        scene = replace(wear_times(), conventions=conventions)
-        runs[name] = scene.numerics.joints.for_cycle(scene.mechanism.period).simulate(
-            scene.linkage(), start_of(scene), Plan(scene.mechanism.period / 3.0, 1)
-        )
-    return runs
-
-
-def test_every_contact_of_the_press_is_resolved(press_runs: dict[str, Run]) -> None:
-    for run in press_runs.values():
-        assert run.status == "completed"
-        assert np.all(run.recorder.records.counters["contacts"] > 5)
-        assert np.all(run.recorder.records.counters["unresolved"] == 0)
-        assert np.all(run.recorder.records.counters["fewest_steps"] >= 20)
-
-
-def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
-    """Sum of depth x b R x bin angle = K_d x integral of F_n ds under ``refined``."""
-    recorder = press_runs["refined"].recorder
-    joint = wear_times().linkage().clearances[0]
+@pytest.mark.parametrize("name", CONVENTIONS)
+def test_contacts_are_resolved_and_the_worn_volume_is_the_dose(name: str) -> None:
+    """Under ``refined`` depth times b R times bin angle is K_d times the integral of F_n ds."""
+    scene = replace(wear_times(), conventions=CONVENTIONS[name])
+    recorder = run_scene(scene, scene.numerics.joints, scene.mechanism.period / 3.0).recorder
+    counters, joint = recorder.records.counters, scene.linkage().clearances[0]
+    assert np.all(counters["contacts"] > 5)
+    assert np.all(counters["unresolved"] == 0)
+    assert np.all(counters["fewest_steps"] >= 20)
     assert joint.wear is not None
     bins = recorder.maps.sampled.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
-        load_distance = recorder.cycles[0][
-            CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k + LOAD_DISTANCE
-        ]
+        load_distance = recorder.each_cycle("load_distance", k)[0]
         assert load_distance > 0.0
-        volume = recorder.maps.sampled[k].sum() * area
-        assert volume == pytest.approx(joint.wear.coefficient * load_distance, rel=1e-12)
+        if name == "refined":
+            volume = recorder.maps.sampled[k].sum() * area
+            assert volume == pytest.approx(joint.wear.coefficient * load_distance, rel=1e-12)
 
 
-def omitting(joints: str) -> tuple[Run, Run]:
+CHAIN = "crank 2, crank 7, plate 4 and rod 3"
+
+
+@pytest.mark.parametrize(("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", CHAIN)])
+def test_bodies_that_are_left_out_move_and_bear_the_same(joints: str, omitted: str) -> None:
     scene = replace(wear_times(), joints=joints)
-    linkage, start, plan = scene.linkage(), start_of(scene), Plan(0.03, 1)
     accuracy = scene.numerics.joints.for_cycle(scene.mechanism.period)
     fine = replace(
         accuracy,
@@ -165,18 +133,8 @@ def omitting(joints: str) -> tuple[Run, Run]:
         free_step=accuracy.longest(0.0) / 4,
         newton=1e-11,
     )
-    return (
-        fine.simulate(linkage, start, plan),
-        InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan),
-    )
-
-
-CHAIN = "crank 2, crank 7, plate 4 and rod 3"
-
-
-@pytest.mark.parametrize(("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", CHAIN)])
-def test_bodies_that_are_left_out_move_and_bear_the_same(joints: str, omitted: str) -> None:
-    ours, reference = omitting(joints)
+    exact = InHouse(integration_tolerance=1e-11)
+    ours, reference = (run_scene(scene, engine, 0.03) for engine in (fine, exact))
     assert f"drives, {omitted} prescribed;" in str(ours.diagnostics["model"])
     assert ours.recorder.records.counters["contacts"].sum() >= 2
     assert ours.end.position == pytest.approx(reference.end.position, abs=2e-7)
@@ -189,16 +147,3 @@ def test_bodies_that_are_left_out_move_and_bear_the_same(joints: str, omitted: s
         assert ours.diagnostics[name] == pytest.approx(expected_work, abs=5e-6 * exchanged)
     rows = ours.recorder.rows
     assert np.ptp(rows[:, -2]) > 0.01  # the torque of drive 2
-
-
-def test_only_bodies_held_by_clearance_joints_are_left_out() -> None:
-    linkage = replace(wear_times(), joints="A").linkage()
-    assert left_out(linkage) == {"crank 2"}
-    spring = Spring("s", Attachment("crank 2", 0, 0), Attachment("frame", 0, 0), 10.0, 0.1)
-    assert left_out(replace(linkage, springs=(spring,))) == frozenset()
-    assert left_out(replace(linkage, drives=linkage.drives[1:])) == frozenset()
-    chain = replace(wear_times(), joints="C").linkage()
-    assert left_out(chain) == {"crank 2", "crank 7", "plate 4", "rod 3"}
-    # Exudyn needs the springs' ends, and with them what holds these.
-    assert left_out(replace(chain, springs=(spring,))) == frozenset()
-    assert left_out(replace(wear_times(), joints="none").linkage()) == frozenset()

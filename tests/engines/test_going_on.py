@@ -71,54 +71,38 @@ def told(run: Run) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", sorted(CASES))
 def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) -> None:
+    """From a file, as another process has it, or from the state that was kept in memory."""
     case = CASES[name]
-    kept: list[dict[str, Any]] = []
+    kept: list[State] = []
+    stored: list[State] = []
 
     def keep(state: State) -> None:
-        # Through a file, as another process would have it.
         file = tmp_path / "state.npz"
         write_arrays(file, state, np.savez)
-        kept.append(read_arrays(file))
+        stored.append(read_arrays(file))
+        kept.append(state)
 
     whole = told(case.run(None, Keeps(keep)))
     assert len(kept) == case.cycles
-    for state in kept:
+    for in_memory, state in zip(kept, stored, strict=True):
         again = told(case.run(state))
         assert [key for key in whole if again[key] != whole[key]] == []
+        for key, array in state.items():
+            assert in_memory[key].tobytes() == array.tobytes(), key
 
 
-def test_a_state_does_not_change_as_the_run_goes_on() -> None:
-    """It is written down later than it is taken."""
-    case = CASES["in-house, order 8"]
-    taken: list[State] = []
-    then: list[dict[str, Any]] = []
-
-    def keep(state: State) -> None:
-        taken.append(state)
-        then.append({name: np.array(array) for name, array in state.items()})
-
-    case.run(None, Keeps(keep))
-    for now, before in zip(taken, then, strict=True):
-        for name, array in before.items():
-            assert now[name].tobytes() == array.tobytes(), name
-
-
-def test_contacts_are_kept_of_recorded_cycles_only() -> None:
-    case = CASES["in-house, order 8"]
-    run = case.run(None)
-    recorded = RECORDED * case.scene.mechanism.period
-    for k in range(2):
-        episodes = run.recorder.stored_contacts(k)
-        assert 0 < len(episodes) < run.recorder.records.counters["contacts"][k]
-        assert episodes[:, 1].max() <= recorded
-        assert run.recorder.rows[-1, 0] <= recorded * (1.0 + 1e-12)
-
-
-def test_a_run_that_was_enough_is_enough_again() -> None:
+def test_recorded_contacts_and_runs_that_are_enough() -> None:
+    """Contacts are stored in recorded cycles only; a run that was enough is enough again."""
     case = CASES["in-house, order 8"]
     kept: list[State] = []
-    observers = EndsAfter(2), Keeps(kept.append)
-    assert case.run(None, *observers).status == "enough"
-    again = case.run(kept[-1], *observers)
-    assert again.status == "enough"
-    assert len(again.recorder.cycles) == 2
+    observers = EndsAfter(3), Keeps(kept.append)
+    runs = case.run(None, *observers), case.run(kept[-1], *observers)
+    recorded = RECORDED * case.scene.mechanism.period
+    for run in runs:
+        assert run.status == "enough"
+        assert len(run.recorder.cycles) == 3
+        assert run.recorder.rows[-1, 0] <= recorded * (1.0 + 1e-12)
+        for k in range(2):
+            contacts = run.recorder.stored_contacts(k)
+            assert 0 < len(contacts) < run.recorder.records.counters["contacts"][k]
+            assert contacts[:, 1].max() <= recorded

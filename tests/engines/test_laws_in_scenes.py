@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from runs import residual, run_scene
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -63,11 +64,8 @@ def with_laws(settings: dict[str, object], folder: Path) -> Scene:
 
 
 def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
-    plan = Plan(duration, 1, recorded_cycles=1)
-    run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
-    assert run.status == "completed", run.message
-    residual = abs(float(run.diagnostics["energy_residual_J"]))
-    assert residual < 1e-7 * float(run.diagnostics["drive_exchange_J"])
+    run = run_scene(scene, engine, duration)
+    assert residual(run) < 1e-7
     return run
 
 
@@ -102,9 +100,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
     )
 
     def outcome(engine: ExudynJoints | InHouse) -> tuple[float, int]:
-        plan = Plan(0.0114, 1, recorded_cycles=1)
-        engine = engine.for_cycle(scene.mechanism.period)
-        run = engine.simulate(scene.linkage(), start_of(scene), plan)
+        run = run_scene(scene, engine, 0.0114)
         touchdowns = sum(contacts_of(run, k)["touchdown"].size for k in range(2))
         return float(run.diagnostics["friction_loss_J"]), touchdowns
 
@@ -180,7 +176,7 @@ def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
     source += "* (1.0 - 0.2 * rate / onset_speed)\n"
     law = NormalLaw(1e10, user_law=UserFunction("rise", source).trusted())
     joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
-    run = InHouse().simulate(replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1))
+    run = run_scene(BASE, InHouse(), 0.03, replace(linkage, clearances=joints))
     lost, made = (float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J"))
     assert lost < 0.0
     assert made == pytest.approx(-lost, rel=1e-9)
@@ -192,8 +188,7 @@ def test_energy_adds_up_where_the_force_ends_before_the_contact(damping: str) ->
     settings = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-10"}
     law = {"normal_law": "kelvin-voigt", "viscous_damping": damping}
     scene = changed(BASE, settings | law)
-    engine = scene.solver.for_cycle(scene.mechanism.period)
-    run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.05, 1, 1))
+    run = run_scene(scene, scene.solver, 0.05)
     names = ("energy_residual_J", "contact_loss_J", "friction_loss_J")
     residual, *losses = (float(run.diagnostics[name]) for name in names)
     assert abs(residual) < 1e-7 * sum(losses)

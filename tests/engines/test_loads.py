@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from listeners import Keeps
+from runs import run_scene
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
@@ -318,10 +319,7 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy() -> None:
     scene, linkage, joints = wear_times(), loaded_press(), range(2)
     runs, touches = [], []
     for engine in (InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-11)):
-        # Ten touches come before 0.03 s; the cycle is what the longest step is a part of.
-        plan = Plan(0.03, 1, recorded_cycles=1)
-        ran = engine.for_cycle(scene.mechanism.period).simulate(linkage, start_of(scene), plan)
-        assert ran.status == "completed", ran.message
+        ran = run_scene(scene, engine, 0.03, linkage)
         assert residual(ran) < 1e-7 * float(ran.diagnostics["drive_exchange_J"])
         times = sorted(t for k in joints for t in ran.recorder.stored_contacts(k)[:, 0].tolist())
         runs.append(ran)
@@ -337,23 +335,10 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy() -> None:
 def test_drives_and_loads_balance_on_the_ideal_press(word: str) -> None:
     """Without clearance, at the settings that scenes take: what the residual may be."""
     scene = replace(ideal(), engine=word)
-    linkage = scene.linkage().changed(
-        loads=loaded_press().loads,
-        springs=[
-            Spring(
-                "damper",
-                Attachment(GROUND, 0.0, 0.0),
-                Attachment("plate 4", 0.0, 0.0),
-                100.0,
-                0.1,
-                5.0,
-            )
-        ],
-    )
-    period = scene.mechanism.period
-    engine = scene.solver.for_cycle(period)
-    ran = engine.simulate(linkage, start_of(scene), Plan(period, 1, recorded_cycles=1))
-    assert ran.status == "completed", ran.message
+    ends = Attachment(GROUND, 0.0, 0.0), Attachment("plate 4", 0.0, 0.0)
+    damper = Spring("damper", *ends, 100.0, 0.1, 5.0)
+    linkage = scene.linkage().changed(loads=loaded_press().loads, springs=[damper])
+    ran = run_scene(scene, scene.solver, None, linkage)
     exchange = float(ran.diagnostics["drive_exchange_J"])
     assert abs(float(ran.diagnostics["load_work_J"])) > 0.1 * exchange
     assert residual(ran) < 1e-7 * exchange

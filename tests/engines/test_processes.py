@@ -16,7 +16,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.drives import Servo
 from presswear.linkage.loads import Process
 from presswear.physics.statics import needed_torques
-from presswear.results.press_analysis import Strokes, strokes_of
+from presswear.results.press_analysis import Strokes
 from presswear.tools.arrays import Array
 
 PRESS = pw.Press()
@@ -138,23 +138,6 @@ def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
     )
 
 
-@pytest.mark.slow
-def test_energies_of_bodies_and_joints_balance_with_the_square_of_the_step() -> None:
-    """What does not add up is the trapezoidal rule's own error in impacts."""
-    off = {}
-    for steps in (100, 400):
-        scene = pw.scenes.press_blanking(
-            wear_updates=0, replicates=1, cycles=1, steps_per_contact=steps
-        )
-        told = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
-        residual, exchange = (
-            float(told[f"{name}_J"] or 0.0) for name in ("energy_residual", "drive_exchange")
-        )
-        off[steps] = residual / exchange
-    assert off[400] < 1e-6
-    assert 8.0 < off[100] / off[400] < 60.0
-
-
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 @pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
 def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engine: str) -> None:
@@ -207,12 +190,6 @@ def test_work_under_the_highest_place_is_worked_through_as_well(engine: str) -> 
     ):
         times = np.array(expected) / crank.speed
         np.testing.assert_allclose(found[:, 0], times, atol=1e-7)
-
-
-def test_a_scene_without_a_process_has_no_strokes() -> None:
-    scene = pw.scenes.ideal()
-    stage: Any = None
-    assert strokes_of(scene, stage) is None
 
 
 def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:

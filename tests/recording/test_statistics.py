@@ -214,13 +214,6 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     assert 0.0 < high - low < math.radians(40.0)
 
 
-def test_resampling_weighs_by_cycles() -> None:
-    """A map that stands for nine cycles counts nine times as much as one of one."""
-    maps = np.array([[0.0], [1.0]])
-    draws = resampled(maps, np.array([1.0, 9.0]))
-    assert set(np.round(np.unique(draws), 12)) == {0.0, 0.9, 1.0}
-
-
 def test_runs_that_differ_are_single_samples() -> None:
     generator = np.random.default_rng(0)
     alike = [generator.normal(10.0, 1.0, 30) for _ in range(3)]
