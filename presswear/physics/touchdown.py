@@ -111,9 +111,7 @@ EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a lo
 @compiled
 def hermite(p0: float, r0: float, p1: float, r1: float, h: float, s: float) -> tuple[float, float]:
     """Return the value and time derivative at s in 0 .. 1 of the cubic through two states."""
-    a = r0 * h
-    b = r1 * h
-    rise = p1 - p0
+    a, b, rise = r0 * h, r1 * h, p1 - p0
     curve = 3.0 * rise - 2.0 * a - b
     twist = a + b - 2.0 * rise
     value = p0 + s * (a + s * (curve + s * twist))
@@ -131,9 +129,7 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 
     A contact that has ended again within the step is found where the cubic shows it.
     """
-    a = r0 * h
-    b = r1 * h
-    rise = p1 - p0
+    a, b, rise = r0 * h, r1 * h, p1 - p0
     quadratic = 3.0 * (a + b - 2.0 * rise)
     linear = 2.0 * (3.0 * rise - 2.0 * a - b)
     # Between its turning points (roots of quadratic s^2 + linear s + a) the cubic is
@@ -165,10 +161,9 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 
 @compiled
 def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float, float]:
-    """Predict when a quantity below zero reaches it, from its value and three derivatives.
+    """Return when a quantity below zero reaches it, by its value and three derivatives, s.
 
-    Returns the time, s, infinite if never, the rate then, and the part of the time that is in
-    doubt: what the third derivative changes.
+    Infinite if never.  Also the rate then, and what the third derivative changes of the time.
     """
     root = r * r - 2.0 * a * p
     denominator = r + math.sqrt(root) if root >= 0.0 else 0.0
@@ -203,21 +198,17 @@ def step_to_event(
 @compiled
 def joint_crossing(
     last: Records, contact: Records, is_closed: bool, h: float
-) -> tuple[float, float, float]:
+) -> tuple[float, float, float, float]:
     """Return the part of a step at which a joint touches down or separates; 2 if it does not.
 
-    Also the penetration at the end of the step, m, and its rate at the start, m/s, both with the
-    sign in which they grow towards the event.
+    Also the penetration at the end of the step, m, its rate at the start and at the event, m/s,
+    all with the sign in which they grow towards the event.
     """
     sign = -1.0 if is_closed else 1.0
-    start, rate, end = sign * last.penetration, sign * last.rate, sign * contact.penetration
-    return crossing(min(start, 0.0), rate, end, sign * contact.rate, h), end, rate
-
-
-@compiled
-def rate_within(last: Records, contact: Records, h: float, s: float) -> float:
-    """Return the rate of penetration, m/s, at the part ``s`` of a step."""
-    return hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
+    start, end = sign * last.penetration, sign * contact.penetration
+    first, final = sign * last.rate, sign * contact.rate
+    s = crossing(min(start, 0.0), first, end, final, h)
+    return s, end, first, hermite(start, first, end, final, h, s)[1]
 
 
 @compiled
@@ -420,8 +411,8 @@ def settle(records: Any, t: float, needed: int) -> int:
             started_closed = last.penetration > 0.0 or h <= 0.0
             touchdown, closing = t, contact.rate
             if not started_closed:
-                s = joint_crossing(last, contact, False, h)[0]
-                touchdown, closing = last.time + s * h, rate_within(last, contact, h, s)
+                s, _, _, closing = joint_crossing(last, contact, False, h)
+                touchdown = last.time + s * h
             touch_down(records, k, touchdown, closing, started_closed)
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
@@ -459,10 +450,9 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
 def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
     """Return the next step, s, while a joint is closed.
 
-    A free impact is divided into equal parts. A pin that has come to rest oscillates less than the
-    deepest possible penetration suggests: there the step grows until its error, h^2 / 12 times the
-    change of acceleration for the trapezoidal rule, is the part of the penetration that the equal
-    parts of a free impact would make, but no further than ``sustained`` parts.
+    A free impact is divided into equal parts. The steps of a pin at rest grow up to ``sustained``
+    parts, while their error, h^2 / 12 times the change of acceleration for the trapezoidal rule, is
+    the part of the penetration that the equal parts of a free impact would make.
     """
     parts = steps.per_contact
     if last.steps <= 1:
@@ -488,10 +478,9 @@ def late_touchdown(
 
     Where the law begins with a jump, the touchdown is put into a short step of its own.
     """
-    s = joint_crossing(last, contact, False, h)[0]
+    s, _, _, closing = joint_crossing(last, contact, False, h)
     if s > 1.0:
         return math.inf
-    closing = rate_within(last, contact, h, s)
     part = contact_step(joint, 0.0, closing, steps.per_contact)
     behind = min(LANDING * part, 0.1 * h)
     if joint.normal.abrupt:

@@ -131,7 +131,7 @@ def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
 
     def end(coordinates: str, tolerance: float) -> Array:
         engine = InHouse(integration_tolerance=tolerance, coordinates=coordinates)
-        return run_scene(PRESS, engine, 0.05).end.position
+        return engine.simulate(PRESS.linkage(), start_of(PRESS), Plan(0.05, 1)).end.position
 
     exact = end("all", 1e-12)
     assert np.abs(end("fewest", 1e-12) - exact).max() < 1e-10

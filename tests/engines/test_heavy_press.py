@@ -3,9 +3,10 @@
 from pathlib import Path
 
 import pytest
-from runs import run_scene
 
 import presswear as pw
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynTree, InHouse
 from presswear.scene.files import scene_from
 from presswear.scene.settings import changed
@@ -41,7 +42,8 @@ def test_both_engines_press_pins_as_deep_into_their_bearings() -> None:
     """Up to the greatest force, through the touches before it; rows of a series cut its top."""
     finest = ExudynTree(tree_tolerance=1e-11), InHouse(integration_tolerance=1e-12)
     scene = changed(SCENE, STOP)
-    one, other = (run_scene(scene, engine, UNTIL) for engine in finest)
+    start, plan = start_of(scene), Plan(UNTIL, 1, recorded_cycles=1)
+    one, other = (engine.simulate(scene.linkage(), start, plan) for engine in finest)
     assert one.end.position == pytest.approx(other.end.position, abs=1e-9)
     for k, least in enumerate((100e3, 180e3)):
         deepest, peak = (

@@ -176,7 +176,7 @@ def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
     source += "* (1.0 - 0.2 * rate / onset_speed)\n"
     law = NormalLaw(1e10, user_law=UserFunction("rise", source).trusted())
     joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
-    run = run_scene(BASE, InHouse(), 0.03, replace(linkage, clearances=joints))
+    run = InHouse().simulate(replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1))
     lost, made = (float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J"))
     assert lost < 0.0
     assert made == pytest.approx(-lost, rel=1e-9)

@@ -16,7 +16,7 @@ from presswear.linkage.elements import GROUND, Attachment, Body, Guide, OutputPo
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Spring
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
-from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.catalog import wear_times
 from presswear.tools.arrays import State
 from presswear.validation.cases import order_of
 
@@ -329,19 +329,6 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy() -> None:
     one, other = (float(ran.diagnostics["load_work_J"]) for ran in runs)
     assert abs(one) > 1e-2
     assert one == pytest.approx(other, rel=1e-6)
-
-
-@pytest.mark.parametrize("word", ["dae", "exudyn-joints"])
-def test_drives_and_loads_balance_on_the_ideal_press(word: str) -> None:
-    """Without clearance, at the settings that scenes take: what the residual may be."""
-    scene = replace(ideal(), engine=word)
-    ends = Attachment(GROUND, 0.0, 0.0), Attachment("plate 4", 0.0, 0.0)
-    damper = Spring("damper", *ends, 100.0, 0.1, 5.0)
-    linkage = scene.linkage().changed(loads=loaded_press().loads, springs=[damper])
-    ran = run_scene(scene, scene.solver, None, linkage)
-    exchange = float(ran.diagnostics["drive_exchange_J"])
-    assert abs(float(ran.diagnostics["load_work_J"])) > 0.1 * exchange
-    assert residual(ran) < 1e-7 * exchange
 
 
 def wobble(time: float, position: float, speed: float) -> float:

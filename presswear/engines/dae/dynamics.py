@@ -43,9 +43,7 @@ from presswear.tools.compile import Records, compiled, copy_to, inlined
 Array = NDArray[np.float64]
 
 DRIVE_INTEGRALS = 2  # integrals before those of the joints: drive work and its absolute value, J
-# Integrals per drive, and their number
-TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE = range(4)
-TORQUE_INTEGRALS = 4
+TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)  # per drive, their number
 
 
 class OpenTree(NamedTuple):
@@ -85,12 +83,8 @@ def system_of(
 ) -> System:
     """Return the equations of a linkage in a position of all its bodies.
 
-    Parameters
-    ----------
-    equations : Constraints or Tree
-        Constraints of all coordinates, or the tree whose coordinates are the fewest.
-    alpha, beta : float
-        Baumgarte's coefficients, 1/s.
+    They have constraints of all coordinates, with Baumgarte's coefficients, 1/s, or those of the
+    tree, whose coordinates are the fewest.
     """
     held = tree = None
     if isinstance(equations, Tree):
@@ -165,14 +159,8 @@ def evaluate(
 ) -> None:
     """Fill dy/dt, and all of the state but for accelerations; leaves multipliers behind.
 
-    Parameters
-    ----------
-    held, tree : Held or None, OpenTree or None
-        Those of the system, so that the compiler sees which is None.
-    onset : ndarray, shape (joints,)
-        See ``contact_forces``.
-    torques : bool
-        Whether the rates of the drives' integrals are needed.
+    ``held`` and ``tree`` are those of the system, so that the compiler sees which is None.  With
+    ``torques`` the rates of the drives' integrals are filled as well.
     """
     n = system.size
     place(tree, system.state, t, y)

@@ -124,14 +124,8 @@ def first_event(
 ) -> tuple[int, float]:
     """Return the event that comes first in a trial step, and at which part of it; or -1.
 
-    Slopes were last evaluated at the end of the step; see ``event_value`` for the events.
-
-    Parameters
-    ----------
-    excluded : int
-        Event that is ignored: the one on which the step ends.
-    joints : int
-        Number of joints whose events are located, from the first.
+    Slopes were last evaluated at the end of the step; see ``event_value`` for the events.  Those
+    of the first ``joints`` joints count, but not ``excluded``, the one on which the step ends.
     """
     (run,) = unpack(address)
     system, classical, records, control = run.system, run.classical, run.records, run.control
@@ -142,9 +136,8 @@ def first_event(
     for k in range(joints):
         if k == excluded:
             continue
-        s, value, rate = joint_crossing(
-            records.memory[k], system.contacts[k], records.onset[k] > 0.0, h
-        )
+        is_closed = records.onset[k] > 0.0
+        s, value, rate, _ = joint_crossing(records.memory[k], system.contacts[k], is_closed, h)
         # A state that was just placed on an event moves away from it and does not repeat it, but
         # where it is drawn back at once.
         if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > DEPTH_TOL):
@@ -186,13 +179,8 @@ def end_on_event(
     """Find the step that ends on the first event of a trial step of length ``h``.
 
     A joint then has zero penetration, a load is just behind the change of its law.  Newton's
-    method, held between the ends of the trial step: where a surface is steep it would stray to
-    lengths whose error nobody has looked at.
-
-    Returns
-    -------
-    tuple
-        The event or -1, the length of the step, s, and whether it was located.
+    method, held between the ends of the trial step: where a surface is steep it would stray.
+    Returns the event or -1, the length of the step, s, and whether it was located.
     """
     (run,) = unpack(address)
     contacts = run.system.contacts.shape[0]

@@ -46,8 +46,7 @@ JUMP = 1e-3
 class Frame(NamedTuple):
     """Coordinates of all bodies from those that Exudyn solves for.
 
-    Where every body is one of Exudyn's, ``q``, ``v`` and ``a`` are its own live arrays
-    and nothing has to be copied: ``places`` and ``prescribed`` are empty.
+    If Exudyn solves for all, ``q``, ``v`` and ``a`` are its live arrays, and ``places`` is empty.
     """
 
     solved_q: Array  # Exudyn's live coordinates, rates and accelerations
@@ -128,10 +127,9 @@ class Drives(NamedTuple):
 def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
     """Move an accepted state onto joints and drives: to round-off in all levels.
 
-    The trapezoidal rule holds them in velocities alone.  The angle that it makes of an uneven
-    speed has an error of third order in each step; the acceleration swings about the right one
-    for ever, since Exudyn begins as if the drive turned evenly, and behind a step so short that
-    round-off of the velocities makes accelerations.
+    The trapezoidal rule holds them in velocities alone.  Of an uneven speed it makes an angle with
+    an error of third order in each step, and an acceleration that swings about the right one for
+    ever, as it does behind a very short step.
     """
     if held is None:
         return
@@ -171,11 +169,10 @@ def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tu
 def sum_step(
     records: RecorderState, drive_power: float, load_power: float, t: float, h: float
 ) -> None:
-    """Fill the wear integrals of a step, and add to the ledger of energy.
+    """Fill the wear integrals of a step, and add to the ledger of energy by the trapezoidal rule.
 
-    Doses are taken from the state at the step's end: over a whole contact that is the
-    trapezoidal rule, since the force is zero at both ends.  A step that began open
-    carries force only since its touchdown.  Powers are summed by the trapezoidal rule.
+    Wear integrals are those of the step's end: over a whole contact that is the same rule, since
+    the force is zero at both ends.  A step that began open has force only since its touchdown.
     """
     ledger = records.ledger[0]
     half = 0.5 * h

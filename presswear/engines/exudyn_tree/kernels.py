@@ -100,10 +100,9 @@ class TreeSystem(NamedTuple):
 def stage_forces(address: PackedArguments, t: float) -> int:
     """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
 
-    The drives' power is that against the forces on the prescribed bodies: what is applied
-    there, and dP/dt - F of each branch times the velocity of its hinge.  The part
-    dP/dt . v is the end value of P . v less the integral of P . a; the end values are
-    added after the run, so that no acceleration is needed here.
+    The drives' power is that against the forces on the prescribed bodies: what is applied there,
+    and dP/dt - F of each branch times the velocity of its hinge.  The integral of dP/dt . v is the
+    change of P . v, added after the run, less that of P . a: no acceleration is needed here.
 
     ``address`` packs TreeSystem and RecorderState; the contacts hold the deflections of bristles.
 
@@ -129,8 +128,7 @@ def stage_forces(address: PackedArguments, t: float) -> int:
     for i in range(system.links.shape[0]):
         link = system.links[i]
         b = link.body
-        ax = link.mass * system.carried[i, 2]
-        ay = link.mass * system.carried[i, 3]
+        ax, ay = link.mass * system.carried[i, 2], link.mass * system.carried[i, 3]
         power -= force[b] * system.carried[i, 0] + force[b + 1] * system.carried[i, 1]
         power -= v[b] * ax + v[b + 1] * ay
         force[b] -= ax
@@ -342,10 +340,10 @@ def interpolate(system: TreeSystem, s: float, h: float) -> None:
 
 @compiled
 def end_step(system: TreeSystem, records: RecorderState, t: float, h: float) -> float:
-    """Place all bodies at the end of a step, and integrate torque and power of the drives over it.
+    """Place all bodies at the end of a step; return the power of the drives there, W.
 
-    Returns the power of the drives at the end, W.  Gauss's rule with two points: both lie inside
-    the step, so that a load that jumps at an end has the force of the step.
+    Integrates their torque and power by Gauss's rule with two points.  Both lie inside the step, so
+    that a load that jumps at an end has the force of the step.
     """
     contacts, drives, inside = records.contacts, records.drives, system.inside
     v = system.state[1]
