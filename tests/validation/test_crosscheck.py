@@ -140,15 +140,6 @@ def test_without_clearance_the_whole_duration_is_compared(
     assert "do not diverge" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", ["crosscheck", "export"])
-def test_help_documents_the_columns(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main([command, "--help"])
-    shown = capsys.readouterr().out
-    assert "J_tangential_force" in shown
-    assert "example" in shown
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("speed", ["3.5pi rad/s", "8pi rad/s"])
 def test_the_engines_agree_up_to_the_horizon_and_beyond(speed: str, tmp_path: Path) -> None:
