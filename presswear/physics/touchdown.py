@@ -6,7 +6,7 @@ derivatives in the last state (``time_to_event``), a step ends just behind it, a
 root of the cubic through values and rates at both ends of the step (``joint_crossing``,
 ``load_crossing``). An engine that can repeat a step does so where the prediction was missed; the
 in-house solver repeats until the step ends on the event. In contact a step is a set part of the
-expected duration of the contact. ``records`` is the ``RecorderState`` of a run.
+expected duration of the contact. In this module ``records`` is the ``RecorderState`` of a run.
 """
 
 import math

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from presswear.linkage.elements import GROUND, Attachment, Body
 from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.packed import Packed, pack
+from presswear.physics.packed import pack
 from presswear.physics.touchdown import (
     COUNTERS,
     LANDING,
@@ -31,8 +31,8 @@ from presswear.physics.touchdown import (
     settle,
     shorter_step,
 )
+from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records
 
 MASS = 0.1
 PARTS = 50.0
@@ -85,17 +85,6 @@ def test_the_mass_that_meets_is_that_of_two_free_bodies() -> None:
     assert pack(held).joints[0]["effective_mass"] == pytest.approx(1.0 / pin, rel=1e-14)
 
 
-class _Records(NamedTuple):
-    """Part of ``RecorderState`` that contacts need."""
-
-    packed: Packed
-    contacts: Records
-    onset: Array
-    memory: Records
-    counters: Records
-    stored_contacts: Records
-
-
 @dataclass
 class _Line:
     """A pin on the x axis inside a bearing on the frame, pushed by a constant force."""
@@ -116,8 +105,11 @@ class _Line:
         self.steps["sustained"], self.steps["least"] = 10.0, LEAST
         self.stored = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
-        states = self.contacts, self.onset, self.memory, self.counters, self.stored
-        self.records = _Records(self.packed, *states)
+        # A type of the package: the stored kernels of one of the tests could not be read elsewhere.
+        used = {"packed": self.packed, "contacts": self.contacts, "onset": self.onset}
+        used |= {"memory": self.memory, "counters": self.counters, "stored_contacts": self.stored}
+        unused: dict[str, Any] = dict.fromkeys(RecorderState._fields)
+        self.records = RecorderState(**(unused | used))
         self.settle()
 
     def start(self, x: float, speed: float) -> "_Line":
