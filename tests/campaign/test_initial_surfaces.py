@@ -10,6 +10,7 @@ from endurance.sameness import folder_differences
 
 import presswear as pw
 from presswear.__main__ import main
+from presswear.linkage.surface import SIDES
 from presswear.results.result import stored_scene
 from presswear.tools.numbers import readable
 
@@ -38,6 +39,17 @@ def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
     assert again.arrays.keys() == worn.arrays.keys()
     for name, array in worn.arrays.items():
         assert again.arrays[name].tobytes() == array.tobytes(), name
+
+
+def test_wear_adds_to_the_initial_surfaces(first: pw.Result) -> None:
+    initial = first.stages[1].surfaces
+    result = pw.run(pw.scenes.wear_times(surfaces=initial, cycles=1, wear_updates=1, **QUICK))
+    start, worn = (stage.joints["A"] for stage in result.stages)
+    for side, surface in zip(SIDES, initial["A"], strict=True):
+        assert start.depth(side).tobytes() == surface.depth.tobytes()
+        total = start.depth(side) + start.wear(side)
+        np.testing.assert_allclose(worn.depth(side), total, rtol=1e-15)
+        assert start.wear(side).max() > 0.0
 
 
 def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result) -> None:

@@ -128,8 +128,50 @@ def test_every_engine_follows_an_uneven_drive(
         assert residual < 10.0 * bound * float(run.diagnostics["drive_exchange_J"])
 
 
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name: str) -> None:
+    """All levels of what is watched, over the border of two cycles: nothing drifts or swings."""
+    scene = Scene(mechanism=MOTIONS[name], joints="none", wear_updates=0)
+    period = scene.mechanism.period
+    engine = ExudynJoints(free_step=period / 500)
+    plan = Plan(period, 2, 2, run_up=scene.run_up)
+    run = engine.simulate(scene.linkage(), start_of(scene), plan)
+    assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period)
+    rows = run.recorder.rows
+    exact = scene.ideal_slider(rows[:, 0])
+    off = np.abs(rows[:, 1:4] - exact).max(axis=0) / np.abs(exact).max(axis=0)
+    assert len(rows) > 1000
+    assert np.all(off < (1e-12, 1e-12, 1e-11))
+    # No torque in the series is beside the one of the motion.
+    fine = InHouse(integration_tolerance=1e-12).simulate(scene.linkage(), start_of(scene), plan)
+    one, other = (item.recorder for item in (run, fine))
+    torque = np.interp(one.rows[:, 0], other.rows[:, 0], other.torques[:, 0])
+    assert np.abs(one.torques[:, 0] - torque).max() < 1e-3 * np.abs(torque).max()
+
+
 FAR = {"clearance": "0.9 m", "bearing_radius": "1 m"}
 """The pin never meets its bearing: what is left is smooth but for the breaks of the motion."""
+
+
+@pytest.mark.parametrize("joint", ["O", "B"])
+@pytest.mark.parametrize("is_far", [True, False], ids=["far", "near"])
+def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) -> None:
+    """Its hinge, or a joint behind which the loop keeps freedom; with contacts and without."""
+    clearance = FAR if is_far else {"clearance": "0.2 mm"}
+    scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), clearance)
+    linkage, period = scene.linkage(), scene.mechanism.period
+    kept: list[State] = []
+    plan = Plan(0.07 * period, 3, observers=(Keeps(kept.append),))
+    run = ExudynJoints().for_cycle(period).simulate(linkage, start_of(scene), plan)
+    touches = int(run.recorder.records.counters["contacts"].sum())
+    assert run.status == "completed", run.message
+    assert (touches < 3) == is_far
+    for count, state in enumerate(kept, 1):
+        exact = linkage.drives[0].motion(np.array([count * plan.cycle]))
+        result = [state[level][2] for level in "qva"]
+        # Round-off of the accelerations of the free bodies is in that of the drive.
+        np.testing.assert_allclose(result, np.ravel(exact), rtol=1e-12)
+    assert len(kept) == 3
 
 
 def flying(linkage: Linkage) -> Scene:
@@ -141,6 +183,28 @@ def flown(scene: Scene, engine: Engine, cycles: float = 1.37) -> Run:
     run = engine.simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     return run
+
+
+@pytest.mark.parametrize(
+    "engine",
+    [
+        *(kind(free_step=1e-3) for kind in (ExudynTree, ExudynJoints, InHouse)),
+        InHouse(integrator="rk4", equal_step=1e-3),
+    ],
+    ids=["tree", "joints", "dae", "rk4"],
+)
+def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
+    """Steps of 1 ms are rows of the series; each break, the end of the run-up too, is one."""
+    scene = flying(MOTIONS["table, run-up"])
+    run = flown(scene, engine, 2.4)
+    time = run.recorder.series("time")
+    motion = run.recorder.records.motions[0]
+    breaks = [0.0]
+    while breaks[-1] < run.time:
+        breaks.append(break_after(motion, breaks[-1]))
+    assert scene.run_up in breaks
+    for item in breaks[1:-1]:
+        assert np.abs(time - item).min() < 1e-12
 
 
 def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
