@@ -1,5 +1,6 @@
 """Study of the paper: settings, printed numbers, claims and figures, compared with this program."""
 
+import time
 from pathlib import Path
 
 import presswear as pw
@@ -31,12 +32,14 @@ def run_paper(
         Path of the report.
     """
     scenes = make_scenes(engine, quick)
-    ended: list[str] = []
+    started, ended = time.perf_counter(), set[str]()
 
     def show(name: str, fraction: float, words: str) -> None:
         if fraction == 1.0 and name not in ended:
-            ended.append(name)
-            print(f"{len(ended)} of {len(scenes)}: {run_label(name)}: {words}", flush=True)
+            ended.add(name)
+            left = (time.perf_counter() - started) * (len(scenes) / len(ended) - 1.0) / 60.0
+            count = f"{len(ended)} of {len(scenes)}"
+            print(f"{count}: {run_label(name)}: {words}; about {left:.1f} min left", flush=True)
 
     results = pw.run_scenes(scenes, folder, jobs=jobs, on_progress=show)
     return write_report(results, Path(folder))
