@@ -1,13 +1,11 @@
 """Linkages without a closed loop, and their placing."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.physics.prescribed import Tree, place_prescribed, tree_of
 from presswear.physics.tree import place_links
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 
 def branching() -> pw.Linkage:

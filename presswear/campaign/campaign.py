@@ -33,12 +33,11 @@ from presswear.results.life import LifeResult
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
-from presswear.tools.arrays import State
+from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
 from presswear.tools.processes import Report, Workers, cores
 
-Array = NDArray[np.float64]
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
 
 _LOG = logging.getLogger(__name__)

@@ -20,7 +20,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.campaign.replicates import STEP_CHECK_CYCLES, RunSpec, RunState, WorkUnit, linkage_on
 from presswear.engines.base import Run, Status
@@ -38,9 +37,8 @@ from presswear.recording.statistics import (
     mean_map,
 )
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.processes import Job, Workers
-
-Array = NDArray[np.float64]
 
 _LOG = logging.getLogger(__name__)
 

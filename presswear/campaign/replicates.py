@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.engines.settings import Engine
@@ -25,11 +24,9 @@ from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBatches
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import State, named, part
+from presswear.tools.arrays import Array, State, named, part
 from presswear.tools.compile import on_compiling
 from presswear.tools.processes import Report, Stopped, is_stopped
-
-Array = NDArray[np.float64]
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 SPREAD = 0.02  # of the smallest clearance; 1e-9 m apart, replicates share their first two cycles

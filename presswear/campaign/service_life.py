@@ -43,9 +43,9 @@ from presswear.results.life import Ended, LifeResult, LimitResult, Phase, Refine
 from presswear.results.stage import WearStep
 from presswear.scene.options import Limit, Service
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 
-Array = NDArray[np.float64]
 Chosen = NDArray[np.int64] | slice  # histories
 EVERY = slice(None)
 

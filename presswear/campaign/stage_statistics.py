@@ -12,7 +12,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.wear_update import WearUpdate, wear_error
@@ -47,8 +46,8 @@ from presswear.results.stage import (
     angle_names,
 )
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 
-Array = NDArray[np.float64]
 Recorders = Sequence[Recorder]
 
 _OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"

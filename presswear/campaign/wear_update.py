@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.campaign.ensemble import Ensemble
 from presswear.linkage.elements import ClearanceJoint
@@ -27,8 +26,7 @@ from presswear.physics.wear import map_shape, worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, after_startup, half_width, mean_map
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 FIRST_REFINEMENT = 8  # cycles of each replicate in the first refinement of a wear update
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
@@ -37,9 +36,7 @@ from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import MapBatches
-from presswear.tools.arrays import State
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array, State
 
 Status = Literal["completed", "enough", "failed"]
 

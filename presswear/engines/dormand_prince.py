@@ -8,9 +8,8 @@ import them from there takes a quarter of a second.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 
 class Tableau(NamedTuple):

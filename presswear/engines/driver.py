@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
@@ -14,9 +13,7 @@ from presswear.physics.forces import Ledger
 from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine
-from presswear.tools.arrays import State, named, numbers, part, set_numbers
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array, State, named, numbers, part, set_numbers
 
 
 @dataclass(frozen=True)

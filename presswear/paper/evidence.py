@@ -6,14 +6,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.paper.printed import Place
 from presswear.paper.settings import TABLES, run_name
 from presswear.show.page import Row
+from presswear.tools.arrays import Array
 
-Array = NDArray[np.float64]
 Ends = tuple[float, float]
 
 MIN_DEPTH = 0.05  # depth from which a place counts as worn, relative to the deepest of its surface

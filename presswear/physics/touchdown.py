@@ -13,7 +13,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.physics.contact import note_contact, penetration_acceleration
 from presswear.physics.forces import note_forces
@@ -25,9 +24,8 @@ from presswear.physics.friction_and_normal import (
     normal_force,
 )
 from presswear.physics.loads import Loads, count_transitions, transition_at_start, transition_value
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
-
-Array = NDArray[np.float64]
 
 # Memory of a joint between accepted steps: its last state and its present contact
 MEMORY = np.dtype(

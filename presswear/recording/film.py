@@ -8,11 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
-
-Array = NDArray[np.float64]
 
 FRAMES_PER_CYCLE = 500  # one every 0.72 degrees of the crank
 FILM_CYCLES = 20  # that are kept

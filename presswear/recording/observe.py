@@ -8,16 +8,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
 from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
 from presswear.recording.film import take_frame
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
-
-Array = NDArray[np.float64]
 
 SERIES_NAMES = ("time", "displacement", "velocity", "acceleration")
 TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)  # columns of a series row

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import note_contacts
@@ -26,9 +25,7 @@ from presswear.recording.observe import (
     RecorderState,
 )
 from presswear.recording.statistics import MapBatches
-from presswear.tools.arrays import State, named, part
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array, State, named, part
 
 _KEPT = ("packed", "motions", "series", "stored_contacts", "film", "shares")
 _SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)  # saved whole

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.forces import Ledger, made_remedy
 from presswear.physics.packed import mass_of
 from presswear.recording.recorder import Recorder
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 

@@ -16,9 +16,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.arrays import State
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array, State
 
 STARTUP_CYCLES = 2  # that are no samples; if no more ran, the last of them is the only one
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance

@@ -8,7 +8,6 @@ import numba
 import numpy as np
 import pytest
 from impact_oscillator import ImpactOscillator
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.analysis import lyapunov
@@ -25,8 +24,7 @@ from presswear.linkage.loads import Force, OverPosition
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 
 def exponent_of_map(

@@ -14,15 +14,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Start
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
 
-Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 Outcome = tuple[Array, float]  # final state, and wall time of the integration alone, s
 

@@ -19,7 +19,6 @@ from statistics import median
 
 import numpy as np
 from by_hand import OPEN, SIZE, Outcome, evaluate, measured, parameters, run_by_hand, state_of
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import null_space
 from scipy.stats import gmean
@@ -31,11 +30,11 @@ from presswear.engines.settings import Engine, InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, specialised
 from presswear.tools.errors import RunFailed
 from presswear.validation.work_precision import joints_over_impacts
 
-Array = NDArray[np.float64]
 Method = Callable[[Start, float], tuple[Array, float]]  # final state and cost, s/s, at a setting
 
 END = 0.05  # s

@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 from by_hand import Outcome, contact_store, land, measured, relative_forces
-from numpy.typing import NDArray
 
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, specialised
-
-Array = NDArray[np.float64]
 
 HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
 JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")  # coordinates relative to the parent

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
@@ -23,9 +22,8 @@ from presswear.recording.statistics import MapBatches, half_width, mean_map
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import named, part
+from presswear.tools.arrays import Array, named, part
 
-Array = NDArray[np.float64]
 Law = Callable[[int, Array], Array]
 """Number of the run, and depth of the surfaces, shape (joints, 2, m): depth of one cycle, m."""
 

@@ -13,7 +13,6 @@ from bush import bush
 from endurance.sameness import folder_differences
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.campaign.service_life import (
@@ -45,9 +44,8 @@ from presswear.results.life import WORDS, LifeResult
 from presswear.scene.catalog import press_blanking
 from presswear.scene.options import FOLLOWED, Life, Limit, Service
 from presswear.scene.settings import changed
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-
-Array = NDArray[np.float64]
 
 CLEARANCE = 1e-3
 DEPTH, DRIFT = Limit("depth", "A", 5e-5), Limit("bdc_drift", "", 2.5e-5)

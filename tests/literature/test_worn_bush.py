@@ -15,13 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 from bush import CLEARANCE, COEFFICIENT, CYCLE, ENGINES, FRICTION, WIDTH, Worn, bush, worn
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import presswear as pw
 from presswear.scene.options import Life
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 # Direction in which the pin presses on a bush that is pressed down, rad: friction tilts it.
 TILT = 0.5 * math.pi - math.atan(FRICTION)

@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.linkage.surface import bin_centres
@@ -15,8 +14,8 @@ from presswear.paper.evidence import Evidence
 from presswear.paper.settings import BASE, CASES, JOINTS, base_scene, run_name
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.stage import StageStatistics
+from presswear.tools.arrays import Array
 
-Array = NDArray[np.float64]
 BINS = 72
 CYCLES = 20
 EVEN = {"A": 200.0, "C": 100.0}  # mean peak forces, N

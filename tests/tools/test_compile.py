@@ -13,6 +13,7 @@ import pytest
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
+from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     PackedArguments,
     bind,
@@ -23,8 +24,6 @@ from presswear.tools.compile import (
     specialised,
     unpack,
 )
-
-Array = NDArray[np.float64]
 
 
 @compiled

@@ -12,7 +12,6 @@ torque and power and their squares; last, where there is any, the work of loads 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.physics.constraints import Constraints, Held, evaluate_constraints, solve
 from presswear.physics.contact import CONTACT, note_contacts
@@ -38,9 +37,8 @@ from presswear.physics.tree import (
     place_links,
     release,
 )
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to, inlined
-
-Array = NDArray[np.float64]
 
 DRIVE_INTEGRALS = 2  # integrals before those of the joints: drive work and its absolute value, J
 TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)  # per drive, their number

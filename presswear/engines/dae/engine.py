@@ -4,7 +4,6 @@ import time as clock
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import DRIVE_INTEGRALS, state_size, system_of
@@ -28,10 +27,9 @@ from presswear.physics.forces import (
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
+from presswear.tools.arrays import Array
 from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"

@@ -9,7 +9,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
@@ -47,9 +46,8 @@ from presswear.physics.touchdown import (
     touch_down,
 )
 from presswear.recording.observe import observe
+from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, compiled, copy_to, unpack
-
-Array = NDArray[np.float64]
 
 RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
 

@@ -4,15 +4,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.dae.dynamics import System, bristle_place, evaluate
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS
 from presswear.recording.observe import RecorderState
+from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, Records, compiled, inlined, unpack
-
-Array = NDArray[np.float64]
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3

@@ -20,7 +20,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
@@ -44,10 +43,9 @@ from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.touchdown import STEPS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, bind
 from presswear.tools.exudyn import exudyn_module
-
-Array = NDArray[np.float64]
 
 exu = exudyn_module()
 

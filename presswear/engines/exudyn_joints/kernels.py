@@ -34,9 +34,9 @@ from presswear.physics.touchdown import (
 )
 from presswear.physics.wear import wear_rates
 from presswear.recording.observe import RecorderState, observe, sum_drives
+from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, unpack
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Change of a load on passing from one piece of its law to the next that is a jump, part of it.

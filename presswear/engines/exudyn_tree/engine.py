@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.driver import Simulation
@@ -35,11 +34,10 @@ from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
 from presswear.physics.prescribed import Tree, begin_motion, tree_of
 from presswear.physics.tree import CARRIED, COORDINATES, GUIDED, LOOSE
 from presswear.recording.recorder import Recorder
+from presswear.tools.arrays import Array
 from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
-
-Array = NDArray[np.float64]
 
 exu = exudyn_module()
 

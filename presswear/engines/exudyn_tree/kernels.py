@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.dormand_prince import DOPRI5
 from presswear.physics.contact import note_contacts, penetration_acceleration
@@ -38,9 +37,8 @@ from presswear.physics.touchdown import (
 )
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.recording.observe import RecorderState, observe
+from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, copy_to, unpack
-
-Array = NDArray[np.float64]
 
 WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size

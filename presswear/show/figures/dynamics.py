@@ -14,7 +14,8 @@ from presswear.results import press_analysis as press
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.motion import pin_panels
-from presswear.show.figures.style import Array, Axes, Drawing, Pen, Shown, ShownStage
+from presswear.show.figures.style import Axes, Drawing, Pen, Shown, ShownStage
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable, unit_scale
 
 if TYPE_CHECKING:

@@ -13,9 +13,10 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, Load
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
-from presswear.show.figures.style import Array, Axes, Drawing
+from presswear.show.figures.style import Axes, Drawing
 from presswear.show.replay.shapes import across, attachments, body_outline, points_of
 from presswear.show.replay.shapes import direction as direction_at
+from presswear.tools.arrays import Array
 
 _HEIGHTS = (3.2, 6.4)  # least and greatest height of the figure, inches
 _EDGES = 0.65, 0.55  # width and height of the figure beside the axes, inches

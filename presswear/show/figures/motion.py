@@ -14,7 +14,8 @@ from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, Shown, ShownStage
+from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged

@@ -15,7 +15,7 @@ from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
@@ -24,7 +24,6 @@ from presswear.tools.numbers import large, quantity_text, readable, short_number
 
 __all__ = ["Axes", "Sheet"]
 
-Array = NDArray[np.float64]
 LineStyle = str | tuple[float, tuple[float, ...]]
 
 WIDTH = 7.0  # inches, the text width of an A4 page, so that 8 pt print as 8 pt

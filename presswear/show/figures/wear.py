@@ -12,7 +12,8 @@ from presswear.linkage.surface import SIDES, Surface
 from presswear.results.result import Result
 from presswear.results.stage import JointResult
 from presswear.show.figures import style
-from presswear.show.figures.style import Array, Axes, Drawing, Pen, Sheet, Shown, Stages
+from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, Stages
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable, unit_factor
 
 _LINEAR_RATIO = 20.0  # largest over smallest peak up to which one linear scale shows both

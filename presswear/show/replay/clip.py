@@ -10,7 +10,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
 from presswear.scene.catalog import short_name_of
-from presswear.show.replay.shapes import Array
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
 PATH_FRAMES = 60  # frames in the path of a pin centre

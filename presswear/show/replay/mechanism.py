@@ -17,7 +17,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y
-from presswear.show.replay.shapes import Array, Colour, Shape, band, circle, filled, line, mix, ring
+from presswear.show.replay.shapes import Colour, Shape, band, circle, filled, line, mix, ring
+from presswear.tools.arrays import Array
 
 Layer = Callable[[int], float]
 

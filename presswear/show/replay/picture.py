@@ -13,7 +13,8 @@ from presswear.linkage.drives import run_up_motion
 from presswear.show.replay import mechanism
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
 from presswear.show.replay.mechanism import FORCE, INK, JOINT_COLOURS, STEEL, EnlargedJoint
-from presswear.show.replay.shapes import Array, Colour, Point, Shape, line, moved, points_of
+from presswear.show.replay.shapes import Colour, Point, Shape, line, moved, points_of
+from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()

@@ -11,8 +11,8 @@ from scipy.spatial import ConvexHull
 
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
+from presswear.tools.arrays import Array
 
-Array = NDArray[np.float64]
 Point = Sequence[float] | Array
 Colour = tuple[float, ...]  # red, green, blue, alpha, 0 to 1
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from numpy.typing import NDArray
 from synthetic_clip import FRAMES, synthetic_clip
 
 from presswear.linkage.elements import Attachment
@@ -16,8 +15,7 @@ from presswear.show.replay.clip import Chapter, equal_limits
 from presswear.show.replay.mechanism import BODY_COLOURS, FORCE, EnlargedJoint
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.shapes import attachments, points_of
-
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 CLIP = synthetic_clip()
 LINKAGE = CLIP.linkage
