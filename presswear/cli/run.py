@@ -94,7 +94,7 @@ def run_scene(
         command = terminal.resume_command(arguments, folder, scene)
         try:
             with (
-                terminal.resumable(command, folder, lambda: store.kept),
+                terminal.resumable(command, folder, lambda: store.stored_part),
                 terminal.progress_bar(console) as bar,
             ):
                 observers = [RunObserver(bar, scene), *([live] if live else [])]

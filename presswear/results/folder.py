@@ -159,7 +159,7 @@ class ResultFolder(Observer):
     """
 
     resumed: State | None = None  # arrays of the checkpoint to resume from; None: from the start
-    kept = "kept up to its end"  # last stored cycle, once the folder is released
+    stored_part = "kept up to its end"  # last stored cycle, once the folder is released
 
     def __init__(
         self, path: Path, scene: Scene, interval: float = INTERVAL, resume: bool = False
@@ -313,7 +313,7 @@ class ResultFolder(Observer):
         self._write()
         self._lock.release()
         words = self._latest and f"kept up to {self._latest.words}"
-        self.kept = words or "nothing was computed yet"
+        self.stored_part = words or "nothing was computed yet"
 
     def discard(self) -> None:
         """Remove the files of a run that computed nothing."""

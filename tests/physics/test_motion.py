@@ -160,18 +160,18 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     clearance = FAR if is_far else {"clearance": "0.2 mm"}
     scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), clearance)
     linkage, period = scene.linkage(), scene.mechanism.period
-    kept: list[State] = []
-    plan = Plan(0.07 * period, 3, observers=(Keeps(kept.append),))
+    states: list[State] = []
+    plan = Plan(0.07 * period, 3, observers=(Keeps(states.append),))
     run = ExudynJoints().for_cycle(period).simulate(linkage, start_of(scene), plan)
     touches = int(run.recorder.records.counters["contacts"].sum())
     assert run.status == "completed", run.message
     assert (touches < 3) == is_far
-    for count, state in enumerate(kept, 1):
+    for count, state in enumerate(states, 1):
         exact = linkage.drives[0].motion(np.array([count * plan.cycle]))
         result = [state[level][2] for level in "qva"]
         # Round-off of the accelerations of the free bodies is in that of the drive.
         np.testing.assert_allclose(result, np.ravel(exact), rtol=1e-12)
-    assert len(kept) == 3
+    assert len(states) == 3
 
 
 def flying(linkage: Linkage) -> Scene:
@@ -257,14 +257,14 @@ def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
     """Cycles are those of the linkage that starts at speed; a run goes on bit for bit."""
     scene = flying(MOTIONS["table, run-up"])
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    kept: list[State] = []
-    plan = Plan(period, 2, run_up=scene.run_up, observers=(Keeps(kept.append),))
+    states: list[State] = []
+    plan = Plan(period, 2, run_up=scene.run_up, observers=(Keeps(states.append),))
     run = engine.simulate(linkage, start, plan)
     assert run.status == "completed"
     assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period, rel=1e-9)
     # The steps of the run-up are in none of them.
     assert run.recorder.each_cycle("steps").sum() < 0.7 * float(run.diagnostics["steps"])
-    again = engine.simulate(linkage, start, replace(plan, observers=(), resume=kept[0]))
+    again = engine.simulate(linkage, start, replace(plan, observers=(), resume=states[0]))
     np.testing.assert_array_equal(again.recorder.cycles, run.recorder.cycles)
     np.testing.assert_array_equal(again.end.position, run.end.position)
 
