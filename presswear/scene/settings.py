@@ -317,7 +317,9 @@ def _change(setting: Setting, was: Any) -> Change:
     if unit == "m" and numbers and max(numbers) < _MAX_MM:
         unit, factor = "mm", 1e3
     value, before = (
-        short_number(factor * one) if isinstance(one, int | float) else one or NONE
+        short_number(factor * one)
+        if isinstance(one, int | float)
+        else str(NONE if one is None else one)
         for one in (setting.value, was)
     )
     return Change(setting.key, value, before, unit.replace("^2", "²"), setting.meaning.text)
