@@ -7,6 +7,7 @@ names, values separated by commas, lines that begin with ``#`` are comments. NPZ
 dimension per column, under its name.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -144,8 +145,12 @@ def read_table(path: Path) -> dict[str, Array]:
     if time.size == 0:
         raise InputError(f"{path} has no rows")
     for name, values in table.items():
-        if values.shape != (time.size,) or not np.isfinite(values).all():
-            raise InputError(f"{path}: {name} is no column of {time.size} finite numbers")
+        if values.shape != (time.size,):
+            raise InputError(f"{path}: {name} has {values.size} values, time has {time.size}")
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if wrong.size:
+            row = wrong[0]
+            raise InputError(f"{path}: {name} = {values[row]} in row {row + 1}: must be finite")
     late = np.flatnonzero(np.diff(time) <= 0.0)
     if late.size:
         raise InputError(f"{path}: time does not increase from row {late[0] + 1} to {late[0] + 2}")
@@ -167,7 +172,12 @@ def _read_csv(path: Path) -> dict[str, Array]:
         names = [name.strip().strip('"') for name in "".join(lines[:1]).split(",")]
         rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2) if lines[1:] else np.zeros((0, 0))
     except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
+        # numpy counts such rows from 0
+        place = re.compile(r"at row (\d+), column")
+        text = place.sub(lambda match: f"in row {int(match[1]) + 1}, column", f"{error}")
+        raise InputError(f"{path}: {text}") from None
+    if len(set(names)) < len(names):
+        raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
     if len(rows) and rows.shape[1] != len(names):
         raise InputError(f"{path}: {rows.shape[1]} values in a row for {len(names)} columns")
     return dict(zip(names, rows.reshape(-1, len(names)).T, strict=True))

@@ -54,10 +54,11 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
         ("", "lacks time"),
         ("time\n1\n", "beside time"),
         ("time,velocity\n", "no rows"),
+        ("time,velocity,velocity\n0,1,1\n", "a column is named twice"),
         ("time,velocity\n0,1\n1\n", "columns changed from 2 to 1 at row 2"),
         ("time,velocity\n0\n1\n", "1 values in a row for 2 columns"),
-        ("time,velocity\n0,1\n# note\n1,fast\n", "'fast'"),
-        ("time,velocity\n0,1\n1,nan\n", "velocity is no column of 2 finite numbers"),
+        ("time,velocity\n0,1\n# note\n1,fast\n", "'fast'.* in row 2, column 2"),
+        ("time,velocity\n0,1\n1,nan\n", "velocity = nan in row 2: must be finite"),
         ("time,velocity\n0,1\n2,1\n2,1\n", "time does not increase from row 2 to 3"),
     ],
 )
