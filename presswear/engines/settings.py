@@ -6,7 +6,7 @@ cross-check up to the horizon (slider to 1e-6 m, touchdowns to 1e-6 s), a decade
 tree and the in-house solver, at a fifth more computing time.  The in-house solver uses order 8
 there, at twice the price of order 5, because it checks Exudyn's DOPRI5.  Forces and wear are
 statistics of a chaotic motion: the tolerance is a decade finer than the coarsest without a
-detectable error.  Each run measures its step error itself (``campaign/resolution.py``).
+detectable error.  Each run measures its step error itself (``campaign/replicates.py``).
 
 A scene checks the ranges; the benchmark exceeds them on purpose.  The code of an engine is
 imported when it runs.

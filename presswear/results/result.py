@@ -219,7 +219,7 @@ def read_surfaces(source: str | Path) -> Surfaces:
     source : str or Path
         ``DIR:STAGE``: surfaces that the stage ran on, the mean of its replicates, such as 1 for
         the surfaces after the first wear update; ``DIR``: those of its last stage; ``FILE.csv``: a
-        table of profiles, see ``presswear.scene.surfaces``.
+        table of profiles, see ``presswear.scene.files.read_profiles``.
     """
     text = f"{source}"
     if text.lower().endswith(TABLE):
