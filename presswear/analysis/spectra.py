@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from presswear.results.press_analysis import settled_span
 from presswear.results.stage import StageResult
@@ -85,8 +86,6 @@ def power_spectrum(
     cycles : int
         Largest number of cycles in a segment.
     """
-    from scipy.signal import welch  # slow to import
-
     available = int((time[-1] - time[0]) / period + 0.02)  # rows end slightly before a cycle does
     if available < 1:
         raise InputError("a spectrum needs at least one recorded cycle; increase recorded_cycles")
@@ -94,7 +93,15 @@ def power_spectrum(
     interval = period / rows_per_cycle
     means = resample(time, values, interval)
     size = min(min(cycles, available) * rows_per_cycle, len(means))
-    frequency, density = welch(means, 1.0 / interval, "hann", size, size // 2)
+    segments = sliding_window_view(means, size)[:: size - size // 2]
+    # scipy.signal.welch gives the same, but takes 0.3 s to import.
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi / size * np.arange(size))
+    centred = segments - segments.mean(axis=1, keepdims=True)
+    power = (np.abs(np.fft.rfft(window * centred)) ** 2).mean(axis=0)
+    # One-sided: every line counts twice, except the mean and the Nyquist line of an even size.
+    power[1 : (size + 1) // 2] *= 2.0
+    density = power * interval / (window**2).sum()
+    frequency = np.asarray(np.fft.rfftfreq(size, interval), dtype=np.float64)
     return Spectrum(frequency, density, period)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import welch
 
 import presswear as pw
 from presswear.analysis.spectra import power_spectrum, resample
@@ -42,6 +43,20 @@ def test_means_keep_an_impulse() -> None:
     assert means.size == 20
     assert means.sum() * 1e-3 == pytest.approx(2e-3, rel=1e-9)
     assert np.argmax(means) == 5
+
+
+@pytest.mark.parametrize("highest", [50.0, 50.25])
+def test_density_is_that_of_scipy(highest: float) -> None:
+    """Segments of an even and of an odd number of means."""
+    values = 5.0 + RANDOM.normal(0.0, 2.0, TIME.size)
+    spectrum = power_spectrum(TIME, values, PERIOD, highest / PERIOD, cycles=5)
+    each = int(np.ceil(2.0 * highest))
+    means = resample(TIME, values, PERIOD / each)
+    size = 5 * each
+    frequency, density = welch(means, each / PERIOD, "hann", size, size // 2)
+    assert size % 2 == (highest > 50.0)
+    np.testing.assert_allclose(spectrum.frequency, frequency, rtol=1e-12)
+    np.testing.assert_allclose(spectrum.density, density, rtol=1e-9)
 
 
 def test_less_than_a_cycle_is_refused() -> None:
