@@ -1,4 +1,4 @@
-"""Wear update between two stages, of each replicate on surfaces of its own.
+"""Wear update between two stages; each replicate wears its surfaces.
 
 Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h, of which one
 cycle of a chaotic motion is a sample.  A wear update cycle by cycle applies after each cycle what

@@ -66,7 +66,7 @@ _L = Annotated[float, LENGTH]
 class Rise(Checked):
     """Rise of a motion between two phases of its cycle, rad, which is 2 pi long.
 
-    Below zero the way ``by`` is a return. Between rises the motion dwells.
+    A negative ``by`` is a return. Between rises the motion dwells.
     """
 
     start: Annotated[float, ANGLE]

@@ -409,13 +409,13 @@ PROCESSES: Mapping[str, type[Process]] = {one.kind: one for one in (Blanking, Dr
 
 
 def check_reach(process: Process, stroke: float, body: str) -> None:
-    """Raise InputError where a body does not reach the work in its stroke, m, or not all of it."""
+    """Raise InputError if the stroke of a body does not reach the work, or ends inside it, m."""
     depth = process.curve[-1][0]
     if not depth <= process.height < stroke:
         raise InputError(
-            f"process.height = {process.height:g} m: over the {process.bottom} place of the "
-            f"{body} allowed is {depth:g} m, to work it through, to below {stroke:.6g} m, its "
-            "stroke"
+            f"process.height = {process.height:g} m above the {process.bottom} place of the "
+            f"{body}: must be at least {depth:g} m, the depth of the work, and below "
+            f"{stroke:.6g} m, the stroke"
         )
 
 

@@ -319,7 +319,7 @@ def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
 
 @lru_cache(maxsize=64)
 def followed(linkage: Linkage) -> Linkage:
-    """Return a linkage in which the motion is found of each drive whose point follows a curve.
+    """Return a linkage whose drives move so that their points follow the requested curves.
 
     The linkage is followed around its cycle with the points on their curves; the angles of
     the drives become tables of degree 5, fine enough for ``FOLLOWED``. AssemblyError where a point

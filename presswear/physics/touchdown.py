@@ -342,12 +342,14 @@ def peak_within(
 
 @inlined
 def remember(last: Records, joint: Records, onset_speed: float, contact: Records, t: float) -> None:
-    """Keep what the next step needs of an accepted state, and the peak of the step to it.
+    """Store what the next step needs of an accepted state; count the step, and find its peak.
 
-    A state that is noted again at the same time leaves the peak as it is.
+    A state that is stored again at the same time changes neither count nor peak.
     """
     h = t - last.time
     if h > 0.0:
+        if onset_speed > 0.0:
+            last.steps += 1
         last.step_peak = peak_within(joint, onset_speed, last, contact, h)
         last.earlier_penetration = last.penetration
     last.step = h
@@ -417,8 +419,6 @@ def settle(records: Any, t: float, needed: int) -> int:
             separate(records, k, t, contact.rate, needed)
             onset[k] = 0.0
             events += 1
-        if onset[k] > 0.0:
-            last.steps += 1
         remember(last, joints[k], onset[k], contact, t)
     note_forces(joints, onset, records.contacts)
     return events

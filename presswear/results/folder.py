@@ -79,7 +79,7 @@ def provenance() -> Provenance:
 
 
 def _versions(origin: Provenance) -> dict[str, str]:
-    """Return all on which numbers may depend, by name: source and versions."""
+    """Return the versions of the source and of all packages that numbers depend on, by name."""
     packages = {name: number for name, number in origin["packages"].items() if name != "matplotlib"}
     return {"python": origin["python"], "source": origin["source"], **packages}
 

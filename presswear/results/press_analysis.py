@@ -1,5 +1,4 @@
-"""Press quantities of a stage: strokes on the work, tonnage, drives, bottom dead centre and deep
-contacts.
+"""Press quantities of a stage: strokes, tonnage, drives, bottom dead centre, deep contacts.
 
 They are computed from the stored arrays of a stage and from the ideal motion of its scene.
 """

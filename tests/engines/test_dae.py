@@ -149,6 +149,15 @@ def test_the_papers_step_fails_and_says_so() -> None:
     assert "no longer finite" in run.message
 
 
+def test_equal_steps_in_a_contact_are_counted_once() -> None:
+    step = 2e-6
+    records = run_scene(wear_times(), InHouse("rk4", equal_step=step), 0.04).recorder.records
+    contacts = records.stored_contacts[0][: records.counters[0]["rows"]]
+    assert len(contacts) > 1
+    duration = contacts["separation"] - contacts["touchdown"]
+    np.testing.assert_allclose(contacts["steps"], duration / step, atol=1.0)
+
+
 def test_projection_holds_the_constraints_without_baumgarte() -> None:
     scene = ideal()
     errors = []

@@ -41,7 +41,8 @@ CASES = {
     "open tree with a loose rod": Case(replace(slider_crank(), joints="AB"), 3),
     "in-house, order 8": Case(changed(wear_times(), {**FAST, "engine": "dae"}), 4),
     "in-house, equal steps": Case(
-        changed(wear_times(), {**FAST, "engine": "dae", "integrator": "rk4"}), 3
+        changed(wear_times(), {**FAST, "engine": "dae", "integrator": "rk4", "equal_step": "2us"}),
+        3,
     ),
     "bodies and joints, a crank left out": Case(
         changed(wear_times(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2

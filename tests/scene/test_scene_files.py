@@ -177,12 +177,12 @@ def limited(torque: float, **values: Any) -> pw.Scene:
     [
         (
             lambda: replace(IDEAL, process=pw.Blanking(height=0.2)),
-            r"process\.height = 0\.2 m: over the lowest place of the slider allowed is 0\.00055 m, "
-            r"to work it through, to below 0\.10704\d m",
+            r"process\.height = 0\.2 m above the lowest place of the slider: must be at least "
+            r"0\.00055 m, the depth of the work, and below 0\.10704\d m, the stroke",
         ),
         (
             lambda: replace(SLIDER_CRANK, process=pw.Drawing(height=7e-3, bottom="highest")),
-            r"over the highest place of the slider allowed is 0\.008 m, .* below 0\.1 m",
+            r"above the highest place of the slider: must be at least 0\.008 m, .* below 0\.1 m",
         ),
         (
             lambda: limited(5.0, stiffness=1e8),

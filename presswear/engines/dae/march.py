@@ -271,10 +271,8 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
         records.wear_integrals[k].work = y[base + WORK]
         records.wear_integrals[k].pressure = y[base + PRESSURE]
         y[base + WORK] = y[base + PRESSURE] = 0.0
-        last = records.memory[k]
-        remember(last, records.packed.joints[k], records.onset[k], records.contacts[k], t)
-        if records.onset[k] > 0.0:
-            last.steps += 1
+        joint, contact = records.packed.joints[k], records.contacts[k]
+        remember(records.memory[k], joint, records.onset[k], contact, t)
     accelerate(system.tree, system.state, motion.slopes[0, n : 2 * n])
     for k in range(records.drives.shape[0]):
         base = system.first_torque + TORQUE_INTEGRALS * k
