@@ -135,7 +135,7 @@ def test_run_interrupted_in_many_processes_resumes_in_one(
 ) -> None:
     """No cycle is lost that any of the processes had finished."""
     scene, path = replace(UNTIL_KNOWN, cycles=8), tmp_path / "stopped"
-    with workers_of(scene, jobs) as workers, pytest.raises(KeyboardInterrupt):
+    with workers_of(scene, jobs, interval=0.0) as workers, pytest.raises(KeyboardInterrupt):
         run_into(ResultFolder(path, scene), scene, [At(interrupt, part)], workers)
     with ResultFolder(path, scene, resume=True) as folder:
         assert folder.resumed is not None

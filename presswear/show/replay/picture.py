@@ -22,6 +22,7 @@ from exudyn.graphics import FromPointsAndTrigs  # noqa: E402  (after the choice 
 
 HEAD, FOOT, MARGIN = 0.11, 0.09, 0.02  # title, time bar and margin over the height of the picture
 FONT = 13.0  # letters in a picture of 640 pixels height, pixels
+LETTER_WIDTH = 0.74  # of the height of a letter
 
 
 DrawnJoint = tuple[EnlargedJoint, list[list[Shape]]]
@@ -185,10 +186,12 @@ class Picture:
 
     def _joint_text(self, joint: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
         force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
+        letter = LETTER_WIDTH * FONT / 640.0 * self.layout.height
+        size = min(1.0, 3.0 * joint.radius / (letter * len(force)))
         above, below = (joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19))
         lines = [below - [0.0, k * self._line_height(0.8)] for k in range(len(joint.labels()))]
         factors = [self._text(*line, 0.75) for line in zip(lines, joint.labels(), strict=True)]
-        return [self._text(above, force, 1.0, joint.paint), *factors]
+        return [self._text(above, force, size, joint.paint), *factors]
 
     def _title(self, clip: Clip, panel: Panel, state: Snapshot, note: str) -> list[dict[str, Any]]:
         linkage = clip.linkage
