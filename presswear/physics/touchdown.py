@@ -97,10 +97,7 @@ LEAST_STEPS = 20  # steps that every contact gets, unless it is shorter than so 
 LANDING = 0.02  # a step towards a touchdown ends this part of a contact step behind it
 FLIGHT_STEPS_PER_BIN = 4.0  # in which a pin that skims a worn surface crosses one bin of its map
 STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
-# Steps of an error-controlled method, at least: in a free impact, enough to show its peak, and
-# in which a pin crosses one bin of a worn map
-LEAST_PARTS = 15
-SKIM_STEPS = 2.0
+SKIM_STEPS = 2.0  # of an error-controlled method, at least, in which a pin crosses one bin
 OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
 EVENT_TOL = 1e-9  # what passes a change of a load's law no further is not sent back; SI units
 EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
@@ -539,17 +536,17 @@ def shorter_step(
 
 
 @compiled
-def longest_step(records: Any, longest: float) -> float:
+def longest_step(records: Any, longest: float, parts: float) -> float:
     """Limit the step, s, of an error-controlled method by contacts just begun and worn surfaces.
 
-    A contact that the surrounding motion pulls open again may be far shorter than a free impact;
-    its ``longest_step`` tells how short. The error estimate sees a bump that a pin runs over only
-    where a stage happens to fall on it.
+    A free impact gets at least ``parts`` steps. A contact that the surrounding motion pulls open
+    again may be far shorter; its ``longest_step`` tells how short. The error estimate sees a bump
+    that a pin runs over only where a stage happens to fall on it.
     """
     for k in range(records.memory.shape[0]):
         joint, last = records.packed.joints[k], records.memory[k]
-        if records.onset[k] > 0.0 and last.steps < 2 * LEAST_PARTS:
-            part = contact_step(joint, 0.0, records.onset[k], LEAST_PARTS)
+        if records.onset[k] > 0.0 and last.steps < 2.0 * parts:
+            part = contact_step(joint, 0.0, records.onset[k], parts)
             longest = min(longest, part, last.longest_step)
         if joint.surface_bins > 0 and last.sweep > 0.0 and last.penetration > -joint.relief:
             bins = 2.0 * math.pi / joint.surface_bins / last.sweep

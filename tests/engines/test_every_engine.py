@@ -1,13 +1,14 @@
 """What holds for a run of the press in every engine."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
-from presswear.engines.settings import Engine
+from presswear.engines.settings import Engine, Purpose
 from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.scene.catalog import ideal, wear_times
 
@@ -34,6 +35,21 @@ def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
     plan = Plan(0.05, 1, report=interrupt)
     with pytest.raises(KeyboardInterrupt):
         engine.simulate(SCENE.linkage(), start_of(SCENE), plan)
+
+
+@pytest.mark.parametrize(("purpose", "fewest"), [("wear", 8), ("forces", 15)])
+@pytest.mark.parametrize("engine", [NUMERICS.tree, NUMERICS.dae], ids=lambda engine: engine.word)
+def test_contacts_get_as_many_steps_as_the_purpose_needs(
+    engine: Engine, purpose: Purpose, fewest: int
+) -> None:
+    """At a tolerance so coarse that nothing else limits the steps; damping prolongs a contact."""
+    changes: Any = {engine.tolerance_name: 1e-3}
+    coarse = replace(engine, **changes).resolved(purpose)
+    run = coarse.simulate(SCENE.linkage(), start_of(SCENE), Plan(0.05, 1))
+    steps = np.concatenate([run.recorder.stored_contacts(k)[:, 5] for k in range(2)])
+    assert len(steps) == 10
+    assert steps.min() >= fewest
+    assert steps.max() <= 2.5 * fewest
 
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))

@@ -105,6 +105,7 @@ def prepare(
     control["step"] = settings.step if is_fixed else 1e-6
     control["longest"] = settings.longest(plan.cycle)
     control["shortest"] = 1e-14
+    control["parts"] = settings.impact_steps
     control["tolerance"] = tolerance
     control["projected"] = settings.projection == "on"
     tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853

@@ -311,7 +311,7 @@ def march_controlled(address: PackedArguments, end: float) -> int:
         left = end - t
         if left <= 0.0:
             return DONE
-        longest = longest_step(records, state.longest)
+        longest = longest_step(records, state.longest, state.parts)
         h = min(step_to_break(records.motions, t, min(state.step, longest)), left)
         h = min(h, next_break(system.packed.loads) - t)
         last_step = h >= left

@@ -231,6 +231,7 @@ def prepare(
     names = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "ODE1Coordinates")
     *live, deflections = (getattr(mbs.systemData, f"Get{name}")(copy=False) for name in names)
     system = system_of(tree, len(contacts), start, longest, (live[0], live[1], live[2]))
+    system.pace["parts"] = settings.impact_steps
     system = system._replace(force=np.frombuffer(out))
     stage = bind(stage_forces, system, records)
     if is_bristly:

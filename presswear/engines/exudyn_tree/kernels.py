@@ -28,7 +28,6 @@ from presswear.physics.loads import count_transitions, next_break, settle_loads,
 from presswear.physics.packed import Packed, applied_forces
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import (
-    LEAST_PARTS,
     contact_step,
     longest_step,
     settle,
@@ -44,8 +43,8 @@ WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size
 GROWTH = 5.0  # a step is at most so many times the one before
 # A contact of fewer steps counts as unresolved: its peak could be missed.  A free impact gets
-# LEAST_PARTS; a bump of a worn surface can cut a contact short that began like one, and there the
-# error control decides.
+# more; a bump of a worn surface can cut a contact short that began like one, and there the error
+# control decides.
 LEAST_STEPS = 5
 # A step that ends on a touchdown or separation goes this far behind it, m; on a change of a load's
 # law, m, rad, m/s or rad/s
@@ -59,6 +58,7 @@ PACE = np.dtype(
     [
         ("longest", np.float64),  # step, s
         ("shortest", np.float64),  # s
+        ("parts", np.float64),  # steps in a free impact, at least
         ("reach", np.float64),  # last step that was not cut short, s
         ("limit", np.float64),  # of the step, s
         ("cut", np.bool_),  # an event set that limit
@@ -205,7 +205,7 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
-            last.longest_step = 2.0 * last.rate / -acceleration / LEAST_PARTS
+            last.longest_step = 2.0 * last.rate / -acceleration / pace.parts
             h = min(h, last.longest_step)
         system.expected[k] = records.onset[k]
         sign = -1.0 if closed else 1.0
@@ -245,7 +245,7 @@ def next_tree_step(
     pace.events += events
     # A break changes the third derivatives by which events are foreseen.
     pace.smooth = events == 0 and not (pace.to_break and h >= 0.999 * pace.limit)
-    limit = longest_step(records, min(GROWTH * pace.reach, pace.longest))
+    limit = longest_step(records, min(GROWTH * pace.reach, pace.longest), pace.parts)
     to_break = step_to_break(records.motions, t, limit)
     to_change = step_to_changes(records.packed, pace.smooth, t, to_break)
     pace.limit = step_to_contacts(records, system, to_change)
