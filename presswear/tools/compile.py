@@ -1,8 +1,10 @@
-"""Just-in-time compilation by numba, with an on-disk cache that is never partly stale.
+"""Just-in-time compilation by numba, and a cache of machine code for all environments of a user.
 
-Numba identifies a cached function by its source file only: an edit in ``friction_and_normal.py``
-would leave the compiled callers in ``contact.py`` unchanged. The compiled code of this package is
-therefore stored in a folder that is named after a digest of all source files with kernels.
+Numba stores machine code beside an index for each source file. A damaged file ends every program
+that reads it, and an edit in ``friction_and_normal.py`` leaves the compiled callers in
+``contact.py`` unchanged. This package therefore stores each compiled kernel in a file of its own.
+The name is a digest of all that the machine code depends on, and the content is checked before
+use.
 
 User laws and kernels that few scenes need are called by the address of their machine code.
 Their callers do not depend on them and are not compiled again for them.
@@ -13,11 +15,13 @@ import gc
 import hashlib
 import inspect
 import os
-import tempfile
+import pickle
+import re
+import sys
 import threading
 from _thread import interrupt_main
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from functools import cache, cached_property, partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -26,11 +30,15 @@ import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba.core import cgutils, config, event, types, typing
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
 from numba.core.registry import cpu_target
+from numba.core.serialize import dumps
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
 
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
+from presswear.tools.files import digest, write_bytes
 from presswear.tools.user_function import UserFunction
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -43,39 +51,61 @@ def floats(*names: str) -> list[tuple[str, type]]:
     return [(name, np.float64) for name in names]
 
 
-_PACKAGE = Path(__file__).resolve().parents[1]
+_PACKAGE = Path(__file__).parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
+_IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import ", re.MULTILINE)
+_MAX_FILES = 400  # in the cache, about 200 MB; the first use of all kernels stores some 50 files
 
 
 @cache
-def _cache_folder() -> str | None:
-    """Return the cache folder of this version of the sources, None where none can be written."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        source = path.read_bytes()
-        if b"tools.compile import" in source or path == Path(__file__).resolve():
-            digest.update(path.relative_to(_PACKAGE).as_posix().encode())
-            digest.update(source)
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(Path.home(), ".cache")
-    folder = Path(base) / "presswear" / digest.hexdigest()[:16]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return str(folder)
-    except OSError:
-        return None
+def _sources_digest(path: Path) -> bytes:
+    """Return a digest of a source file and of all files of the package that it imports."""
+    source = path.read_text(encoding="utf-8")
+    files = (_PACKAGE / f"{name.replace('.', '/')}.py" for name in _IMPORT.findall(source))
+    return hashlib.sha256(source.encode() + b"".join(map(_sources_digest, files))).digest()
 
 
-def _cached(compiler: Any, function: Callable[..., Any], **options: Any) -> Any:
-    """Return a function compiled by ``njit`` or ``cfunc``; kernels of this package are cached."""
-    source = Path(function.__code__.co_filename).resolve()
-    folder = _cache_folder() if _PACKAGE in source.parents and not function.__closure__ else None
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = folder or previous
-    try:
-        return compiler(cache=folder is not None, **options)(function)
-    finally:
-        config.CACHE_DIR = previous
+class _Cache(NullCache):
+    """Machine code of a function of this package, one file for each signature."""
+
+    def __init__(self, *key: object) -> None:
+        versions = sys.implementation.cache_tag, numba.__version__, np.__version__
+        self._key = key, versions, config.USING_SVML
+
+    def _file(self, signature: Any, context: Any) -> Path:
+        key = repr((self._key, signature, context.codegen().magic_tuple()))
+        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        return Path(base) / "presswear" / "kernels" / digest(key.encode())
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Return stored code; None where there is none, or where it is damaged."""
+        file = self._file(signature, context)
+        try:
+            content = file.read_bytes()
+        except OSError:
+            return None
+        with suppress(OSError):
+            os.utime(file)  # files in use are not removed
+        if hashlib.sha256(content[32:]).digest() != content[:32]:
+            return None
+        try:
+            code = CompileResult._rebuild(context, *pickle.loads(content[32:]))
+        except (AttributeError, ImportError):  # a named tuple of a module that is gone
+            return None
+        return code if code.signature.args == signature else None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Store code, and remove files that were not used for long; without space do nothing."""
+        file = self._file(signature, result.target_context)
+        content = dumps(result._reduce())
+        part = file.with_suffix(f".{os.getpid()}")
+        with suppress(OSError):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            write_bytes(part, hashlib.sha256(content).digest() + content)
+            part.replace(file)
+            files = sorted(file.parent.iterdir(), key=lambda file: file.stat().st_mtime)
+            for file in files[:-_MAX_FILES]:
+                file.unlink()
 
 
 class _Listener(event.Listener):
@@ -110,17 +140,30 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any], **options: Any) -> None:
         update_wrapper(self, function)
-        self.py_func = function
-        self._options = {**_OPTIONS, "no_cfunc_wrapper": True, **options}
+        self.py_func, self._options = function, {**_OPTIONS, **options}
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        source = Path(function.__code__.co_filename)
+        is_stored = _PACKAGE in source.parents and not function.__closure__
+        # Later the file may be a new version.
+        self._sources = _sources_digest(source) if is_stored else None
+
+    def dispatcher(self, **wrappers: bool) -> Any:
+        """Return the function compiled by numba and stored, with all that it calls."""
+        options = {**self._options, **wrappers}
+        dispatcher = numba.njit(**options)(self.py_func)
+        if self._sources:
+            dispatcher._cache = _Cache(self._name, options, self._sources)
+        return dispatcher
 
     @cached_property
     def from_python(self) -> Any:
-        """Dispatcher for calls from Python; only these are cached, with all that they call."""
-        return _cached(numba.njit, self.py_func, **self._options)
+        """Dispatcher for calls from Python."""
+        return self.dispatcher(no_cfunc_wrapper=True)
 
     @cached_property
     def _from_kernels(self) -> Any:
-        return numba.njit(no_cpython_wrapper=True, **self._options)(self.py_func)
+        options = {**self._options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(**options)(self.py_func)
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the compiled function."""
@@ -161,7 +204,6 @@ class _LazyKernel(Kernel):
         self._parameters = parameters
         self._address = ctypes.c_void_p()
         self._callback = ctypes.CFUNCTYPE(ctypes.c_void_p)(self._compile)
-        self._name = f"{function.__module__}.{function.__qualname__}"
         binding.add_symbol(f"{self._name}.address", ctypes.addressof(self._address))
         callback = ctypes.cast(self._callback, ctypes.c_void_p).value
         binding.add_symbol(f"{self._name}.compile", callback)
@@ -255,16 +297,18 @@ def _call(typing: Any, address: Any, arguments: Any) -> Any:
 call = cast(Callable[[int, tuple[float, ...]], float], _call)
 
 
-_callbacks: list[Any] = []  # machine code that is called by address must stay in memory
+_called: list[Any] = []  # machine code that is called by address must stay in memory
 
 
 @cache
 def address_of(kernel: Callable[..., float], count: int) -> int:
     """Return the address of a compiled function of so many numbers, for ``call``."""
-    signature = types.float64(*(types.float64,) * count)
-    function = getattr(kernel, "py_func", kernel)
-    _callbacks.append(_cached(partial(numba.cfunc, signature), function, **_OPTIONS))
-    return int(_callbacks[-1].address)
+    dispatcher: Any = kernel.dispatcher() if isinstance(kernel, Kernel) else kernel
+    numbers = (types.float64,) * count
+    dispatcher.compile(numbers)
+    code = dispatcher.overloads[numbers]
+    _called.append(code)
+    return int(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
 
 
 @cache

@@ -2,22 +2,31 @@
 
 import gc
 import os
+import shutil
 import subprocess
 import sys
+from collections import namedtuple
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
+import presswear
+from presswear.physics.friction_and_normal import liu_force
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
+    Kernel,
     PackedArguments,
+    address_of,
+    all_finite,
     bind,
+    call,
     compiled,
+    copy_to,
     fused,
     lazily_compiled,
     on_compiling,
@@ -88,6 +97,117 @@ def test_compiling_is_reported_and_loading_is_not() -> None:
     assert len(reports) == 2
 
 
+ONES = np.ones(2)
+
+
+def _compiles(function: Any = all_finite) -> bool:
+    """Call a kernel as a new process does; return whether it was compiled."""
+    reports: list[int] = []
+    with on_compiling(lambda: reports.append(1)):
+        Kernel(function.py_func)(ONES, ONES)
+    return bool(reports)
+
+
+@pytest.fixture
+def stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder of a cache that holds one kernel."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert _compiles()
+    assert not _compiles()
+    return tmp_path / "presswear" / "kernels"
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "garbage", "bit of code", "bit of digest"])
+def test_damaged_code_is_compiled_again(stored: Path, damage: str) -> None:
+    (file,) = stored.iterdir()
+    content = bytearray(file.read_bytes())
+    if damage == "cut":
+        del content[len(content) // 2 :]
+    elif damage.startswith("bit"):
+        content[len(content) // 2 if damage == "bit of code" else 5] ^= 4
+    else:
+        content[:] = b"" if damage == "empty" else b"garbage" * 5000
+    file.write_bytes(content)
+    assert _compiles()
+    assert not _compiles()
+    assert [file] == list(stored.iterdir())
+
+
+def test_kernels_that_were_used_last_stay(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("presswear.tools.compile._MAX_FILES", 2)
+    (first,) = stored.iterdir()
+    left = stored / "left by a process that was killed"
+    left.touch()
+    os.utime(left, (2.0, 2.0))
+    os.utime(first, (1.0, 1.0))
+    assert not _compiles()
+    assert _compiles(copy_to)
+    assert len(list(stored.iterdir())) == 2
+    assert first.exists()
+
+
+def test_kernels_run_where_nothing_can_be_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "presswear").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert _compiles()
+    assert _compiles()
+
+
+def test_named_tuples_may_have_equal_names(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    named: Any = namedtuple
+    copy = cast(Kernel, copy_to).py_func
+    first, second, third = (named("Pair", "x y", module=__name__) for _ in range(3))
+    module: Any = sys.modules[__name__]
+    for pair in (first, second, third):
+        with monkeypatch.context() as patch:
+            if pair is not second:  # it is stored by value, the others by the name in this module
+                patch.setattr(module, "Pair", pair, raising=False)
+            call: Any = specialised(Kernel(copy), ONES, pair(3.0, 4.0))
+            call(target := np.zeros(2), pair(3.0, 4.0))
+            assert target.tolist() == [3.0, 4.0]
+    assert len(list(stored.iterdir())) == 2
+
+
+@compiled
+def _liu_force_at(address: int) -> float:
+    return call(address, (1e-5, 0.0, 0.1, 1e9, 1.5, 0.0, 1e-4))
+
+
+def test_code_that_is_called_by_address_is_stored_apart(stored: Path) -> None:
+    for _ in range(2):
+        kernel = Kernel(cast(Kernel, liu_force).py_func)
+        expected = kernel(1e-5, 0.0, 0.1, 1e9, 1.5, 0.0, 1e-4)
+        assert _liu_force_at(address_of(kernel, 7)) == expected
+    assert len(list(stored.iterdir())) == 3
+
+
+def test_environments_with_equal_sources_share_kernels(stored: Path, tmp_path: Path) -> None:
+    program = """
+import numpy
+from presswear.tools import compile
+with compile.on_compiling(lambda: print("compiled", end=" ")):
+    print(compile.all_finite(numpy.ones(2), numpy.ones(2)), compile.__file__)
+"""
+    package = shutil.copytree(Path(presswear.__file__).parent, tmp_path / "site" / "presswear")
+    environment = {**os.environ, "PYTHONPATH": str(package.parent)}
+
+    def printed() -> str:
+        command = [sys.executable, "-c", program]
+        return subprocess.run(
+            command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    place = package / "tools" / "compile.py"
+    assert printed() == f"True {place}"
+    with (package / "tools" / "errors.py").open("a") as imported:
+        imported.write("# edited")
+    assert printed() == f"compiled compiled True {place}"
+    assert printed() == f"True {place}"
+    assert len(list(stored.iterdir())) == 2
+
+
 COUNTED = """
 from numba.core import event
 import presswear as pw
@@ -131,9 +251,6 @@ def test_a_fused_kernel_rounds_once_or_as_others_do() -> None:
         assert plain(a, b, c) == a * b + c
         once = float(Fraction(a) * Fraction(b) + Fraction(c))
         assert quick(a, b, c) in (once, a * b + c)
-
-
-# Plain tuples: the cache of the package would outlive a named tuple of this test.
 
 
 @compiled
