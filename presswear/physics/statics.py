@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import root
 
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage
@@ -140,6 +139,8 @@ class _Rest:
 
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:
     """Return a linkage at rest, its drives held as at a time, s, its output point pulled, N."""
+    from scipy.optimize import root  # slow to import
+
     rest = _Rest(linkage, time, force)
     needed = rest.unbalanced(with_contacts=False)
     size = np.hypot(*needed.T)
