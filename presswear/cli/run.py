@@ -102,12 +102,15 @@ def run_scene(
                     run_into(store, scene, observers, workers)
         except InputError as error:
             raise InputError(f"{arguments.scene}: {error}") from None
-    from presswear.show.report import write_report
-
     result = load(folder)
-    with console.status("drawing the report"):
-        report = write_report(result)
-    terminal.print_lines(console, f"results in {folder}, report in {report}")
+    if arguments.no_report:
+        terminal.print_lines(console, f"results in {folder}")
+    else:
+        from presswear.show.report import write_report
+
+        with console.status("drawing the report"):
+            report = write_report(result)
+        terminal.print_lines(console, f"results in {folder}, report in {report}")
     terminal.print_lines(console, *deep_contacts(result.scene, result.stages))
     if result.status == "failed":
         raise RunFailed(result.message)

@@ -5,11 +5,11 @@ mapping), and hands the tables to a template in ``templates/``.  All sentences a
 """
 
 import base64
+import gc
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,10 +19,8 @@ from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, save
 from presswear.show.figures.style import TEMPLATES
 from presswear.tools.numbers import readable, unit_factor, whole, with_interval
-from presswear.tools.processes import Report, Workers, cores, outcomes
 
 NOTHING = "–"
-_SHARES = 3  # shares of the figures per process, so that all processes end at about the same time
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")  # a space is never part of a figure's data
 
 Line = tuple[str, ...]
@@ -150,26 +148,13 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
     return Illustration(drawing.file, drawing.title, drawing.caption, data)
 
 
-def illustrated(
-    drawers: Sequence[Drawer], folder: Path, processes: int | None = None
-) -> list[Illustration]:
-    """Draw figures in several processes, by default one per core, and write them into a folder."""
-    count = min(processes or cores(), len(drawers))
-    parts = min(_SHARES * count, len(drawers)) if count > 1 else 1
-    jobs = [partial(_draw_share, drawers[k::parts], folder) for k in range(parts)]
-    with Workers(count, (__name__,)) as workers:
-        shares = outcomes(workers, jobs)
-    return [figure for k in range(len(drawers)) for figure in shares[k % parts][k // parts]]
-
-
-def _draw_share(
-    drawers: Sequence[Drawer], folder: Path, report: Report
-) -> list[list[Illustration]]:
-    drawn = []
-    for k, draw in enumerate(drawers):
-        report(float(k))
-        drawn.append([illustrate(drawing, folder) for drawing in draw()])
-    return drawn
+def illustrated(drawers: Iterable[Drawer], folder: Path) -> list[Illustration]:
+    """Draw figures, write them into a folder and return them for a page."""
+    gc.disable()  # it would take a sixth of the time: figures are full of reference cycles
+    try:
+        return [illustrate(drawing, folder) for draw in drawers for drawing in draw()]
+    finally:
+        gc.enable()
 
 
 def render_page(

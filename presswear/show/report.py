@@ -8,7 +8,7 @@ import math
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from functools import partial
+from functools import lru_cache, partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -56,9 +56,7 @@ def write_report(result: Result) -> Path:
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
-    # An ideal motion has few figures: starting processes would take longer than drawing.
-    processes = None if result.scene.clearance_joints else 1
-    figures = page.illustrated(drawers, inside(result.path, "figures"), processes)
+    figures = page.illustrated(drawers, inside(result.path, "figures"))
     file = result.path / "report.html"
     write_bytes(file, render_report(result, figures).encode())
     return file
@@ -147,7 +145,10 @@ def _tables(result: Result, **names: Any) -> Record:
         "modes": MODES,
         "diagnostics": [key for key in diagnostics if key != "model"],
     }
-    return tomllib.loads(_TABLES.render(content | names))
+    return _parsed(_TABLES.render(content | names))
+
+
+_parsed = lru_cache(maxsize=8)(tomllib.loads)
 
 
 def _result_table(

@@ -200,18 +200,6 @@ class Workers:
             self._executor = None
 
 
-def outcomes(workers: Workers, jobs: Sequence[Job]) -> list[Any]:
-    """Run jobs and return their results in order."""
-    results: dict[int, Any] = {}
-
-    def on_result(key: int, outcome: Any) -> Mapping[int, Job | None]:
-        results[key] = outcome
-        return {}
-
-    workers.run(dict(enumerate(jobs)), on_result, lambda *progress: None)
-    return [results[key] for key in range(len(jobs))]
-
-
 def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> None:
     for key, job in following.items():
         waiting.pop(key, None)

@@ -149,9 +149,11 @@ def test_list_names_scenes(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "ideal"
-    assert main(["run", "ideal", "--cycles", "1", "--out", str(folder)]) == 0
-    assert json.loads((folder / "result.json").read_text())["status"] == "completed"
     page = folder / "report.html"
+    assert main(["run", "ideal", "--cycles", "1", "--out", str(folder), "--no-report"]) == 0
+    assert not page.exists()
+    assert main(["run", "ideal", "--resume", "--out", str(folder)]) == 0
+    assert json.loads((folder / "result.json").read_text())["status"] == "completed"
     assert page.stat().st_size > 10_000
     page.unlink()
     assert main(["report", str(folder)]) == 0

@@ -51,6 +51,22 @@ def legend_of(sheet: Sheet) -> list[str]:
     return [text.get_text() for legend in sheet.legends for text in legend.get_texts()]
 
 
+@pytest.mark.parametrize("result", [made_up(made.BOTH, 3), lived(made_up(made.BODY, 2)), grown()])
+def test_panels_with_their_labels_fit_beside_each_other(result: pw.Result) -> None:
+    for drawing in drawings(result):
+        sheet = drawing.sheet
+        FigureCanvasAgg(sheet).draw()
+        panels = [axes for axes in sheet.axes if axes.axison and axes.get_subplotspec()]
+        boxes = [box for axes in panels if (box := axes.get_tightbbox())]
+        boxes += [legend.get_window_extent() for legend in sheet.legends if panels]
+        for k, box in enumerate(boxes):
+            near = box.padded(-2.0)  # pixels
+            assert sheet.bbox.contains(near.x0, near.y0), (drawing.file, k)
+            assert sheet.bbox.contains(near.x1, near.y1), (drawing.file, k)
+            for other in boxes[:k]:
+                assert not near.overlaps(other), (drawing.file, k)
+
+
 @pytest.mark.parametrize(
     ("scene", "stages", "files"),
     [

@@ -129,11 +129,10 @@ def numbered(number: int) -> list[Drawing]:
     return [Drawing(f"{number}-{k}.png", f"{number}", "", Sheet((1, 1))) for k in range(number)]
 
 
-@pytest.mark.parametrize("processes", [1, 2])
-def test_figures_of_several_processes_come_in_order(tmp_path: Path, processes: int) -> None:
+def test_figures_come_in_order(tmp_path: Path) -> None:
     drawers = [partial(numbered, k) for k in (2, 0, 1, 4, 1)]
-    figures = page.illustrated(drawers, tmp_path, processes)
+    figures = page.illustrated(drawers, tmp_path)
     assert "".join(figure.title for figure in figures) == "22144441"
     assert {path.name for path in tmp_path.iterdir()} == {figure.file for figure in figures}
     with pytest.raises(InputError, match="there is no third"):
-        page.illustrated([partial(numbered, 3), *drawers], tmp_path, processes)
+        page.illustrated([partial(numbered, 3), *drawers], tmp_path)

@@ -16,7 +16,7 @@ import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.processes import Job, Report, Stopped, Workers, outcomes
+from presswear.tools.processes import Job, Report, Stopped, Workers
 
 PATIENCE = 60.0  # s, for a busy machine
 
@@ -167,20 +167,20 @@ class ReturnsLarge:
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.1, 0.2])
 def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
-    results: list[Any] = []
+    collects, errors = Collects(), []
 
     def run() -> None:
         with Workers(2) as pool:
             try:
-                results.extend(outcomes(pool, [ReturnsLarge(delay), Waits(1.0)]))
+                pool.run({0: ReturnsLarge(delay), 1: Waits(1.0)}, collects, nothing)
             except RunFailed as error:
-                results.append(str(error))
+                errors.append(str(error))
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     thread.join(PATIENCE)
     assert not thread.is_alive()
-    assert results == [200_000_000, 0] or "memory ran out" in results[0]
+    assert collects.results == {0: 200_000_000, 1: 0} or "memory ran out" in errors[0]
 
 
 # It has no ``if __name__ == "__main__":``.

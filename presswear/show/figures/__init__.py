@@ -91,8 +91,10 @@ def save(drawing: Drawing, folder: Path) -> Path:
     canvas = FigureCanvasAgg(drawing.sheet)
     with matplotlib.rc_context(SETTINGS):
         canvas.draw()
-    image = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+    image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
     folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / drawing.file, lambda file: image.save(file, "png", dpi=dpi))
+    # Stronger compression takes half as long again for a file that is a tenth smaller.
+    look: dict[str, Any] = {"format": "png", "dpi": dpi, "compress_level": 1}
+    write_whole(folder / drawing.file, lambda file: image.save(file, **look))
     return folder / drawing.file

@@ -43,7 +43,7 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
         data = style.between(stage.data, *press.settled_span(scene, stage.data))
         look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         column[0].plot(1e3 * data.displacement, data.velocity, **look)
-        column[0].set_xlabel(f"displacement of the {scene.output} (mm)")
+        column[0].set_xlabel(style.wrapped(f"displacement of the {scene.output} (mm)", side))
         for axes, joint in zip(column[1:], joints, strict=True):
             distance = np.hypot(*data.joints[joint].eccentricity.T)
             # Times of successive rows may differ by round-off only.
@@ -89,7 +89,7 @@ def impact_section(result: Result, shown: Shown) -> list[Drawing]:
         for (when, speed), axes, stage in zip(data, row, shown, strict=True):
             axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
             # Most touchdowns of a resting pin are far slower than those that end a flight.
-            axes.set_yscale("log")
+            axes.set_yscale("log", subs=style.SUBTICKS)
         row[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
     style.title_stages(grid, shown, (style.WIDTH - 0.9) / len(shown))
     _label_phase(grid, result)
@@ -100,7 +100,8 @@ def impact_section(result: Result, shown: Shown) -> list[Drawing]:
 def _label_phase(grid: Any, result: Result) -> None:
     """Label the axes below the lowest row of a grid with the phase of the cycle."""
     for axes in grid[-1]:
-        axes.set_xlabel(f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)")
+        label = f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)"
+        axes.set_xlabel(style.wrapped(label, style.WIDTH / len(grid[-1]) - 0.3))
         axes.set_xticks(np.arange(0.0, 361.0, 90.0))
         axes.set_xlim(0.0, 360.0)
 
@@ -149,8 +150,8 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
     column[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
     for axes in column:
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set_xscale("log", subs=style.SUBTICKS)
+        axes.set_yscale("log", subs=style.SUBTICKS)
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
     column[-1].set_xlim(0.2, MAX_ORDER)
@@ -217,7 +218,8 @@ def draw_orders(diagram: "Diagram") -> Drawing:
     names = [f"acceleration of the\n{diagram.scene.output} (m/s²)"]
     names += [f"force at {joint} (N)" for joint in joints]
     height = 0.9 + 2.2 * len(names)
-    sheet, grid = style.panels(len(names), len(branches), height, sharex=True, sharey=True)
+    look: dict[str, Any] = {"layout": "constrained", "sharex": True, "sharey": True}
+    sheet, grid = style.panels(len(names), len(branches), height, **look)
     factor, label = _axis(diagram)
     ring = Pen("contact resonance", style.REFERENCE, (0.0, (6.0, 1.2, 1.5, 1.2)), 0.9)
     for k, (row, name) in enumerate(zip(grid, names, strict=True)):
@@ -236,7 +238,7 @@ def draw_orders(diagram: "Diagram") -> Drawing:
             )
             if k > 0:
                 ring.draw(axes, factor * branch.value[order], branch.resonance[order, k - 1])
-            axes.set_yscale("log")
+            axes.set_yscale("log", subs=style.SUBTICKS)
             axes.set_ylim(0.5, amplitude.shape[1])
             axes.grid(False)
         row[0].set_ylabel("order (multiples of\nthe crank frequency)")
@@ -245,5 +247,6 @@ def draw_orders(diagram: "Diagram") -> Drawing:
         axes.set_title(f"{BRANCHES[direction][0]} {diagram.parameter.key}")
     for axes in grid[-1]:
         axes.set_xlabel(label)
+    sheet.align_ylabels()
     content = {"parameter": diagram.parameter, "cycles": diagram.cycles}
     return style.finished("orders", sheet, [ring], **content)[0]

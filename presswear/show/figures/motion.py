@@ -98,7 +98,9 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
                 axes.plot(when[inside], factor * height[inside], mark, **look)
     time = np.linspace(window.start, window.end, 1001)
     offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
-    IDEAL.draw(axes, time, factor * (offset + scene.ideal_slider(time)[:, 0] - scene.bottom))
+    IDEAL.draw(
+        axes, time, factor * (offset + scene.ideal_slider(time, closed=False)[:, 0] - scene.bottom)
+    )
     axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
     content = {"scene": scene, "window": window, "marks": marks.values()}
@@ -114,8 +116,10 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     sheet, grid = style.panels(len(heights), 1, height, sharex=True, height_ratios=heights)
     column, jagged = grid[:, 0], grid[3 : 3 + len(shown), 0]
     time = np.linspace(window.start, window.end, 2001)
-    place, velocity, acceleration = scene.ideal_slider(time).T
-    deviations = [s.data.displacement - scene.ideal_slider(s.data.time)[:, 0] for s in shown]
+    place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
+    deviations = [
+        s.data.displacement - scene.ideal_slider(s.data.time, closed=False)[:, 0] for s in shown
+    ]
     factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
     curves = {
         "displacement\n(m)": ([stage.data.displacement for stage in shown], place),

@@ -89,7 +89,7 @@ def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> No
     axes.xaxis.set_major_locator(MultipleLocator(_TICKS))
     axes.xaxis.set_major_formatter(lambda place, _: f"{place % 360.0:.0f}")
     if peaks and max(peaks) > _LINEAR_RATIO * min(peaks):
-        axes.set_yscale("log", nonpositive="mask")
+        axes.set_yscale("log", nonpositive="mask", subs=style.SUBTICKS)
         axes.set_ylim(min(peaks) / 100.0, 2.0 * max(peaks))
     else:
         axes.set_ylim(0.0, None)
