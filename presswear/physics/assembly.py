@@ -6,6 +6,8 @@ kernels.
 
 import math
 from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +19,12 @@ from presswear.linkage.linkage import Linkage
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
 
+Group = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows, and as many coordinates
+
 ROUND_OFF = 4e-15  # error of a row that is round-off, part of the size of the linkage
+# Least rows of a group that is solved at once: below, numpy takes longer than LAPACK; with hundreds
+# of rows, LAPACK starts threads for each of thousands of small matrices.
+_GROUP = 30
 _STEPS = 40  # most Newton steps from a guess
 
 
@@ -120,25 +127,107 @@ class Rows:
             result.append((gap * self.normal).sum(axis=-1) + angle - held[order])
         return result
 
+    def _parts(self, q: Array) -> list[Array]:
+        """Return the derivatives of the rows by the bodies of both points, each (n, rows, 3)."""
+        parts = []
+        for (_, _, _, sign), (x, y) in zip(self.ends, self._arms(self._moving(q)), strict=True):
+            part = np.empty((*x.shape, 3))
+            part[..., :2] = sign * self.normal
+            part[..., 2] = sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
+            parts.append(part)
+        parts[0][..., 2] += self.turn
+        return parts
+
+    def _block(self, parts: list[Array], group: Group) -> Array:
+        """Return the derivatives of some rows by some coordinates, shape (n, rows, columns)."""
+        rows, columns = group
+        place = np.full(3 * (self.bodies + 1), columns.size)  # the frame and others at the end
+        place[columns] = np.arange(columns.size)
+        result = np.zeros((len(parts[0]), rows.size, columns.size + 1))
+        for (body, _, _, _), part in zip(self.ends, parts, strict=True):
+            where = place[3 * body[rows, np.newaxis] + np.arange(3)]
+            result[:, np.arange(rows.size)[:, np.newaxis], where] += part[:, rows]
+        return result[..., :-1]
+
     def jacobian(self, q: Array) -> Array:
         """Return the derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
+        return self._block(self._parts(q), (np.arange(len(self.names)), np.arange(3 * self.bodies)))
+
+    @cached_property
+    def groups(self) -> list[Group]:
+        """Rows and coordinates of groups of bodies that close one after the other.
+
+        The first group closes by itself, each further group with the bodies of those before. They
+        are the irreducible blocks of the Jacobian, joined to at least ``_GROUP`` rows.
+        """
         rows = np.arange(len(self.names))
-        result = np.zeros((len(q), rows.size, self.bodies + 1, 3))
-        for (body, _, _, sign), (x, y) in zip(self.ends, self._arms(self._moving(q)), strict=True):
-            result[:, rows, body, :2] += sign * self.normal
-            result[:, rows, body, 2] += sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
-        result[:, rows, self.ends[0][0], 2] += self.turn
-        return result[:, :, : self.bodies].reshape(len(q), rows.size, -1)
+        if rows.size <= _GROUP:
+            return [(rows, rows)]
+        # At arbitrary angles an element is zero only where it is zero at all angles.
+        angles = np.random.default_rng(0).uniform(0.3, 1.2, (1, self.bodies, 3))
+        pattern = self.jacobian(angles)[0] != 0.0
+        owner: dict[int, int] = {}  # row that determines a coordinate
+
+        def owns(row: int, tried: set[int]) -> bool:
+            for column in map(int, np.flatnonzero(pattern[row])):
+                if column not in tried:
+                    tried.add(column)
+                    if column not in owner or owns(owner[column], tried):
+                        owner[column] = row
+                        return True
+            return False
+
+        if not all(owns(int(row), set()) for row in rows):  # it is singular at all angles
+            return [(rows, rows)]
+        columns = np.array(sorted(owner, key=owner.__getitem__))
+        needs = pattern[:, columns]  # of one row the coordinate that another determines
+        for _ in range(rows.size.bit_length()):  # also those that are needed by way of others
+            needs = needs @ needs
+        block = (needs & needs.T).argmax(axis=1)
+        order = np.lexsort((block, needs.sum(axis=1)))
+        cuts = [0]
+        for start in map(int, np.flatnonzero(np.diff(block[order]))):
+            if start + 1 - cuts[-1] >= _GROUP:
+                cuts.append(start + 1)
+        groups = (order[first:last] for first, last in pairwise([*cuts, rows.size]))
+        return [(group, columns[group]) for group in groups]
+
+    def solve(self, q: Array, right: Array) -> Array:
+        """Solve the equations of the Jacobian, shape (n, rows), for coordinates like ``q``."""
+        parts, result = self._parts(q), np.zeros((len(q), self.bodies + 1, 3))
+        flat = result.reshape(len(q), -1)
+        for rows, columns in self.groups:
+            rest = right[:, rows]
+            if columns.size < right.shape[1]:  # less those of the groups before
+                for (body, _, _, _), part in zip(self.ends, parts, strict=True):
+                    rest = rest - (part[:, rows] * result[:, body[rows]]).sum(axis=-1)
+            block = self._block(parts, (rows, columns))
+            flat[:, columns] = np.linalg.solve(block, rest[..., np.newaxis])[..., 0]
+        return result[:, :-1]
 
     def side(self, q: Array) -> Array:
-        """Return the sign of the Jacobian's determinant, shape (n,): it changes at dead points.
+        """Return a sign, shape (n,), that changes at dead points: of the Jacobian's determinant.
 
         1 where points follow curves: a drive may pass a position in which it does not move its
         point, where the curve leads through it.
         """
         if self.following:
             return np.ones(len(q))
-        return np.asarray(np.linalg.slogdet(self.jacobian(q))[0])
+        parts = self._parts(q)
+        signs = [np.linalg.slogdet(self._block(parts, group))[0] for group in self.groups]
+        return np.asarray(np.prod(signs, axis=0))
+
+    def distance(self, q: Array) -> Array:
+        """Return how far the groups are from a dead point, shape (n,), 0 at a dead point.
+
+        The norm of the inverse is that of each group: in a long chain of linkages the norm of the
+        whole inverse grows with their number.
+        """
+        parts, norms = self._parts(q), []
+        for group in self.groups:
+            inverse = np.linalg.inv(self._block(parts, group) * self.scale[group[1]])
+            norms.append(np.linalg.norm(inverse, axis=(1, 2)))
+        return np.asarray(1.0 / np.max(norms, axis=0))
 
 
 def motion_of_row(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
@@ -213,7 +302,7 @@ def assembled(linkage: Linkage) -> Array:
         error = error_of(q)
         if error < 1e-9 * rows.size:
             break
-        step = -_solved(rows, start, q, rows.errors(start, q)[0]).reshape(q.shape)
+        step = -_solved(rows, start, q, rows.errors(start, q)[0])
         # No body turns by more than half a radian at once: the guess says on which side it is.
         part = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
         while part > 1e-3 and error_of(q + part * step) > error:
@@ -240,7 +329,7 @@ def close(rows: Rows, time: Array, q: Array) -> Levels:
 
     AssemblyError where it does not close names the joint and the crank angle.
     """
-    shape, zero = q.shape, np.zeros_like(q)
+    zero = np.zeros_like(q)
     least = math.inf
     for _ in range(_STEPS):
         (phi,) = rows.errors(time, q)
@@ -251,7 +340,7 @@ def close(rows: Rows, time: Array, q: Array) -> Levels:
         if error <= ROUND_OFF * rows.size or (error < 1e-12 * rows.size and error >= 0.5 * least):
             break
         least = min(least, error)
-        q = q - _solved(rows, time, q, phi).reshape(shape)
+        q = q - _solved(rows, time, q, phi)
     else:
         error = math.inf
     if not error < 1e-9 * rows.size:
@@ -259,14 +348,14 @@ def close(rows: Rows, time: Array, q: Array) -> Levels:
         phi = np.where(np.isfinite(phi), phi, math.inf)
         instant = int(phi.max(axis=1).argmax())
         raise _refusal(rows, float(time[instant]), rows.names[int(phi[instant].argmax())])
-    v = -_solved(rows, time, q, rows.errors(time, q, zero)[1]).reshape(shape)
-    a = -_solved(rows, time, q, rows.errors(time, q, v, zero)[2]).reshape(shape)
+    v = -_solved(rows, time, q, rows.errors(time, q, zero)[1])
+    a = -_solved(rows, time, q, rows.errors(time, q, v, zero)[2])
     return Levels(q, v, a)
 
 
 def _solved(rows: Rows, time: Array, q: Array, right: Array) -> Array:
     try:
-        return np.asarray(np.linalg.solve(rows.jacobian(q), right[..., None])[..., 0])
+        return rows.solve(q, right)
     except np.linalg.LinAlgError:
         raise stuck(rows, time, q) from None
 

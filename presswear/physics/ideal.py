@@ -156,10 +156,10 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     if not is_near:
         motion = _follow_cycle(rows, start, times)
     q = motion.position
-    measure = 1.0 / np.linalg.norm(np.linalg.inv(rows.jacobian(q) * rows.scale), axis=(1, 2))
-    worst = int(measure.argmin())
+    distance = rows.distance(q)
+    worst = int(distance.argmin())
     # Where points follow curves, those of the joints are seen when the motion is found.
-    if not (rows.following or measure[worst] > NEAREST_DEAD_POINT):
+    if not (rows.following or distance[worst] > NEAREST_DEAD_POINT):
         raise stuck(rows, times[worst : worst + 1], q[worst : worst + 1])
     turned = q[-1] - q[0]
     turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))

@@ -103,6 +103,47 @@ def test_rows_are_those_of_the_engines() -> None:
             np.testing.assert_allclose(jacobian[k], dense, atol=1e-15)
 
 
+def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
+    """The rockers after the first are turned by parallelograms, so all of them turn alike."""
+    bodies, joints, guess = [], [], {"coupler": 0.6, "rocker": 1.4}
+    for k in range(1, 13):
+        bodies += [Bar(f"coupler {k}", 0.18, 0.3), Bar(f"rocker {k}", 0.12, 0.3)]
+        before = f"rocker {k - 1}" if k > 1 else "rocker"
+        joints += [
+            Pin(f"A{k}", f"{before}.head", f"coupler {k}.tail"),
+            Pin(f"B{k}", f"coupler {k}.head", f"rocker {k}.head"),
+            Pin(f"P{k}", (0.18 + 0.18 * k, 0.0), f"rocker {k}.tail"),
+        ]
+        guess |= {f"coupler {k}": 0.0, f"rocker {k}": 1.4}
+    first = [Bar("crank", 0.05, 0.3), Bar("coupler", 0.20, 0.3), Bar("rocker", 0.12, 0.3)]
+    chain = assemble(
+        bodies=[*bodies, *first],
+        joints=[
+            *joints,
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "coupler.tail"),
+            Pin("B", "coupler.head", "rocker.head"),
+            Pin("P", (0.18, 0.0), "rocker.tail"),
+        ],
+        drives=[Drive("crank", 30.0, 0.3)],
+        guess=guess,
+        output=OutputPoint("rocker 12", 0.0),
+    )
+    ideal, time = ideal_motion(chain, PERIOD), np.linspace(0.0, PERIOD, 100)
+    expected = ideal_motion(four_bar(), PERIOD).at(time).position[:, 8]
+    position = ideal.at(time).position
+    for k in range(12):
+        np.testing.assert_allclose(position[:, 6 * k + 5], expected, atol=1e-12)
+    sizes = [len(rows) for rows, _ in ideal.rows.groups]
+    assert sum(sizes) == 81
+    assert max(sizes) < 40
+    q = position.reshape(len(time), -1, 3)
+    right = np.random.default_rng(1).normal(size=(len(time), 81))
+    whole = np.linalg.solve(ideal.rows.jacobian(q), right[..., np.newaxis])[..., 0]
+    result = ideal.rows.solve(q, right).reshape(len(time), -1)
+    np.testing.assert_allclose(result, whole, atol=1e-9 * np.abs(whole).max())
+
+
 def test_the_guess_says_which_way_it_is_put_together() -> None:
     down = four_bar().changed(guess={"coupler": -0.8, "rocker": -1.9})
     for linkage, side in ((four_bar(), 1.0), (down, -1.0)):
