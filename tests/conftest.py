@@ -1,6 +1,8 @@
-"""Settings shared by all tests."""
+"""Settings and a fixture shared by all tests."""
 
+import shlex
 import signal
+from collections.abc import Callable
 
 import pytest
 from hypothesis import settings
@@ -13,6 +15,21 @@ settings.load_profile("repeatable")
 
 # A shell's background jobs have it ignored, and so would the programs that tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Return a function that runs a command line and returns its output; a refusal is one line."""
+    from presswear.__main__ import main
+
+    def run(line: str, code: int = 0) -> str:
+        capsys.readouterr()
+        assert main(shlex.split(line)) == code
+        out, err = capsys.readouterr()
+        assert code != 2 or (err.startswith("presswear: ") and err.count("\n") == 1)
+        return out + err
+
+    return run
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -23,16 +23,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign import wear_update
 from presswear.campaign.ensemble import EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
-from presswear.campaign.wear_update import (
-    FIRST_REFINEMENT,
-    WearUpdate,
-    by_joint,
-    by_side,
-    largest_change,
-    wear_per_cycle,
-)
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import total_clearance
@@ -77,14 +70,6 @@ class LifeProblem:
     at_most: float  # strokes
     tolerance: float  # relative error of the life
     max_cycles: int  # of all histories in a refinement
-
-    @staticmethod
-    def of(scene: Scene) -> "LifeProblem":
-        """Return the problem of a scene with a life."""
-        life, joints = scene.life, scene.clearance_joints
-        assert life is not None
-        limits, services = life.limits(joints), life.services(joints)
-        return LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
 
 
 @dataclass(frozen=True)
@@ -316,12 +301,8 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     if not blocks:
         return BlockPlan(MIN_BLOCK, 1.0)
     last, interval = blocks[-1], blocks[-1].interval
-    if (
-        last.ended_by
-        or last.strokes >= problem.at_most
-        or refinement.cycles >= 2 * problem.max_cycles
-        or refinement.determines(problem.limits)
-    ):
+    is_used_up = last.strokes >= problem.at_most or refinement.cycles >= 2 * problem.max_cycles
+    if last.ended_by or is_used_up or refinement.determines(problem.limits):
         return None
     is_last = interval == len(problem.services)
     until = problem.at_most if is_last else problem.services[interval].strokes
@@ -457,13 +438,12 @@ class WearHistories:
         self.state = replace(self.state, place=(number, interval), running=running)
         left = max(MIN_CYCLES - sum(block.cycles for block in before), MIN_BLOCK)
         runner.later = left + (2 * MIN_CYCLES if number == 1 else 0)
-        runner.later += scene.wear_updates * FIRST_REFINEMENT
+        runner.later += scene.wear_updates * wear_update.FIRST_REFINEMENT
 
-        wear = wear_per_cycle(plan.share, plan.extra)
+        wear = wear_update.wear_per_cycle(plan.share, plan.extra)
         label = f"life, refinement {number}, {strokes:.3g} strokes"
-        spec = RunSpec(
-            _MAX_CYCLES, wear=wear, number=number + _MAX_INTERVALS * interval, label=label
-        )
+        place = number + _MAX_INTERVALS * interval
+        spec = RunSpec(_MAX_CYCLES, wear=wear, number=place, label=label)
         ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
         if ensemble.failure:
             if not before:
@@ -485,7 +465,7 @@ class WearHistories:
             interval,
             levels_of(scene, depth, self.limited),
             samples_of(scene, rows),
-            largest_change(joints, removed),
+            wear_update.largest_change(joints, removed),
             removed,
             depth,
             f"{worn.joint}: {worn.what}" if worn else "",
@@ -510,15 +490,17 @@ def run_life(
 
     InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
-    problem = LifeProblem.of(runner.scene)
-    limited = tuple(limit.name for limit in problem.limits)
+    scene = runner.scene
+    life, joints = scene.life, scene.clearance_joints
+    assert life is not None
+    limits, services = life.limits(joints), life.services(joints)
+    problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
+    limited = tuple(limit.name for limit in limits)
     histories = WearHistories(runner, initial, limited, state, keep)
-
-    def store(refinements: tuple[Refinement, ...]) -> None:
-        histories.store(refinements=refinements)
-
-    done = run_refinements(problem, histories.advance, state.refinements, store)
-    return done, life_result(runner.scene, problem, done)
+    done = run_refinements(
+        problem, histories.advance, state.refinements, lambda r: histories.store(refinements=r)
+    )
+    return done, life_result(scene, problem, done)
 
 
 def _finite(value: float) -> float | None:
@@ -557,21 +539,14 @@ def life_result(
         value, half = last.band(key)
         curves[key] = np.column_stack([value, value - half, value + half])
     # A life is inversely proportional to the wear coefficients, all of them high or low together.
-    worst = max(scene.bearing(name).materials.wear_scatter for name in scene.clearance_joints)
-    services = problem.services[: end.interval]
-    return LifeResult(
-        ended,
-        message,
-        min(life.strokes, end.strokes),
-        _finite(life.sampling),
-        _finite(life.step),
-        quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
-        tuple(limits),
-        tuple(stored),
-        tuple(phase for name in scene.clearance_joints for phase in wear_phases(last, name)),
-        tuple(f"{service.words} after {service.strokes:.4g} strokes" for service in services),
-        curves,
-    )
+    joints, services = scene.clearance_joints, problem.services[: end.interval]
+    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
+    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
+    errors = _finite(life.sampling), _finite(life.step), scatter
+    phases = tuple(phase for name in joints for phase in wear_phases(last, name))
+    words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
+    strokes, details = min(life.strokes, end.strokes), (tuple(limits), tuple(stored), phases)
+    return LifeResult(ended, message, strokes, *errors, *details, words, curves)
 
 
 def wear_between(
@@ -580,7 +555,7 @@ def wear_between(
     initial: Array,
     since: float,
     until: float,
-) -> WearUpdate:
+) -> wear_update.WearUpdate:
     """Return the wear between two numbers of strokes, by the last refinement.
 
     Surfaces are interpolated between the ends of blocks; at maintenance they are those after it.
@@ -604,14 +579,14 @@ def wear_between(
                 cycles_per_update=end - at,
                 cycles=block.cycles * len(initial),
                 factor=(end - at) / block.cycles,
-                clearance_change=largest_change(joints, change),
-                max_depth=by_side(joints, depth.max(axis=3).mean(axis=0)),
-                peak_force=by_joint(joints, forces),
+                clearance_change=wear_update.largest_change(joints, change),
+                max_depth=wear_update.by_side(joints, depth.max(axis=3).mean(axis=0)),
+                peak_force=wear_update.by_joint(joints, forces),
                 wall_s=block.wall_s,
             )
         )
         at = end
-    return WearUpdate(surfaces_at(until)[0], added, tuple(steps), coarser)
+    return wear_update.WearUpdate(surfaces_at(until)[0], added, tuple(steps), coarser)
 
 
 def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:

@@ -10,7 +10,7 @@ from rich.console import Console
 from presswear.cli import terminal
 from presswear.cli.terminal import load_result, print_lines
 from presswear.tools.errors import InputError
-from presswear.tools.files import check_folder
+from presswear.tools.files import check_ending, check_folder
 from presswear.tools.quantities import Quantity, parse_quantity
 
 if TYPE_CHECKING:
@@ -62,11 +62,11 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.life and (arguments.stage, arguments.compare) != (None, None):
         raise InputError("--life shows all stages: it cannot be combined with --stage or --compare")
     if still is not None:
-        terminal.check_file_name("--still", still, ".png")
+        check_ending(still, ".png", option="--still")
     if movie is not None:
         from presswear.show.replay.output import check_movie
 
-        terminal.check_file_name("--movie", movie, ".mp4", ".gif")
+        check_ending(movie, ".mp4", ".gif", option="--movie")
         check_movie(movie)
     from presswear.show.replay.clip import equal_limits, life_clip
 

@@ -17,7 +17,7 @@ from presswear.linkage.laws import MATERIALS
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.scene.catalog import title_of
 from presswear.scene.files import SUFFIX
-from presswear.scene.options import NEW, TURNED, Life
+from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
@@ -224,8 +224,8 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:
     """Return the settings of the lives to compare with, by label."""
-    variants = {f"bush replaced: {each}": {f"life.{NEW}": each} for each in arguments.replace}
-    variants |= {f"bush turned: {each}": {f"life.{TURNED}": each} for each in arguments.turn}
+    variants = {f"bush replaced: {each}": {"life.replaced": each} for each in arguments.replace}
+    variants |= {f"bush turned: {each}": {"life.turned": each} for each in arguments.turn}
     variants |= {each: terminal.parse_settings(each.split(",")) for each in arguments.compare}
     for joint in scene.clearance_joints if arguments.materials else ():
         for name, pair in MATERIALS.items():

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_with
-from presswear.cli.terminal import check_file_name, load_scene, parse_settings, print_lines
+from presswear.cli.terminal import load_scene, parse_settings, print_lines
 from presswear.linkage.linkage import Linkage, values_of
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
@@ -17,6 +17,7 @@ from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.scene import ENGINES
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError, not_installed, unknown
+from presswear.tools.files import check_ending
 from presswear.tools.quantities import Quantity, parse_quantity
 
 CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
@@ -59,7 +60,7 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
-    check_file_name("--out", file, ".png")
+    check_ending(file, ".png", option="--out")
     from presswear.show.figures import save
     from presswear.show.figures.mechanism import labelled
 

@@ -45,7 +45,7 @@ def sweep(arguments: argparse.Namespace, console: Console) -> int:
     command = terminal.resume_command(arguments, sweep.path, plan.scene)
     is_confirmed = arguments.yes
     with (
-        terminal.resumable(command, sweep.path, lambda: "all finished runs are kept"),
+        terminal.resumable(command, sweep.path, lambda: "all finished runs are stored"),
         terminal.progress_bar(console) as bar,
     ):
         task = bar.add_task("sweep", total=None)

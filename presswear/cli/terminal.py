@@ -82,16 +82,6 @@ def free_folder(name: str) -> Path:
     return next(path for path in map(Path("results").joinpath, names) if not path.exists())
 
 
-def check_file_name(flag: str, file: Path, *endings: str) -> None:
-    """Raise InputError unless a file with one of the endings can have this name."""
-    if file.suffix.lower() not in endings:
-        raise InputError(f"{flag} {file}: the name must end in {' or '.join(endings)}")
-    if file.is_dir():
-        raise InputError(f"{flag} {file}: it is a folder; name a file")
-    if not file.parent.is_dir():
-        raise InputError(f"{flag} {file}: there is no folder {file.parent}")
-
-
 def check_resume(resume: bool, path: Path | None) -> None:
     """Raise InputError if ``--resume`` has no folder, or one that does not exist."""
     if not resume:

@@ -334,7 +334,7 @@ def _check(linkage: Linkage) -> None:
             signs = " ".join(sorted(_SIGNS))
             raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
         if names[what].count(name) > 1:
-            raise InputError(f"{what} {name}: the name stands twice")
+            raise InputError(f"{what} {name}: the name is used twice")
     for one, longer in permutations(joints, 2):
         if longer.startswith(f"{one}_"):
             raise InputError(

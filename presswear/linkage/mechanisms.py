@@ -103,7 +103,7 @@ class Geometry(Checked):
         short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
         if longest >= short + middle:
             raise InputError(
-                f"plate 4 is no triangle: its longest side {longest:g} m must be below the sum "
+                f"plate 4 is not a triangle: its longest side {longest:g} m must be below the sum "
                 f"of the others, {short + middle:g} m"
             )
 

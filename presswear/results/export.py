@@ -11,7 +11,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from presswear.results.result import Result
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array, read_numbers, write_arrays
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import check_name, read_checked, write_whole
+from presswear.tools.files import check_ending, read_text, write_whole
 
 Table = Mapping[str, Array]  # columns by name, all of one length
 
@@ -44,6 +43,7 @@ UNITS = {
     **{name: item.unit for name, item in FOLLOWED.items()},
 }
 _MOMENTS = [f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")]
+_ENDINGS = ".csv", ".npz"
 TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
 
 
@@ -106,7 +106,7 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
 def life_table(result: Result) -> dict[str, Array]:
     """Return the quantities of a service life over strokes; InputError without a life."""
     if result.life is None:
-        raise InputError(f"{result.scene.name} has no life to write: it was worn until no limit")
+        raise InputError(f"{result.scene.name} has no life to write: its scene has no `life`")
     curves = dict(result.life.curves)
     columns = {"strokes": curves.pop("strokes")}
     for key, values in curves.items():
@@ -117,29 +117,25 @@ def life_table(result: Result) -> dict[str, Array]:
 
 def write_table(path: Path, table: Table) -> None:
     """Write a table as ``.csv`` or ``.npz``; refuses to overwrite."""
-    kind = _suffix(path)
+    kind = check_ending(path, *_ENDINGS)
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
-    if not path.parent.is_dir():
-        raise InputError(f"{path.parent} is no folder")
     if kind == ".npz":
         write_arrays(path, table)
         return
-
-    def write(file: BinaryIO) -> None:
-        # The names come first: numpy.genfromtxt takes them from the first line.
-        units = ",".join(f"{name} {unit_of(name)}" for name in table)
-        file.write(f"{','.join(table)}\n# units: {units}\n".encode())
-        np.savetxt(file, np.column_stack(list(table.values())), fmt="%.17g", delimiter=",")
-
-    write_whole(path, write)
+    # The names come first: numpy.genfromtxt takes them from the first line.
+    head = f"{','.join(table)}\n# units: {','.join(f'{name} {unit_of(name)}' for name in table)}"
+    rows = np.column_stack(list(table.values()))
+    style = {"fmt": "%.17g", "delimiter": ",", "header": head, "comments": "", "encoding": "utf-8"}
+    write_whole(path, lambda file: np.savetxt(file, rows, **style))
 
 
 def read_table(path: Path) -> dict[str, Array]:
     """Read and check a ``.csv`` or ``.npz`` table; InputError names file and error."""
-    table = read_numbers(path) if _suffix(path) == ".npz" else _read_csv(path)
+    is_csv = check_ending(path, *_ENDINGS) == ".csv"
+    table = _read_csv(path) if is_csv else read_numbers(path)
     if "time" not in table or len(table) < 2:
-        missing = "time" if "time" not in table else "any column beside time"
+        missing = "time" if "time" not in table else "any column besides time"
         raise InputError(f"{path} lacks {missing}; it has {', '.join(table) or 'no column'}")
     time = table["time"]
     if time.size == 0:
@@ -157,19 +153,11 @@ def read_table(path: Path) -> dict[str, Array]:
     return table
 
 
-def _suffix(path: Path) -> str:
-    check_name(path)
-    kind = path.suffix.lower()
-    if kind not in (".csv", ".npz"):
-        raise InputError(f"{path}: a name that ends in .csv or .npz is expected")
-    return kind
-
-
 def _read_csv(path: Path) -> dict[str, Array]:
+    lines = read_text(path).splitlines()
+    lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    names = [name.strip().strip('"') for name in "".join(lines[:1]).split(",")]
     try:
-        lines = read_checked(path).decode("utf-8-sig").splitlines()
-        lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
-        names = [name.strip().strip('"') for name in "".join(lines[:1]).split(",")]
         rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2) if lines[1:] else np.zeros((0, 0))
     except ValueError as error:
         # numpy counts such rows from 0
@@ -197,7 +185,7 @@ def compare_tables(
 
     time = ours["time"]
     if time.size < 2:
-        raise InputError("the run holds no motion to compare with")
+        raise InputError("the run contains no motion to compare with")
     for name in theirs:
         if name not in ours:
             raise unknown("column", name, ours)

@@ -127,9 +127,9 @@ def files_of(index: int) -> tuple[str, str]:
 
 def read_stored(path: Path) -> StoredResult:
     """Return the document of a folder; InputError names the first part that is wrong."""
-    file, missing = path / FILE, f"{path} is no result folder: it has no {FILE}"
+    file, missing = path / FILE, f"{path} is not a result folder: it has no {FILE}"
     if (path / "sweep.json").exists():
-        missing += "; a sweep holds whole results where it ran with --keep all"
+        missing += "; a sweep holds whole results where it ran with --keep results"
     elif inner := sorted(
         f"{item.parent}" for d in ("*", "*/*") for item in path.glob(f"{d}/{FILE}")
     ):
@@ -159,7 +159,7 @@ class ResultFolder(Observer):
     """
 
     resumed: State | None = None  # arrays of the checkpoint to resume from; None: from the start
-    stored_part = "kept up to its end"  # last stored cycle, once the folder is released
+    stored_part = "stored up to its end"  # last stored cycle, once the folder is released
 
     def __init__(
         self, path: Path, scene: Scene, interval: float = INTERVAL, resume: bool = False
@@ -168,11 +168,11 @@ class ResultFolder(Observer):
         free = is_free(path)
         if not free and not resume:
             raise InputError(
-                f"--out {path}: it exists and is not empty; name a new folder, or go on with the "
-                "run in it by --resume"
+                f"--out {path}: it exists and is not empty; name a new folder, or resume the "
+                "run in it with --resume"
             )
         if not free and not (path / FILE).is_file():
-            raise InputError(f"--out {path}: it holds no run to go on with: it has no {FILE}")
+            raise InputError(f"--out {path}: it contains no run to resume: it has no {FILE}")
         self.path, self.interval = path, interval
         self.remarks: list[str] = []  # lines for the user
         self._latest: Any = None
@@ -209,11 +209,8 @@ class ResultFolder(Observer):
         start = f"--out {self.path}: it holds a run of another scene: "
         self._refuse(start, differences(stored.scene, plain(scene.as_dict())))
         before, now = _versions(stored.provenance), _versions(here)
-        self._refuse(
-            f"--out {self.path}: it was begun by another program, with which its numbers would not "
-            "agree: ",
-            [(name, before.get(name, "missing"), now[name]) for name in now],
-        )
+        start = f"--out {self.path}: another program started this run, and numbers would differ: "
+        self._refuse(start, [(name, before.get(name, "missing"), now[name]) for name in now])
         if self.is_finished:
             return
         checkpoint, first = stored.checkpoint, 0
@@ -224,11 +221,11 @@ class ResultFolder(Observer):
             if is_checkpoint or (is_part and item.name.endswith(PART)):
                 item.unlink()
         if checkpoint is None:
-            self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
+            self.remarks.append(f"{self.path} has no checkpoint yet: the run starts again")
         else:
             self.resumed = read_arrays(self.path / checkpoint.file, checkpoint.digest)
             first = checkpoint.index
-            self.remarks.append(f"going on after {checkpoint.words}")
+            self.remarks.append(f"resuming after {checkpoint.words}")
         # The stage that resumes is stored again, with all of the wear update after it.
         for stage in stored.stages[first:]:
             for name in files_of(stage.index):
@@ -236,10 +233,8 @@ class ResultFolder(Observer):
         del stored.stages[first:]
         origin = stored.provenance
         if origin["machine"] != here["machine"]:
-            self.remarks.append(
-                f"begun on {origin['machine']}, going on on {here['machine']}: from here on last "
-                "digits may differ"
-            )
+            machines = f"started on {origin['machine']}, resumed on {here['machine']}"
+            self.remarks.append(f"{machines}: last digits may differ from here on")
         again = {"started": here["started"], "machine": here["machine"]}
         origin["resumed"] = [*origin.get("resumed", []), again]
         stored.status, stored.message = "running", ""
@@ -247,9 +242,7 @@ class ResultFolder(Observer):
     @staticmethod
     def _refuse(start: str, pairs: Iterable[tuple[str, Any, Any]]) -> None:
         """Raise InputError if any value there differs from the value here."""
-        items = [
-            f"{key} is {there} there and {now} here" for key, there, now in pairs if there != now
-        ]
+        items = [f"{key} is {old} there and {new} here" for key, old, new in pairs if old != new]
         if items:
             raise InputError(f"{start}{', '.join(items)}")
 
@@ -312,7 +305,7 @@ class ResultFolder(Observer):
         self._stored.message = "stopped by the user; the run can be resumed"
         self._write()
         self._lock.release()
-        words = self._latest and f"kept up to {self._latest.words}"
+        words = self._latest and f"stored up to {self._latest.words}"
         self.stored_part = words or "nothing was computed yet"
 
     def discard(self) -> None:
@@ -345,7 +338,7 @@ class ResultFolder(Observer):
         """Raise RunFailed if the folder is gone, or has been replaced by another."""
         if not self._lock.is_held():
             raise RunFailed(
-                f"the folder {self.path} was removed or replaced while the run was at work in it: "
+                f"the folder {self.path} was removed or replaced during the run: "
                 "the run has stopped, and nothing was written elsewhere"
             )
 

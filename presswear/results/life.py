@@ -6,20 +6,12 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from presswear.recording.statistics import Estimate, quantile
+from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, readable
 from presswear.tools.serialize import NOT_STORED
 
 FILE = "life.npz"  # of the curves
-WORDS = {
-    "depth": "depth",
-    "wear_volume": "worn volume",
-    "force_max": "peak force",
-    "total_clearance": "total clearance",
-    "bdc_error": "error of bottom dead centre",
-    "bdc_drift": "drift of bottom dead centre",
-    "repeatability": "repeatability",
-}
 _FINE = 0.05  # half width of a logarithm below which a life has three digits
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
@@ -125,9 +117,7 @@ class LifeResult:
         """Return one line: strokes and the limit that is exceeded, or the values reached."""
         first = self.first
         if first is None:
-            reached = (
-                f"{words_of(limit.key)} {limit.last:.3g} {limit.unit}" for limit in self.limits
-            )
+            reached = (f"{words_of(one.key)} {one.last:.3g} {one.unit}" for one in self.limits)
             return f"no life is known: {self.message}; reached: {', '.join(reached)}"
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
@@ -170,4 +160,4 @@ def span_of(strokes: float, error: float | None) -> str:
 def words_of(key: str) -> str:
     """Return the words for a key, such as ``depth of A``."""
     joint, _, name = key.rpartition(".")
-    return f"{WORDS[name]} of {joint}" if joint else WORDS[name]
+    return FOLLOWED[name].words + (f" of {joint}" if joint else "")

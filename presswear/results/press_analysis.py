@@ -107,16 +107,10 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     if process is None:
         return None
     height, missing, rows = height_of(scene, stage), np.full((1, 2), math.nan), []
-    broken = math.nan if process.fracture is None else process.height - process.fracture
-    contacts, fractures, leavings, turns = (
-        _passes(stage, height, level, sign)
-        for level, sign in (
-            (process.height, -1.0),
-            (broken, -1.0),
-            (process.height, 1.0),
-            (process.height + scene.lift, 1.0),
-        )
-    )
+    top = process.height
+    broken = math.nan if process.fracture is None else top - process.fracture
+    contacts, fractures = (_passes(stage, height, level, -1.0) for level in (top, broken))
+    leavings, turns = (_passes(stage, height, level, 1.0) for level in (top, top + scene.lift))
 
     def between(instants: Array, start: float, end: float) -> Array:
         inside = instants[(instants[:, 0] > start) & (instants[:, 0] < end)]
@@ -241,19 +235,13 @@ def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke])
     # Complex numbers are vectors: the force of the pin on its bearing in global directions.
     vector = np.array([1.0, 1j])
     pressed = joint.force @ vector * np.exp(1j * np.angle(joint.eccentricity @ vector))
-    reversals = [
-        _reversal(time, pressed, stroke) for stroke in strokes if not math.isnan(stroke.fracture)
-    ]
+    broken = [stroke for stroke in strokes if not math.isnan(stroke.fracture)]
+    reversals = [_reversal(time, pressed, stroke) for stroke in broken]
     working, back, delay = np.array(reversals).reshape(-1, 3).T
     loaded = working > 0.0
-    means = {name: _mean(values) for name, values in peaks.items()}
-    return JointTonnage(
-        {name: mean for name, mean in means.items() if mean is not None},
-        _mean(working),
-        _mean(back),
-        _mean(back[loaded] / working[loaded]),
-        _mean(delay),
-    )
+    means = {name: mean for name, values in peaks.items() if (mean := _mean(values)) is not None}
+    fraction = back[loaded] / working[loaded]
+    return JointTonnage(means, _mean(working), _mean(back), _mean(fraction), _mean(delay))
 
 
 def _reversal(time: Array, force: Array, stroke: SettledStroke) -> tuple[float, float, float]:
@@ -502,16 +490,17 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """
     sentences = []
     for name in scene.clearance_joints:
-        bearing, deepest = scene.bearing(name), (0.0, False)
+        bearing, depths = scene.bearing(name), [(0.0, False)]
         for stage in stages:
-            depth = stage.arrays.get(f"{name}_penetration", np.zeros(1)).max(initial=0.0)
-            deepest = max(deepest, (float(depth), stage.is_worn))
-        ratio = deepest[0] / bearing.clearance
+            penetration = stage.arrays.get(f"{name}_penetration", np.zeros(1))
+            depths.append((float(penetration.max(initial=0.0)), stage.is_worn))
+        deepest, is_worn = max(depths)
+        ratio = deepest / bearing.clearance
         if ratio <= SMALL_CONTACT:
             continue
         arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
         text = (
-            f"joint {name}: the penetration of {readable(1e6 * deepest[0])} µm is "
+            f"joint {name}: the penetration of {readable(1e6 * deepest)} µm is "
             f"{readable(ratio)} of the clearance, and the contact extends over {arc:.0f} degrees, "
             "too wide for a law of a small contact"
         )
@@ -519,11 +508,9 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
             law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
             whole = foundation_force(ratio, *law)
             power, liu = elastic_force(ratio, 1.0, 1.5) / whole, liu_force(ratio, *law) / whole
-            text += (
-                f"; K delta^1.5 then has {power:.2f} and Liu's law {liu:.2f} of the force of an "
-                "elastic foundation"
-            )
-            on_foundation = scene.conventions.contact == "foundation" and deepest[1]
+            text += f"; K delta^1.5 then has {power:.2f} and Liu's law {liu:.2f} of the force of "
+            text += "an elastic foundation"
+            on_foundation = scene.conventions.contact == "foundation" and is_worn
             if bearing.elasticity == "power" and not on_foundation:
                 text += "; use elasticity = liu or foundation"
         sentences.append(text)

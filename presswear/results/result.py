@@ -98,10 +98,7 @@ class Result:
                 row.append(f"{1e9 * joint.wear_volume.mean:.3g}" if joint else "–")
             rows.append([*row, stage.message or stage.status])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = [
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        ]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         ending = f": {self.message}" if self.message else ""
         where = f", in {self.path}" if self.path else ""
         first = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
@@ -116,16 +113,14 @@ class Result:
         InputError for an unknown name or stage, and for a figure without data.
         """
         # Imported here, because results are on a lower floor.
-        axes: list[Axes] = import_module("presswear.show.figures").plot(self, names, stage)
-        return axes
+        return import_module("presswear.show.figures").plot(self, names, stage)
 
     def report(self) -> Path:
         """Draw the figures and write ``report.html`` into the result's folder; return its path.
 
         InputError for a result in memory.
         """
-        path: Path = import_module("presswear.show.report").write_report(self)
-        return path
+        return import_module("presswear.show.report").write_report(self)
 
     def table(self) -> "pandas.DataFrame":
         """Return the statistics with one row per stage and one column per number; needs pandas."""
@@ -201,10 +196,8 @@ def unfinished(result: Result) -> str:
     if result.status in FINISHED or result.path is None:
         return ""
     process = holder(result.path)
-    if process is not None:
-        how = f"{process} is at work in it"
-    else:
-        how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
+    how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
+    how = f"{process} is writing to it" if process else how
     return (
         f"{result.path} is unfinished ({how}): {len(result.stages)} of "
         f"{result.scene.wear_updates + 1} stages are stored"
@@ -228,7 +221,7 @@ def read_surfaces(source: str | Path) -> Surfaces:
     if not colon or Path(text).is_dir():
         folder, stage = text, ""
     elif not (stage.isascii() and stage.isdigit() and len(stage) < 10):
-        raise InputError(f"{text}: behind the colon a stage, 0, 1, 2 ..., is expected")
+        raise InputError(f"{text}: a stage, 0, 1, 2 ..., must follow the colon")
     check_folder(Path(folder))
     result = load(folder)
     if not result.stages:

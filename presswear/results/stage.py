@@ -145,7 +145,7 @@ class JointResult:
 
     def _series(self, name: str) -> Array:
         if name not in self.arrays:
-            raise InputError(f"joint {self.name}: its {name} was not kept; --set series=all does")
+            raise InputError(f"joint {self.name}: its {name} was not stored; use --set series=all")
         return self.arrays[name]
 
     @property
@@ -260,7 +260,7 @@ class StageResult:
     def film(self) -> Film:
         """Frames of its first replicate; InputError if they are missing or damaged."""
         if self.read_film is None:
-            raise InputError(f"{self.name}: no film was kept")
+            raise InputError(f"{self.name}: no film was stored")
         return self.read_film()
 
     @property
@@ -319,7 +319,7 @@ class StageResult:
         the shape (cycles, sections).
         """
         if "sections" not in self.arrays:
-            raise InputError(f"{self.name}: no sections were kept; --set sections=1 keeps some")
+            raise InputError(f"{self.name}: no sections were stored; use --set sections=1")
         columns = [*observe.SECTION_NAMES]
         for prefix in self.joint_names:
             columns += [f"{prefix}.{each}" for each in observe.SECTION_JOINT_NAMES]

@@ -104,17 +104,12 @@ class Bearing:
         check_fields(self)
         law, friction_law = self.normal_law, self.friction_law
         if isinstance(law, str):
-            least = laws.DAMPINGS[law].least
+            allowed = f"with normal_law = {law!r} allowed is"
+            least, damping = laws.DAMPINGS[law].least, self.viscous_damping
             if self.restitution < least:
-                raise InputError(
-                    f"restitution = {self.restitution:g}: with normal_law = {law!r} allowed is "
-                    f"{least:g} to 1"
-                )
-            if self.viscous_damping > 0.0 and law != laws.KELVIN_VOIGT:
-                raise InputError(
-                    f"viscous_damping = {self.viscous_damping:g} N s/m: with normal_law = {law!r} "
-                    "allowed is 0 N s/m"
-                )
+                raise InputError(f"restitution = {self.restitution:g}: {allowed} {least:g} to 1")
+            if damping > 0.0 and law != laws.KELVIN_VOIGT:
+                raise InputError(f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m")
         if self.static_friction is not None:
             fault = f"static_friction = {self.static_friction:g}"
             if self.static_friction < self.friction:
@@ -170,59 +165,42 @@ class Bearing:
         """Return the law of its normal force."""
         function = self.normal_law if isinstance(self.normal_law, UserFunction) else None
         damping = laws.DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
-        return laws.NormalLaw(
-            self.hertz(reading),
-            self.exponent,
-            damping.factor(self.restitution),
-            self.viscous_damping,
-            self.elasticity,
-            function,
-        )
+        factors = damping.factor(self.restitution), self.viscous_damping
+        stiffness = self.hertz(reading)
+        return laws.NormalLaw(stiffness, self.exponent, *factors, self.elasticity, function)
 
     @property
     def rubbing(self) -> laws.FrictionLaw:
         """Law of its friction."""
         function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if function else str(self.friction_law)
-        return laws.FrictionLaw(
-            self.friction,
-            self.lower_speed,
-            self.upper_speed,
-            name,
-            function,
-            self.friction if self.static_friction is None else self.static_friction,
-            self.stribeck_speed,
-            self.bristle_stiffness,
-            self.bristle_damping,
-        )
+        static = self.friction if self.static_friction is None else self.static_friction
+        ramp = self.friction, self.lower_speed, self.upper_speed
+        bristles = self.stribeck_speed, self.bristle_stiffness, self.bristle_damping
+        return laws.FrictionLaw(*ramp, name, function, static, *bristles)
 
     def check_user_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         from presswear.tools.compile import check_compiles  # slow import
 
-        normal, friction = self.normal(reading), self.rubbing
-        if normal.user_law is not None:
-            key, law = f"{joint}.normal_law", normal.user_law
+        if isinstance(law := self.normal_law, UserFunction):
+            key, normal = f"{joint}.normal_law", self.normal(reading)
             state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
             laws.check_normal(key, law, {**state, "clearance": self.clearance})
             check_compiles(law, key, laws.NORMAL_PARAMETERS)
-        if friction.user_law is not None:
-            key, law = f"{joint}.friction_law", friction.user_law
-            ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
-            laws.check_friction(key, law, {"coefficient": friction.coefficient, **ramp})
+        if isinstance(law := self.friction_law, UserFunction):
+            key = f"{joint}.friction_law"
+            ramp = {"lower_speed": self.lower_speed, "upper_speed": self.upper_speed}
+            laws.check_friction(key, law, {"coefficient": self.friction, **ramp})
             check_compiles(law, key, laws.FRICTION_PARAMETERS)
 
     def joint(
         self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
     ) -> elements.ClearanceJoint:
         """Return a revolute joint opened: bearing on its first end, pin on its second."""
-        law = elements.WearLaw(
-            self.materials.wear_coefficient,
-            conventions.slip,
-            conventions.wear_distribution,
-            self.materials.bearing_share,
-            self.angles,
-        )
+        coefficient, share = self.materials.wear_coefficient, self.materials.bearing_share
+        slip, distribution = conventions.slip, conventions.wear_distribution
+        wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         return elements.ClearanceJoint(
             revolute.name,
             revolute.first,
@@ -232,7 +210,7 @@ class Bearing:
             self.width,
             self.normal(conventions.stiffness),
             self.rubbing,
-            law if self.materials.wear_coefficient > 0.0 else None,
+            wear if coefficient > 0.0 else None,
             conventions.map_frame,
             conventions.contact,
             *worn,
@@ -307,7 +285,7 @@ def _check_angles(where: str, angle: Array) -> None:
     gaps = np.diff(angle, append=angle[0] + _TURN)
     for k in np.flatnonzero(gaps < 1e-9)[:1]:
         twice = math.degrees(angle[k])
-        raise InputError(f"{where}: the angle {twice:g} deg is there twice; a turn has it once")
+        raise InputError(f"{where}: the angle {twice:g} deg occurs twice")
     for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
         low, high = np.degrees([angle[k], angle[k] + gaps[k]])
         raise InputError(

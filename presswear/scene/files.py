@@ -16,7 +16,7 @@ from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, changed, on_surfaces, settings_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import check_file, read_checked
+from presswear.tools.files import read_text
 from presswear.tools.quantities import Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST
 
@@ -53,11 +53,9 @@ def example_file(kind: str) -> str:
 
 def read_toml(file: Path) -> dict[str, Any]:
     """Return the tables of a TOML file; raise InputError for what cannot be read."""
-    check_file(file)
-    data = read_checked(file)
     try:
-        return tomllib.loads(data.decode())
-    except (ValueError, RecursionError) as error:  # also of the text's encoding
+        return tomllib.loads(read_text(file))
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{file}: {error}") from None
 
 
@@ -71,9 +69,13 @@ def scene_from(file: Path) -> Scene:
         mechanism = _mechanism(data.get("mechanism"), file.parent)
         settings = _settings(data.get("settings", {}), file.parent)
         for name in data.keys() & set(_PARTS):
-            settings |= _part(name, data[name])
+            part = data[name]
+            if not isinstance(part, Mapping) or "kind" not in part:
+                raise InputError(f"{name} = {part!r}: a table with a kind is expected")
+            values = {f"{name}.{key}": value for key, value in part.items() if key != "kind"}
+            settings |= _settings({name: part["kind"], **values}, file.parent)
         title = data.get("title", f"The linkage of {file.name}")
-        scene = Scene(mechanism, file.stem, title, wear_updates=0)  # without a word, nothing wears
+        scene = Scene(mechanism, file.stem, title, wear_updates=0)  # by default nothing wears
         origins = dict.fromkeys((setting.key for setting in settings_of(scene)), DEFAULT)
         scene = changed(replace(scene, origins=origins), settings)
         scene = replace(scene, origins={**scene.origins, **dict.fromkeys(settings, IN_FILE)})
@@ -84,11 +86,8 @@ def scene_from(file: Path) -> Scene:
             scene = on_surfaces(scene, read_profiles(file.parent / source), source)
         scene.check()
         return scene
-    except RecursionError as error:
-        raise InputError(f"{file}: {error}") from None
-    except InputError as error:
-        text = str(error)
-        raise InputError(text if text.startswith(str(file)) else f"{file}: {text}") from None
+    except (InputError, RecursionError) as error:
+        raise InputError(f"{file}: {f'{error}'.removeprefix(f'{file}: ')}") from None
 
 
 def _mechanism(data: Any, folder: Path) -> OneMechanism:
@@ -114,14 +113,6 @@ def _texts(value: Any, place: str, folder: Path) -> Any:
             raise InputError(f"{place}: a number is too large; allowed is up to {LARGEST:g}")
         return f"{value!r}" if value else value  # a zero needs no unit
     return value
-
-
-def _part(name: str, data: Any) -> dict[str, str]:
-    """Return the table of a part, its kind among its keys, as settings."""
-    if not isinstance(data, Mapping) or "kind" not in data:
-        raise InputError(f"{name} = {data!r}: a table with a kind is expected")
-    values = {f"{name}.{key}": value for key, value in data.items() if key != "kind"}
-    return _settings({name: data["kind"], **values}, Path())
 
 
 def _settings(data: Any, folder: Path) -> dict[str, str]:
@@ -152,14 +143,9 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     columns in any order, then a row for each place; lines that begin with ``#`` are comments. A
     side without a row is round. Errors name the file and the line.
     """
-    check_file(file)
-    try:
-        lines = read_checked(file).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise InputError(f"{file} is no text: {error}") from None
     table = [
         (number, [word.strip().strip('"') for word in line.split(",")])
-        for number, line in enumerate(lines, start=1)
+        for number, line in enumerate(read_text(file).splitlines(), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if len(table) < 2:

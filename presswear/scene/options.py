@@ -7,15 +7,8 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple
 
 from presswear.engines import settings
+from presswear.tools import quantities
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import (
-    Quantity,
-    choice,
-    count,
-    free_text,
-    parse_quantity,
-    quantity,
-)
 from presswear.tools.serialize import Checked, check_fields
 
 
@@ -52,22 +45,22 @@ class Numerics:
 class Recording(Checked):
     """Recording plan of each stage; see the texts of the fields for units and ranges."""
 
-    recorded_cycles: int | None = count(
+    recorded_cycles: int | None = quantities.count(
         None, 1, 1000, "chosen", "first cycles that are stored; default: 5, or as the process needs"
     )
-    rows_per_cycle: int = count(
+    rows_per_cycle: int = quantities.count(
         2000, 100, 20_000, "chosen", "smallest number of rows in a cycle; contacts add rows"
     )
-    series: str = choice(
+    series: str = quantities.choice(
         "all", ("all", "output"), "series that are stored: all, or only those of the output point"
     )
-    digits: str = choice(
+    digits: str = quantities.choice(
         "double", ("double", "single"), "digits of the series of joints: 16, or 7 for smaller files"
     )
-    sections: int = count(
+    sections: int = quantities.count(
         0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"
     )
-    section_angle: float = quantity(
+    section_angle: float = quantities.quantity(
         0.0, "rad", 0.0, 2.0 * math.pi, "chosen", "angle of the cycle of the first section"
     )
 
@@ -85,21 +78,23 @@ class Followed(NamedTuple):
 
     unit: str
     of_joint: bool
+    words: str
     text: str
 
 
-_BDC_ERROR = "height of bottom dead centre above its ideal height, mean over strokes"
+_BDC, _BDC_ERROR = "bottom dead centre", "height of bottom dead centre above its ideal height"
 _CLEARANCE = "travel of the output point between an upward and a downward pull"
-FOLLOWED: dict[str, Followed] = {
-    "depth": Followed("m", True, "largest wear depth of bearing or pin"),
-    "wear_volume": Followed("m^3", True, "worn volume of bearing and pin"),
-    "force_max": Followed("N", True, "peak normal force of a stroke, mean over strokes"),
-    "total_clearance": Followed("m", False, _CLEARANCE),
-    "bdc_error": Followed("m", False, _BDC_ERROR),
-    "bdc_drift": Followed("m", False, "change of the mean height of bottom dead centre since new"),
-    "repeatability": Followed("m", False, "standard deviation of bottom dead centre"),
+_DRIFT = f"change of the mean height of {_BDC} since new"
+_FORCE = "peak normal force of a stroke, mean over strokes"
+FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
+    "depth": Followed("m", True, "depth", "largest wear depth of bearing or pin"),
+    "wear_volume": Followed("m^3", True, "worn volume", "worn volume of bearing and pin"),
+    "force_max": Followed("N", True, "peak force", _FORCE),
+    "total_clearance": Followed("m", False, "total clearance", _CLEARANCE),
+    "bdc_error": Followed("m", False, f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"),
+    "bdc_drift": Followed("m", False, f"drift of {_BDC}", _DRIFT),
+    "repeatability": Followed("m", False, "repeatability", f"standard deviation of {_BDC}"),
 }
-"""Numbers that a limit may be put on, by name."""
 
 
 @dataclass(frozen=True)
@@ -135,9 +130,8 @@ class Service:
         return f"bushing of {self.joint} {'turned by half' if self.is_turned else 'replaced'}"
 
 
-NEW, TURNED = "replaced", "turned"
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
-_STROKES = Quantity("", 1.0, 1e15)
+_STROKES = quantities.Quantity("", 1.0, 1e15)
 
 
 @dataclass(frozen=True)
@@ -146,18 +140,22 @@ class Life(Checked):
 
     kind: ClassVar[str] = "limits"
 
-    until: str = free_text(
+    until: str = quantities.free_text(
         "depth > 0.05 mm",
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
         "limits, the first to be exceeded ends the life: of every joint, or JOINT.NAME; names are "
         + ", ".join(FOLLOWED),
     )
-    at_most: float = quantity(
+    at_most: float = quantities.quantity(
         5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
     )
-    replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
-    turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
-    max_cycles: int = count(
+    replaced: str = quantities.free_text(
+        "", "'A@2e6, C@4e6'", "bushings to replace after so many strokes"
+    )
+    turned: str = quantities.free_text(
+        "", "'A@2e6'", "bushings to turn by half after so many strokes"
+    )
+    max_cycles: int = quantities.count(
         10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
     )
 
@@ -177,13 +175,13 @@ class Life(Checked):
             joint, name, size = match.groups()
             if name not in FOLLOWED:
                 raise unknown("number in until", name, FOLLOWED)
-            unit, of_joint, meaning = FOLLOWED[name]
+            unit, of_joint, _, meaning = FOLLOWED[name]
             if joint is not None and not of_joint:
                 raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
             if joint is not None and joint not in joints:
                 raise unknown("joint with clearance in until", joint, joints)
-            positive = Quantity(unit, 0.0, math.inf, "", meaning, open_low=True)
-            value = parse_quantity(f"until: {name}", size, positive)
+            positive = quantities.Quantity(unit, 0.0, math.inf, "", meaning, open_low=True)
+            value = quantities.parse_quantity(f"until: {name}", size, positive)
             names = ("",) if not of_joint else (joint,) if joint else joints
             limits += [Limit(name, one, value) for one in names]
         return tuple(limits)
@@ -191,21 +189,18 @@ class Life(Checked):
     def services(self, joints: Sequence[str]) -> tuple[Service, ...]:
         """Return the services of bushings, in the order of strokes; raise InputError."""
         services = []
-        for key, text in ((NEW, self.replaced), (TURNED, self.turned)):
+        for key, text in (("replaced", self.replaced), ("turned", self.turned)):
             for part in filter(None, map(str.strip, text.split(","))):
                 joint, sign, strokes = map(str.strip, part.partition("@"))
+                label = f"{key} = {part!r}"
                 if not (joint and sign and strokes):
-                    raise InputError(
-                        f"{key} = {part!r}: JOINT@STROKES is expected, such as 'A@2e6'"
-                    )
+                    raise InputError(f"{label}: JOINT@STROKES is expected, such as 'A@2e6'")
                 if joint not in joints:
                     raise unknown(f"joint with clearance in {key}", joint, joints)
-                at = float(parse_quantity(f"{key}: {joint}", strokes, _STROKES))
+                at = float(quantities.parse_quantity(f"{key}: {joint}", strokes, _STROKES))
                 if at >= self.at_most:
-                    raise InputError(
-                        f"{key} = {part!r}: allowed is below at_most = {self.at_most:g}"
-                    )
-                services.append(Service(joint, at, key == TURNED))
+                    raise InputError(f"{label}: allowed is below at_most = {self.at_most:g}")
+                services.append(Service(joint, at, key == "turned"))
         return tuple(sorted(services, key=lambda service: service.strokes))
 
 

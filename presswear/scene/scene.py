@@ -111,43 +111,39 @@ class Scene:
     def __post_init__(self) -> None:
         """Check each value, and fill in joints and bearings; see ``check`` for the rest."""
         if isinstance(self.mechanism, Mapping | str):
-            self._set(mechanism=mechanism_from(self.mechanism))
+            self._set(mechanism=_mechanism_from(self.mechanism))
         if (
             isinstance(self.bearings, Mapping)
             and not self.bearings.keys() & Bearing().__dict__.keys()
         ):
-            for name in self.bearings:
-                if name not in self.mechanism.openable:
-                    raise unknown("joint in bearings", name, self.mechanism.openable)
-            joints, common = self._openable.combine(self.bearings), [*self.bearings.values()]
             self._set(
-                joints=joints,
+                joints=self._openable.combine(self.bearings),
                 joint_bearings=dict(self.bearings),
-                bearings=common[0] if common else Bearing(),
+                bearings=next(iter(self.bearings.values()), Bearing()),
             )
         if self.joints is None:
             if not self.mechanism.loose and self.bearings != Bearing():
                 raise InputError(
-                    "bearings: no joint has clearance; joints = ..., or a mapping by joint, says "
-                    f"which of {', '.join(self.mechanism.openable)}"
+                    "bearings: no joint has clearance; set joints, or give a mapping by joint; "
+                    f"allowed are {', '.join(self.mechanism.openable)}"
                 )
             self._set(joints=self._openable.combine(self.mechanism.loose))
         check_fields(self)
         for name in self.joint_bearings:
             if name not in self.mechanism.openable:
-                raise unknown("joint", name, self.mechanism.openable)
-        differing = {k: one for k, one in self.joint_bearings.items() if one != self.bearings}
-        # One spelling, so that equal scenes are equal.
-        joints = self._openable.combine(self.clearance_joints)
-        self._set(joints=joints, joint_bearings=differing)
-        self._set(surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing))
+                raise unknown("joint in bearings", name, self.mechanism.openable)
+        self._set(  # in one spelling, so that equal scenes are equal
+            joints=self._openable.combine(self.clearance_joints),
+            joint_bearings={k: b for k, b in self.joint_bearings.items() if b != self.bearings},
+            surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing),
+        )
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in {"": self.bearings, **self.joint_bearings}.items():
             prefix = f"{name}." if name else ""
             bearing.check_contact(prefix, self.conventions.contact, is_worn)
         if self.life is not None:
             self._check_life(self.life)
-        if self.replicate_count > 1 and not self.clearance_joints:
+        elif self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: without a clearance joint allowed is 1"
             )
@@ -166,10 +162,8 @@ class Scene:
         bodies = self.mechanism.linkage().bodies
         light, heavy = (least(bodies, key=lambda body: body.mass) for least in (min, max))
         if heavy.mass > MAX_MASS_RATIO * light.mass:
-            raise InputError(
-                f"mass of {heavy.name} = {heavy.mass:g} kg beside mass of {light.name} = "
-                f"{light.mass:g} kg: allowed is {MAX_MASS_RATIO:g} times as much"
-            )
+            masses = f"{heavy.name} = {heavy.mass:g} kg, mass of {light.name} = {light.mass:g} kg"
+            raise InputError(f"mass of {masses}: allowed is a ratio of up to {MAX_MASS_RATIO:g}")
         _ = self.ideal
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
@@ -189,21 +183,20 @@ class Scene:
 
     def _check_life(self, life: Life) -> None:
         if not self.clearance_joints:
-            raise InputError("life: no joint has clearance, so that none wears")
+            raise InputError("life: no joint has clearance, so that no joint wears")
         if self.wear_updates < 1:
             raise InputError("wear_updates = 0: with a life allowed is 1 to 20")
         if self.replicates == 1:
             raise InputError(
-                "replicates = 1: with a life, whose interval is theirs, allowed is 2 to 100"
+                "replicates = 1: with a life allowed is 2 to 100, for its confidence interval"
             )
         if self.conventions.wear_distribution != "arc":
             raise InputError(
-                "wear_distribution = 'bin': the depth depends on the width of the bins, and so "
-                "would a life; allowed is 'arc', which conventions = 'refined' has"
+                "wear_distribution = 'bin': the depth, and with it a life, depends on the width of "
+                "the bins; allowed is 'arc', which conventions = 'refined' has"
             )
-        bearings = map(self.bearing, self.clearance_joints)
-        if not any(bearing.materials.wear_coefficient for bearing in bearings):
-            raise InputError("wear_coefficient = 0: of joints that do not wear there is no life")
+        if not any(self.bearing(j).materials.wear_coefficient for j in self.clearance_joints):
+            raise InputError("wear_coefficient = 0: with a life allowed is above 0")
         life.limits(self.clearance_joints)
         life.services(self.clearance_joints)
 
@@ -405,15 +398,14 @@ class Scene:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the scene as plain data, SI units; see ``from_dict``."""
-        data: dict[str, Any] = plain(self)
-        return data
+        return plain(self)
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
         """Return a scene from ``as_dict``; InputError for a key that does not fit or is missing."""
         _refuse_files(data)
         if isinstance(data, Mapping) and data.get("joints") is None:
-            raise InputError("this is no whole scene: 'joints' is missing")
+            raise InputError("scene: 'joints' is missing")
         return from_plain(Scene, data, "scene")
 
 
@@ -430,7 +422,7 @@ def _refuse_files(data: Any) -> None:
             _refuse_files(value)
 
 
-def mechanism_from(data: Any) -> OneMechanism:
+def _mechanism_from(data: Any) -> OneMechanism:
     """Return a mechanism from its kind, or from plain data with a kind."""
     data = {"kind": data} if isinstance(data, str) else data
     kind = data.get("kind")

@@ -239,23 +239,19 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
     """Return the keys under which two stored scenes differ, with both values.
 
-    A user function is given by its name and digest, a long value by its beginning and digest.
+    A user function is replaced by its name and digest, a long value by its beginning and digest.
     """
-    if is_stored_function(first) or is_stored_function(second):
-        first, second = (
-            f"{UserFunction(**value)}" if is_stored_function(value) else value
-            for value in (first, second)
-        )
-    elif isinstance(first, Mapping) and isinstance(second, Mapping):
-        return [
-            difference
-            for name in dict.fromkeys([*first, *second])
-            for difference in differences(
-                first.get(name), second.get(name), key if key and name in ("name", "kind") else name
-            )
-        ]
+    has_function = is_stored_function(first) or is_stored_function(second)
+    if isinstance(first, Mapping) and isinstance(second, Mapping) and not has_function:
+        inner = {
+            name: key if key and name in ("name", "kind") else name for name in {**first, **second}
+        }
+        pairs = ((first.get(name), second.get(name), label) for name, label in inner.items())
+        return [difference for pair in pairs for difference in differences(*pair)]
 
     def short(value: Any) -> Any:
+        if is_stored_function(value):
+            return f"{UserFunction(**value)}"
         text = f"{value}"
         is_long = len(text) > _MAX_VALUE_LENGTH
         return f"{text[:20]}... ({digest(text.encode())[:12]})" if is_long else value

@@ -12,8 +12,8 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import Setting, setting_of, values_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
-from presswear.tools.files import check_file, read_checked
-from presswear.tools.quantities import Choice, Quantity, parse_quantity, plain_number
+from presswear.tools.files import read_text
+from presswear.tools.quantities import Quantity, parse_quantity, plain_number
 
 TOGETHER = "&"
 MAX_CUT = 0.05  # probability that may lie outside the allowed range of a setting
@@ -70,7 +70,6 @@ def parse_group(scene: Scene, text: str) -> Group:
         else:
             choices = tuple(word.strip() for word in listed.split(","))
             values = [float(index) for index in range(len(choices))]
-        if isinstance(setting.meaning, Choice):
             for word in choices:
                 setting.meaning.check(key, word)
         if len(set(choices or values)) < len(values) and TOGETHER not in text:
@@ -113,7 +112,7 @@ def _value_text(setting: Setting, value: object) -> str:
     if isinstance(value, str):
         return value
     number = plain_number(value)
-    if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
+    if type(number) not in (int, float) or not math.isfinite(number):
         raise InputError(f"{setting.key} = {shown(value)}: expected a finite number or a text")
     return f"{number!r} {setting.meaning.unit}".strip()
 
@@ -188,7 +187,7 @@ def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> A
 
     first = float(parse_quantity(key, text, meaning))
     if kind == "uniform":
-        last = float(parse_quantity(key, spread, meaning))
+        last = parse_quantity(key, spread, meaning)
         if not first < last:
             raise InputError(f"{key} = {text}, {spread}: the first end must be below the second")
         return stats.uniform(first, last - first)
@@ -212,13 +211,8 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
     """Return the discrete distribution of the values and weights of a file."""
     from scipy import stats
 
-    check_file(file)
     rows = []
-    try:
-        lines = read_checked(file).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise InputError(f"{file} is not a text file: {error}") from None
-    for number, line in enumerate(lines, start=1):
+    for number, line in enumerate(read_text(file).splitlines(), start=1):
         value, _, share = (part.strip() for part in line.partition("#")[0].partition(","))
         if not value:
             continue

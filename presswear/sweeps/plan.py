@@ -5,7 +5,7 @@ import io
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -29,9 +29,9 @@ from presswear.sweeps.parameters import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, not_installed, unknown
-from presswear.tools.files import check_file, digest
+from presswear.tools.files import digest
 from presswear.tools.quantities import Quantity
-from presswear.tools.serialize import Checked, make
+from presswear.tools.serialize import Checked, check_fields, make
 
 if TYPE_CHECKING:
     import pandas
@@ -60,6 +60,7 @@ class Plan:
 
     def __post_init__(self) -> None:
         """Check the plan; `InputError` names a value that is unknown, missing or out of range."""
+        check_fields(self)  # lists become tuples
         if not 1 <= self.replicates <= MAX_REPLICATES:
             raise InputError(f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}")
         if bool(self.sample) != bool(self.ranges):
@@ -67,8 +68,8 @@ class Plan:
         if not self.groups:
             raise InputError("nothing varies: use --vary KEY=VALUES, or --sample and --range")
         keys = [column.key for column in self.columns]
-        for index, key in enumerate(keys):
-            if key in keys[:index]:
+        for key in keys:
+            if keys.count(key) > 1:
                 raise InputError(f"{key} varies twice")
         if self.replicates > 1 and SEED in keys:
             raise InputError("--vary seed and --replicates cannot be combined")
@@ -151,18 +152,17 @@ class Plan:
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
         base, values = self._base
-        settings = {
-            key: value
-            for key, value in self.settings(row).items()
-            if key not in values or values[key] != value
-        }
+        missing = object()  # a row may set a value that the scene has already
+        settings = {k: v for k, v in self.settings(row).items() if values.get(k, missing) != v}
         return json.dumps([base, settings], sort_keys=True)
 
     @cached_property
     def _base(self) -> tuple[str, dict[str, Any]]:
-        """Digest of the scene, and its values, which a row may set without effect."""
+        """Digest of all that decides the numbers of the scene, and the values of its settings."""
+        ignored = ("name", "title", "origins")
+        data = {key: value for key, value in self.scene.as_dict().items() if key not in ignored}
         values = {item.key: item.value for item in settings_of(self.scene)}
-        return scene_digest(self.scene), values
+        return digest(json.dumps(data, sort_keys=True).encode()), values
 
     @cached_property
     def example(self) -> Scene:
@@ -175,31 +175,16 @@ class Plan:
                 problem = problem or error
         raise InputError(f"no scene of this plan can be made: {problem}")
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the plan as plain data."""
-        data = {item.name: getattr(self, item.name) for item in fields(self)}
-        return {**data, "scene": self.scene.as_dict()}
-
     @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "Plan":
-        """Return the plan of `as_dict`."""
-        vary, ranges = tuple(data["vary"]), tuple(data["ranges"])
-        return Plan(
-            **{**data, "scene": Scene.from_dict(data["scene"]), "vary": vary, "ranges": ranges}
-        )
+    def from_plain(data: Mapping[str, Any]) -> "Plan":
+        """Return a plan from plain data."""
+        return Plan(**{**data, "scene": Scene.from_dict(data["scene"])})
 
 
 def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
     """Return the scene with the first word of each parameter that is not a number."""
     columns = [column for group in groups for column in group.columns if column.choices]
     return changed(scene, {column.key: column.choices[0] for column in columns})
-
-
-def scene_digest(scene: Scene) -> str:
-    """Return a digest of everything that decides the numbers of a scene."""
-    ignored = ("name", "title", "origins")
-    data = {key: value for key, value in scene.as_dict().items() if key not in ignored}
-    return digest(json.dumps(data, sort_keys=True).encode())
 
 
 @dataclass(frozen=True)
@@ -222,7 +207,6 @@ class SweepFile(Checked):
 
 def read_sweep(file: Path) -> tuple[Scene, SweepFile]:
     """Read the scene and the table ``[sweep]`` of a file; `InputError` names a wrong key."""
-    check_file(file)
     data = read_toml(file)
     options = make(f"[{SWEEP}] in {file}", SweepFile, data.get(SWEEP, {}))
     if not options.scene:

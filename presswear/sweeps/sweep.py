@@ -3,7 +3,7 @@
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -26,9 +26,9 @@ from presswear.sweeps.responses import (
     request,
 )
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import FolderLock, check_name, digest, inside, is_free, write_bytes
+from presswear.tools.files import FolderLock, check_ending, digest, inside, is_free, write_bytes
 from presswear.tools.quantities import Choice
-from presswear.tools.serialize import plain, read_json, typed, write_json
+from presswear.tools.serialize import read_json, typed, write_json
 
 FILE, PARTS = "sweep.json", "parts"
 SCHEMA = 2
@@ -79,14 +79,14 @@ class Sweep:
                 if response := outcome and outcome.response(key):
                     numbers[:, row, k] = np.array(response, float)  # None becomes NaN
         points = np.repeat(plan.points, plan.replicates, axis=0)
-        values, halves, censored = numbers[0], numbers[1], numbers[2] == 1.0
         columns = plan.columns, requested.columns
-        return Table(*columns, points, values, halves, censored, tuple(errors), plan.replicates)
+        arrays = points, numbers[0], numbers[1], numbers[2] == 1.0
+        return Table(*columns, *arrays, tuple(errors), plan.replicates)
 
     def write(self, file: Path) -> None:
         """Write everything but the rows."""
-        data = {"schema": SCHEMA, "provenance": provenance(), "plan": self.plan.as_dict()}
-        requested = asdict(replace(self.requested, functions=()))
+        data = {"schema": SCHEMA, "provenance": provenance(), "plan": self.plan}
+        requested = replace(self.requested, functions=())
         rest = {"keep": self.keep, "limits": self.limits, "program": self.program}
         write_json(file, {**data, "requested": requested, **rest})
 
@@ -124,7 +124,7 @@ def load_sweep(folder: Path) -> Sweep:
     file = folder / FILE
     data = read_json(file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA)
     try:
-        plan = Plan.from_dict(data["plan"])
+        plan = Plan.from_plain(data["plan"])
         requested = typed(data["requested"], Requested, f"{file}")
         limits, program = typed(data["limits"], tuple[str, ...], f"{file}"), str(data["program"])
         return Sweep(plan, requested, folder, data["keep"], limits, program)
@@ -143,21 +143,15 @@ def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
         return
     if not (resume or is_part):
         raise InputError(f"--out {sweep.path}: the folder is not empty; use another or --resume")
-    stored = load_sweep(sweep.path)
-    if not resume and plain(stored.plan.as_dict()) != plain(sweep.plan.as_dict()):
+    if load_sweep(sweep.path).plan != sweep.plan and not resume:
         raise InputError(f"--out {sweep.path}: it holds another sweep; --resume extends it")
 
 
 def export_table(table: Table, path: Path) -> None:
     """Write a table as ``.csv`` or ``.parquet``; the file must not exist."""
-    kind = path.suffix.lower()
-    if kind not in (".csv", ".parquet"):
-        raise InputError(f"{path}: the name must end in .csv or .parquet")
-    check_name(path)
+    kind = check_ending(path, ".csv", ".parquet")
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
-    if not path.parent.is_dir():
-        raise InputError(f"{path.parent} is not a folder")
     try:
         data = table.csv().encode() if kind == ".csv" else table.to_pandas().to_parquet(index=False)
     except ImportError:

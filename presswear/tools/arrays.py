@@ -68,5 +68,5 @@ def read_numbers(file: Path, expected: str | None = None) -> dict[str, Array]:
     arrays = read_arrays(file, expected)
     for name, values in arrays.items():
         if values.dtype.kind not in "fiu":
-            raise InputError(f"{file}: {name} holds no real numbers but {values.dtype}")
+            raise InputError(f"{file}: {name} contains no real numbers but {values.dtype}")
     return {name: values.astype(np.float64, copy=False) for name, values in arrays.items()}

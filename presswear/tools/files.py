@@ -88,6 +88,15 @@ def read_checked(path: Path, expected: str | None = None) -> bytes:
     return data
 
 
+def read_text(path: Path) -> str:
+    """Read a text file; raise InputError, with the nearest name, where it is missing or no text."""
+    check_file(path)
+    try:
+        return read_checked(path).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file: {error}") from None
+
+
 def check_name(path: Path) -> None:
     """Raise InputError unless a file or folder can have this name, and it can be shown."""
     text = os.fspath(path)
@@ -95,6 +104,19 @@ def check_name(path: Path) -> None:
         raise InputError(f"{text!r}: a name of printable characters is expected")
     if any(len(part.encode()) > MAX_NAME for part in path.parts):
         raise InputError(f"{text}: names of at most {MAX_NAME} bytes are expected")
+
+
+def check_ending(path: Path, *endings: str, option: str = "") -> str:
+    """Return the ending of a file name in lower case; raise InputError unless it is allowed."""
+    check_name(path)
+    label, ending = f"{option} {path}".lstrip(), path.suffix.lower()
+    if ending not in endings:
+        raise InputError(f"{label}: the name must end in {' or '.join(endings)}")
+    if path.is_dir():
+        raise InputError(f"{label}: it is a folder; name a file")
+    if not path.parent.is_dir():
+        raise InputError(f"{label}: there is not a folder {path.parent}")
+    return ending
 
 
 def _check_exists(is_wanted: Callable[[Path], bool], kind: str, path: Path) -> None:
@@ -123,21 +145,21 @@ def is_free(path: Path) -> bool:
         if path.exists():
             return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
         if path.is_symlink():
-            raise InputError(f"--out {path}: it is a link that leads nowhere")
+            raise InputError(f"--out {path}: it is a broken link")
         parent = next(folder for folder in path.parents if folder.exists())
         if not parent.is_dir():
-            raise InputError(f"--out {path}: {parent} is no folder")
+            raise InputError(f"--out {path}: {parent} is not a folder")
         # Permissions do not tell for every kind of file system: trying does.
         os.rmdir(tempfile.mkdtemp(dir=parent))
     except OSError as error:
-        raise InputError(f"--out {path}: nothing can be written there: {error.strerror}") from None
+        raise InputError(f"--out {path}: no file can be written there: {error.strerror}") from None
     return True
 
 
 class FolderLock:
     """Exclusive right to write into a folder, until it is released or the process ends.
 
-    The folder is made where it is not there. InputError where nothing can be written there, with
+    The folder is made where it is not there. InputError where no file can be written there, with
     the holder of the lock, or where the lock is a link. ``warning`` is a text where this file
     system has no locks.
     """
@@ -153,7 +175,7 @@ class FolderLock:
             self._file.write(f"process {os.getpid()} on {platform.node()}\n")
             self._file.flush()
         except OSError as error:
-            reason = f"nothing can be written there: {error.strerror}"
+            reason = f"no file can be written there: {error.strerror}"
             raise InputError(f"--out {path}: {reason}") from None
 
     def _locked_file(self) -> IO[str]:
@@ -171,7 +193,7 @@ class FolderLock:
             file.close()
             time.sleep(_PAUSE)
         who = holder(self.path) or "another process"
-        raise InputError(f"--out {self.path}: {who} is at work in it; wait for it, or name another")
+        raise InputError(f"--out {self.path}: {who} is writing to it; wait, or name another folder")
 
     def is_held(self) -> bool:
         """Return whether the folder is still there and still locked by this object."""

@@ -25,7 +25,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing.connection import wait as wait_for
 from types import FrameType, ModuleType
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
@@ -36,13 +36,9 @@ STOP, HALT = 1.0, 2.0  # requests to a worker: stop the job; the pool ends
 LOST = "a worker process was ended from outside, for example because memory ran out"
 
 
-class Report(Protocol):
-    """Function that a job calls with its progress; KeyboardInterrupt stops the job."""
-
-    def __call__(self, done: float, word: str = "", rows: Array | None = None) -> None:
-        """Report progress, nan while the job gets ready; words and rows stay in this process."""
-
-
+# Called by a job with its progress (nan while it gets ready) and optionally a word and rows, which
+# stay in this process; KeyboardInterrupt stops the job.
+Report = Callable[..., object]
 Job = Callable[[Report], Any]
 OnResult = Callable[[int, Any], Mapping[int, Job | None]]
 """Called with the key and the result of a job; returns further jobs, None to drop a job."""
@@ -106,14 +102,10 @@ class Workers:
         while waiting:
             key = next(iter(waiting))
             job = waiting.pop(key)
-
-            def report(
-                done: float, word: str = "", rows: Array | None = None, key: int = key
-            ) -> None:
-                on_progress(key, done, word, rows)
-
             try:
-                outcome = job(report)
+                outcome = job(
+                    lambda done, word="", rows=None, k=key: on_progress(k, done, word, rows)
+                )
             except Stopped as stopped:
                 on_result(key, stopped.outcome)
                 raise KeyboardInterrupt from None

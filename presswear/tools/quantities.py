@@ -248,7 +248,10 @@ def quantity(
 
     ``more`` are ``open_low`` and ``whole`` of ``Quantity``.
     """
-    meaning = Quantity(unit, low, high, origin, text, **more)
+    return _field(default, Quantity(unit, low, high, origin, text, **more))
+
+
+def _field(default: Any, meaning: Quantity | Choice) -> Any:
     return field(default=default, metadata={"meaning": meaning})
 
 
@@ -261,25 +264,22 @@ def choice(
     default: str | None, words: Any, text: str, parameters: Any = (), several: bool = False
 ) -> Any:
     """Return a data class field for one of a few words, also those of a Literal; see ``Choice``."""
-    meaning = Choice(get_args(words) or words, text, parameters, several)
-    return field(default=default, metadata={"meaning": meaning})
+    return _field(default, Choice(get_args(words) or words, text, parameters, several))
 
 
 def free_text(default: str, example: str, text: str) -> Any:
     """Return a data class field for a text that its owner reads."""
-    return field(default=default, metadata={"meaning": Choice((), text, example=example)})
+    return _field(default, Choice((), text, example=example))
 
 
 def named_set(default: str, instances: Mapping[str, Any], text: str) -> Any:
     """Return a data class field for one of some data class instances, or a changed one."""
-    meaning = Choice(tuple(instances), text, instances=instances)
-    return field(default=instances[default], metadata={"meaning": meaning})
+    return _field(instances[default], Choice(tuple(instances), text, instances=instances))
 
 
 def one_of(kinds: Mapping[str, Any], text: str) -> Any:
     """Return a data class field for an instance of one of some data classes, or None."""
-    meaning = Choice((NONE, *kinds), text, kinds=kinds)
-    return field(default=None, metadata={"meaning": meaning})
+    return _field(None, Choice((NONE, *kinds), text, kinds=kinds))
 
 
 def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import read_checked
+from presswear.tools.files import read_text
 
 _POINTS = 20  # at which a law is run in Python before it is compiled
 
@@ -89,14 +89,11 @@ class UserFunction:
                     "a file"
                 ) from None
         else:
-            key = f"{key} = {value!r}"
             file, _, name = str(value).rpartition(":")
-            if not Path(file).is_file():
-                raise InputError(f"{key}: there is no file {file!r}; must be FILE.py:NAME")
             try:
-                function = UserFunction(name, read_checked(Path(file)).decode()).trusted()
-            except UnicodeDecodeError:
-                raise InputError(f"{key}: this is no text") from None
+                function = UserFunction(name, read_text(Path(file))).trusted()
+            except InputError as error:
+                raise InputError(f"{key} = {value!r}: must be FILE.py:NAME; {error}") from None
         if parameters is not None:
             function.parameters(key, parameters)
         return function

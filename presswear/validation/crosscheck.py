@@ -215,8 +215,8 @@ class Crosscheck:
             "checks": [{name: getattr(each, name) for name in fields} for each in self.checks],
             "touchdowns": [{**asdict(t), "joint": names[t.joint]} for t in self.touchdowns],
             "slider_difference_max_m": {
-                label: float(distance[time <= self.horizon].max())
-                for label, (time, distance) in ((k, v.T) for k, v in self.differences.items())
+                label: float(rows[rows[:, 0] <= self.horizon, 1].max())
+                for label, rows in self.differences.items()
             },
             "statistics": self.statistics,
         }

@@ -174,19 +174,10 @@ def worn_pair() -> tuple[Linkage, Start]:
     angle = bin_centres(BINS)
     bearing = 4e-4 * np.exp(-(((angle - 1.5) / 0.4) ** 2)) + 1e-4 * (1.0 + np.sin(3.0 * angle))
     pin = 2e-4 * np.exp(-(((angle - 4.0) / 0.25) ** 2)) + 5e-5 * (1.0 + np.cos(5.0 * angle))
-    joint = ClearanceJoint(
-        "J",
-        Attachment("ring", 0.01, -0.005),
-        Attachment("shaft", -0.004, 0.006),
-        bearing_radius=0.015,
-        clearance=0.8e-3,
-        width=0.02,
-        normal=laws.NormalLaw(1.25e10),
-        map_frame="body",
-        contact="foundation",
-        bearing_surface=Surface(bearing),
-        pin_surface=Surface(pin),
-    )
+    ends = Attachment("ring", 0.01, -0.005), Attachment("shaft", -0.004, 0.006)
+    unworn = ClearanceJoint("J", *ends, 0.015, 0.8e-3, 0.02, laws.NormalLaw(1.25e10))
+    worn = replace(unworn, bearing_surface=Surface(bearing), pin_surface=Surface(pin))
+    joint = replace(worn, map_frame="body", contact="foundation")
     bodies = Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)
     position = np.array([-0.01, 0.005, 0.0, 0.004, -0.006, 0.0])
     velocity = np.array([-0.1, 0.05, 9.0, 0.3, -0.15, -14.0])

@@ -158,15 +158,9 @@ class Impact:
     @property
     def linkage(self) -> Linkage:
         """Ring of 0.3 kg and shaft of 0.1 kg without constraint."""
-        joint = ClearanceJoint(
-            "J",
-            Attachment("ring", 0.0, 0.0),
-            Attachment("shaft", 0.0, 0.0),
-            bearing_radius=0.015,
-            clearance=self.clearance,
-            width=0.02,
-            normal=NormalLaw(self.stiffness, 1.5, self.damping),
-        )
+        law = NormalLaw(self.stiffness, 1.5, self.damping)
+        ends = Attachment("ring", 0.0, 0.0), Attachment("shaft", 0.0, 0.0)
+        joint = ClearanceJoint("J", *ends, 0.015, self.clearance, 0.02, law)
         bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
         return free_bodies("free impact", bodies, (joint,), "shaft")
 
@@ -280,16 +274,9 @@ def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tup
     The floor is a bearing of 10 km on the frame; ``pull`` and ``press`` are constant forces along
     and into it, N; the initial speed is in m/s.
     """
-    floor = ClearanceJoint(
-        "floor",
-        bearing=Attachment(GROUND, 0.0, _FLOOR_CLEARANCE),
-        pin=Attachment("block", 0.0, 0.0),
-        bearing_radius=_FLOOR_CLEARANCE + 0.01,
-        clearance=_FLOOR_CLEARANCE,
-        width=0.02,
-        normal=NormalLaw(_FLOOR_STIFFNESS),
-        friction=friction,
-    )
+    ends = Attachment(GROUND, 0.0, _FLOOR_CLEARANCE), Attachment("block", 0.0, 0.0)
+    size = _FLOOR_CLEARANCE + 0.01, _FLOOR_CLEARANCE, 0.02  # radius, clearance, width
+    floor = ClearanceJoint("floor", *ends, *size, NormalLaw(_FLOOR_STIFFNESS), friction)
     heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
     linkage = free_bodies("block on a floor", (heavy,), (floor,), "block", loads=(load,))
     return linkage, Start(_block_at(0.0, press), np.array([speed, 0.0, 0.0]))
@@ -369,15 +356,9 @@ class Ball:
     @property
     def linkage(self) -> Linkage:
         """Pin of 0.1 kg in a bearing with a clearance of 1 m."""
-        joint = ClearanceJoint(
-            "floor",
-            bearing=Attachment(GROUND, 0.0, 0.0),
-            pin=Attachment("ball", 0.0, 0.0),
-            bearing_radius=1.05,
-            clearance=1.0,
-            width=0.02,
-            normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
-        )
+        law = NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal))
+        ends = Attachment(GROUND, 0.0, 0.0), Attachment("ball", 0.0, 0.0)
+        joint = ClearanceJoint("floor", *ends, 1.05, 1.0, 0.02, law)
         bodies, up = (Body("ball", 0.1, 1e-4),), OutputPoint("ball", 0.5 * math.pi)
         options: dict[str, Any] = {"output": up, "gravity": self.gravity}
         return free_bodies("bouncing ball", bodies, (joint,), "ball", **options)
