@@ -1,7 +1,6 @@
 """Campaigns of stages and wear updates, and their results on disk."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,32 +9,21 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.campaign.campaign import run, run_stage
-from presswear.results.result import Result
-from presswear.scene.bearing import CONVENTIONS
-from presswear.scene.catalog import wear_times
-from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError
+from presswear.campaign.campaign import run_stage
 from presswear.tools.exudyn import exudyn_module, requested
 
-Campaign = tuple[Scene, Result, Result]
+Campaign = tuple[pw.Scene, pw.Result, pw.Result]
 """A scene, its result in memory, and its result on disk."""
 
 
 @pytest.fixture(scope="module", params=["paper", "refined"])
 def campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Campaign:
     """One fast cycle of the press, worn once as if it had run a million times."""
-    scene = replace(
-        wear_times(speed=60.0),
-        conventions=CONVENTIONS[request.param],
-        cycles=1,
-        wear_updates=1,
-        cycles_per_update=1e6,
-        extrapolation="single",
-        replicates=1,
-    )
+    settings: dict[str, Any] = {"extrapolation": "single", "conventions": request.param}
+    settings |= {"cycles": 1, "wear_updates": 1, "cycles_per_update": 1e6, "replicates": 1}
+    scene = pw.scenes.wear_times(speed=60.0, **settings)
     path = tmp_path_factory.mktemp("result") / request.param
-    return scene, run(scene), run(scene, path)
+    return scene, pw.run(scene), pw.run(scene, path)
 
 
 def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
@@ -66,7 +54,7 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
     assert [line.split()[:2] for line in table[1:]] == [["no", "wear"], ["first", "wear"]]
     peak = disk.stages[1].joints["A"].statistics.peak_force
     assert disk.table().loc["first wear", "joints.A.peak_force"] == peak
-    with pytest.raises(InputError, match="no stage 7; it has 0 to 1"):
+    with pytest.raises(pw.InputError, match="no stage 7; it has 0 to 1"):
         disk.dataset(7)
 
 
@@ -156,20 +144,14 @@ def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("settings", "arguments", "message"),
+    ("named", "arguments", "message"),
     [
-        ({"friction": 0.3}, {}, "another scene: friction is"),
-        ({}, {"jobs": 0}, "jobs = 0: must be at least 1"),
-        ({}, {"engine": "exudyntree"}, "did you mean exudyn-tree"),
-        (None, {}, "cannot name the folder of a scene"),
+        (scenes(friction=0.3), {}, "another scene: friction is"),
+        (scenes(), {"jobs": 0}, "jobs = 0: must be at least 1"),
+        (scenes(), {"engine": "exudyntree"}, "did you mean exudyn-tree"),
+        ({"../one": pw.scenes.wear_times()}, {}, "cannot name the folder of a scene"),
     ],
 )
-def test_scenes_that_cannot_run_are_refused(
-    settings: dict[str, Any] | None,
-    arguments: dict[str, Any],
-    message: str,
-    ran: Ran,
-) -> None:
-    named = {"../one": pw.scenes.wear_times()} if settings is None else scenes(**settings)
+def test_impossible_scenes_are_refused(named: Any, arguments: Any, message: str, ran: Ran) -> None:
     with pytest.raises(pw.InputError, match=message):
         pw.run_scenes(named, ran[0], **arguments)

@@ -32,7 +32,7 @@ def two() -> tuple[StageResult, Ensemble]:
     return run_stage(replace(QUICK, replicates=2, cycles=6), 0)
 
 
-def test_replicates_start_within_a_part_of_the_clearance_and_diverge(
+def test_replicates_start_close_together_and_diverge(
     two: tuple[StageResult, Ensemble],
 ) -> None:
     linkage = QUICK.linkage()

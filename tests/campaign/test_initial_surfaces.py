@@ -1,6 +1,7 @@
 """Campaigns that start on worn surfaces."""
 
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,6 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.__main__ import main
 from presswear.linkage.surface import SIDES
 from presswear.results.result import stored_scene
 from presswear.tools.numbers import readable
@@ -32,10 +32,8 @@ def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
     worn = first.stages[1]
     scene = pw.scenes.wear_times(surfaces=worn.surfaces, cycles=3, wear_updates=0, **QUICK)
     again = pw.run(scene).stages[0]
-    assert (first.stages[0].name, worn.name, again.name) == (
-        *("no wear", "first wear"),
-        "initial surfaces",
-    )
+    names = [stage.name for stage in (*first.stages, again)]
+    assert names == ["no wear", "first wear", "initial surfaces"]
     assert again.arrays.keys() == worn.arrays.keys()
     for name, array in worn.arrays.items():
         assert again.arrays[name].tobytes() == array.tobytes(), name
@@ -89,16 +87,15 @@ def test_energy_made_by_contacts_adds_up(first: pw.Result, contact: str, frame: 
 
 
 def test_stored_scene_needs_no_source(
-    first: pw.Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    first: pw.Result, tmp_path: Path, command: Callable[..., str]
 ) -> None:
     """Started from the command line, then run from the stored scene, interrupted and resumed."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
-    words = f"run wear-times --surfaces {source}:1 --cycles 1 --wear-updates 1".split()
-    for key, value in QUICK.items():
-        unit = " rad/s" if key == "speed" else ""
-        words += ["--set", f"{key}={value}{unit}"]
+    options = [f"--set {k}={v}{'rad/s' if k == 'speed' else ''}" for k, v in QUICK.items()]
+    options += [f"--surfaces {source}:1 --cycles 1 --wear-updates 1"]
+    line = " ".join(["run wear-times", *options])
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
-    assert main([*words, "--out", str(whole)]) == 0
+    command(f"{line} --out {whole}")
     shutil.rmtree(source)
     scene = pw.load(whole).scene
     deepest = readable(1e6 * float(first.stages[1].joints["A"].depth("bearing").max()))
@@ -113,9 +110,8 @@ def test_stored_scene_needs_no_source(
         pw.run(scene, stopped, observers=[Stops()])
     pw.run(stored_scene(stopped)[0], stopped)
     assert folder_differences(whole, stopped) == []
-    capsys.readouterr()
-    assert main([*words, "--resume", "--out", str(stopped)]) == 2
-    assert capsys.readouterr().err == f"presswear: {source}: there is no such folder\n"
+    refused = command(f"{line} --resume --out {stopped}", 2)
+    assert refused == f"presswear: {source}: there is no such folder\n"
 
 
 def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result) -> None:

@@ -13,18 +13,14 @@ import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 
+import presswear as pw
 from presswear.campaign import ensemble
 from presswear.campaign.campaign import Checkpoint, run, run_into, run_stage, workers_of
 from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.replicates import RunState, WorkUnit
-from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import ResultFolder, read_stored
-from presswear.results.result import load
-from presswear.scene.catalog import wear_times
-from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.errors import RunFailed
 from presswear.tools.processes import Job, OnProgress, OnResult, Report, Workers
 
 QUICK = {
@@ -32,13 +28,13 @@ QUICK = {
     **{"speed": "60rad/s", "angles": "90", "wear_updates": 1, "cycles_per_update": 1e5},
 }
 # As many cycles as allowed, a wear update in one jump, and rounds after it, together and alone.
-JUMP = changed(replace(wear_times(), replicates=3, max_cycles=9, tolerance=1.0), QUICK)
+JUMP = changed(replace(pw.scenes.wear_times(), replicates=3, max_cycles=9, tolerance=1.0), QUICK)
 STEPS = replace(JUMP, extrapolation="steps", cycles=3, replicates=2)
 UNTIL_KNOWN = replace(JUMP, wear_updates=0, replicates=4, max_cycles=200, tolerance=0.06)
 SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
 
 
-def finished(scene: Scene, jobs: int, path: Path) -> Path:
+def finished(scene: pw.Scene, jobs: int, path: Path) -> Path:
     assert run(scene, path, jobs=jobs).status == "completed"
     return path
 
@@ -54,7 +50,7 @@ def each_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
     one, three = (finished(SCENES[name], jobs, tmp_path / f"{jobs}") for jobs in (1, 3))
     assert folder_differences(one, three) == []
-    stages = load(one).stages
+    stages = pw.load(one).stages
     assert all(stage.statistics.load_distance_step_error for stage in stages)
     if name == "until known":
         # More than one round, or nothing was decided.
@@ -96,13 +92,13 @@ def test_failed_run_is_the_last(workers: Workers, monkeypatch: pytest.MonkeyPatc
     assert len(runs.recorders[0].cycles) == 3
 
 
-class At(Observer):
+class At(pw.Observer):
     """Calls a function with each progress that fits."""
 
     def __init__(self, function: Any, part: float = 0.0, word: str = "") -> None:
         self.function, self.part, self.word = function, part, word
 
-    def on_progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: pw.Progress) -> None:
         if progress.whole > self.part and progress.word.startswith(self.word):
             self.function()
 
@@ -123,16 +119,14 @@ def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
     with workers_of(scene, 2, interval=0.0) as workers:
         assert isinstance(workers, Workers)
         observers = [At(partial(kill_worker, workers), 0.3)]
-        with pytest.raises(RunFailed, match="memory ran out"):
+        with pytest.raises(pw.RunFailed, match="memory ran out"):
             run_into(ResultFolder(path, scene, 0.0), scene, observers, workers)
     run_into(ResultFolder(path, scene, resume=True), scene)
     assert folder_differences(whole, path) == []
 
 
 @pytest.mark.parametrize(("part", "jobs"), [(0.2, 2), (0.6, 3)])
-def test_run_interrupted_in_many_processes_resumes_in_one(
-    part: float, jobs: int, tmp_path: Path
-) -> None:
+def test_interrupted_processes_resume_in_one(part: float, jobs: int, tmp_path: Path) -> None:
     """No cycle is lost that any of the processes had finished."""
     scene, path = replace(UNTIL_KNOWN, cycles=8), tmp_path / "stopped"
     with workers_of(scene, jobs, interval=0.0) as workers, pytest.raises(KeyboardInterrupt):
@@ -145,7 +139,7 @@ def test_run_interrupted_in_many_processes_resumes_in_one(
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
 
 
-class Stored(Observer):
+class Stored(pw.Observer):
     """Keeps the words of the checkpoint that the folder holds after each notification."""
 
     def __init__(self, path: Path) -> None:
@@ -159,10 +153,8 @@ class Stored(Observer):
 @pytest.mark.parametrize(("interval", "is_each_due"), [(0.0, True), (1e6, False)])
 def test_checkpoint_is_written_when_due(interval: float, is_each_due: bool, tmp_path: Path) -> None:
     """After every cycle without an interval, and after a stage in any case."""
-    observer = Stored(tmp_path / "out")
-    run(
-        replace(STEPS, replicates=1), observer.path, jobs=1, observers=[observer], interval=interval
-    )
+    observer, scene = Stored(tmp_path / "out"), replace(STEPS, replicates=1)
+    run(scene, observer.path, jobs=1, observers=[observer], interval=interval)
     assert observer.words[0] == ("stage 0, cycle 1" if is_each_due else "")
     assert (len(set(observer.words)) > 6) == is_each_due
     assert "stage 1, cycle 0" in observer.words
@@ -181,15 +173,15 @@ def test_resuming_on_another_machine_is_remarked(tmp_path: Path) -> None:
     assert "Plan 9, 1 core" in remark
 
 
-class Frames(Observer):
+class Frames(pw.Observer):
     """Keeps the progress, with frames as a window needs them."""
 
     frames = 60
 
     def __init__(self) -> None:
-        self.progress: list[Progress] = []
+        self.progress: list[pw.Progress] = []
 
-    def on_progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: pw.Progress) -> None:
         self.progress.append(progress)
 
 

@@ -21,9 +21,7 @@ from presswear.cli import COMMANDS, scenes
 from presswear.cli.parser import parser_for
 from presswear.cli.terminal import logging_to_stderr
 from presswear.results.folder import ResultFolder
-from presswear.scene.catalog import SCENES, ideal
 from presswear.scene.files import example_file, scene_from
-from presswear.scene.scene import Scene
 from presswear.show import report
 
 # Line, and the words that its message contains, separated by " & ".
@@ -91,7 +89,7 @@ crosscheck --duration 1e300: --duration 1e+300 & 100 cycles
 crosscheck --duration 1_0: --duration 1_0: must be a number
 crosscheck --until 1: --until needs --against
 crosscheck --against theirs.csv: needs the result folder
-crosscheck . --against theirs.csv: theirs.csv is missing
+crosscheck . --against theirs.csv: there is no such file
 crosscheck . --against theirs.txt: .csv or .npz
 crosscheck nowhere --against theirs.csv: nowhere: there is no such folder
 crosscheck nowhere --against theirs.csv --set cycles=3: --set cannot be combined with --against
@@ -109,7 +107,7 @@ new press x.txt: x.txt: the name must end in .toml
 new press no/x.toml: no/x.toml cannot be written: No such file or directory
 show wear-times --at 3: --at = '3' has no unit
 show wear-times --out x.pdf: x.pdf: the name must end in .png
-show wear-times --out no/x.png: there is no folder no
+show wear-times --out no/x.png: there is not a folder no
 completion bsh: unknown shell 'bsh'; did you mean bash?
 """
 
@@ -143,7 +141,7 @@ def test_a_folder_of_several_runs_names_them(
 def test_list_names_scenes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(SCENES)
+    assert [line.split()[0] for line in lines] == list(pw.scenes.SCENES)
     assert len({line.index(line.split(None, 1)[1]) for line in lines}) == 1
 
 
@@ -165,7 +163,7 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 @pytest.mark.parametrize("is_verbose", [True, False])
 def test_verbose_logs_the_stages(is_verbose: bool, capsys: pytest.CaptureFixture[str]) -> None:
     with logging_to_stderr(is_verbose):
-        campaign.run(replace(ideal(), cycles=1, engine="dae"))
+        campaign.run(replace(pw.scenes.ideal(), cycles=1, engine="dae"))
     lines = capsys.readouterr().err.splitlines()
     assert bool(lines) == is_verbose
     assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
@@ -242,9 +240,9 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
         folder.interrupt()
     Path("laws.py").unlink()
     line = ["run", "mine.toml", "--resume", "--out", "out", "--trust"]
-    resumed: list[Scene] = []
+    resumed: list[pw.Scene] = []
 
-    def run_into(store: ResultFolder, scene: Scene, *more: object) -> None:
+    def run_into(store: ResultFolder, scene: pw.Scene, *more: object) -> None:
         resumed.append(scene)
         store.interrupt()
 

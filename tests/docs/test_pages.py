@@ -14,10 +14,7 @@ import presswear as pw
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_for
 from presswear.cli.terminal import parse_settings
-from presswear.linkage.laws import Materials
-from presswear.scene.catalog import SCENES
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -41,13 +38,13 @@ def test_command_line_is_valid(line: str) -> None:
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
     arguments = parser_for(words).parse_args(words)
     scene, settings = getattr(arguments, "scene", None), getattr(arguments, "set", None)
-    if scene not in SCENES or not settings:
+    if scene not in pw.scenes.SCENES or not settings:
         return
     if REFUSED in line:
-        with pytest.raises(InputError, match=REFUSED):
-            changed(SCENES[scene].make(), parse_settings(settings))
+        with pytest.raises(pw.InputError, match=REFUSED):
+            changed(pw.scenes.SCENES[scene].make(), parse_settings(settings))
     else:
-        changed(SCENES[scene].make(), parse_settings(settings))
+        changed(pw.scenes.SCENES[scene].make(), parse_settings(settings))
 
 
 def test_commands_in_prose_exist() -> None:
@@ -132,7 +129,7 @@ def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> No
     )
     assert found
     strokes, low, high, scatter, total_low, total_high = map(float, found.groups())
-    assert scatter == 100.0 * Materials().wear_scatter
+    assert scatter == 100.0 * pw.Materials().wear_scatter
     factor = math.sqrt(
         math.log(high / low) ** 2 / 4.0 + 1.96**2 * math.log1p((scatter / 100.0) ** 2)
     )

@@ -1,17 +1,20 @@
-"""Linkages: assembled from their parts, written and read back, and refused in one line."""
+"""Linkages and their loads: assembled, written and read back, refused; work of processes."""
 
 import copy
 import json
 import math
 import tomllib
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
-from presswear.linkage.drives import MAX_PIECES, RISES, Drive, Follow, Rise
+from presswear.linkage.drives import MAX_PIECES, Drive, Follow, Rise
 from presswear.linkage.elements import GROUND, Attachment, Bar, Body, Guide, OutputPoint, Pin
 from presswear.linkage.linkage import (
     MAX_TURNS,
@@ -32,6 +35,7 @@ from presswear.linkage.loads import (
     OverPosition,
     OverTime,
     Spring,
+    laws_of,
 )
 from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
 from presswear.tools.errors import InputError
@@ -73,10 +77,23 @@ LIVELY = FOUR_BAR.changed(
     drives=[replace(FOUR_BAR.drives[0], torque_limit=4.0)],
     name="lively",
 )
+SINE = [(k * math.pi / 3.0, *values) for k, *values in ((0, 0.1, 0.2, 1.0 / 3.0), (1, -7e2, 0, 1))]
+MOTIONS: tuple[dict[str, Any], ...] = (
+    {"frequency": 1.0 / 7.0, "harmonics": [(0.1, -1e3), (1e-300, 0.3)], "angle": -0.7},
+    {"table": [*((angle, value) for angle, value, *_ in SINE), (2.0, 0.5)]},
+    {"table": [*SINE, (2.0, 0.1, 0.2, 0.3)], "harmonics": [(1.0, 2.0)]},
+    {"rises": [Rise(0.1, 0.9, 0.7, "modified-sine"), Rise(1.0, 2.0, -0.7, "cycloidal")]},
+    {"follow": Follow("rocker.head", rises=[Rise(0.0, 1.0, 0.1), Rise(2.0, 3.0, -0.1, "3-4-5")])},
+    {"follow": Follow("rocker.head", 0.3, harmonics=[(1.0 / 3.0, 2.0)])},
+)
 EVERY = [
     FOUR_BAR,
     LOADED,
     LIVELY,
+    *(
+        FOUR_BAR.changed(drives=[Drive("crank", 30.0, **motion)], run_up=k, name=f"motion {k}")
+        for k, motion in enumerate(MOTIONS)
+    ),
     SliderCrank().linkage(),
     *(Press(geometry=geometry).linkage() for geometry in GEOMETRIES.values()),
 ]
@@ -84,8 +101,7 @@ EVERY = [
 
 def table_of(linkage: Linkage) -> dict[str, Any]:
     """Return a linkage as it is read from a file."""
-    data: dict[str, Any] = tomllib.loads(toml_of(linkage))["mechanism"]
-    return data
+    return tomllib.loads(toml_of(linkage))["mechanism"]
 
 
 @pytest.mark.parametrize("linkage", EVERY, ids=lambda linkage: linkage.name)
@@ -105,11 +121,6 @@ def test_every_value_is_listed_with_its_unit() -> None:
     lively = {key: value for key, value, _ in values_of(LIVELY)}
     assert lively["loads[1].law"] == "5.0 N"
     assert "table = [[-0.1 m, 0.0 N], [0.1 m, -5.0 N]]" in lively["loads[2].law"]
-
-
-def row_of(key: str, row: Any, **more: Any) -> dict[str, Any]:
-    """Return the four-bar as a file has it, with one row of a table in place of its rows."""
-    return {**table_of(FOUR_BAR), key: [row], **more}
 
 
 def test_the_output_point_moves_along_its_guide() -> None:
@@ -138,7 +149,10 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"joints": [Pin("O", (0, 0), "crnk.tail")]}, "body in joint O 'crnk'; did you mean crank"),
         ({"joints": [Pin("O", (0, 0), "crank.tial")]}, "unknown point of crank in joint O 'tial'"),
         ({"joints": [Guide("g", "slider")]}, "unknown body in guide g 'slider'"),
-        ({"drives": [Drive("crank", 1.0), Drive("crank", 2.0)]}, "drive of crank: the name stands"),
+        (
+            {"drives": [Drive("crank", 1.0), Drive("crank", 2.0)]},
+            "drive of crank: the name is used",
+        ),
         ({"drives": [Drive("cank", 1.0)]}, "unknown body in drives 'cank'; did you mean crank"),
         ({"guess": {"rod": 1.0}}, "unknown body in guess 'rod'"),
         ({"loads": [Load("rod")]}, "unknown body in loads 'rod'"),
@@ -146,7 +160,7 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"loads": [Moment("frame", wobble)]}, "unknown body in loads 'frame'"),
         ({"loads": [Moment("crank", OverTime([(0, 1), (0.3, 2)]))]}, "cycle of 0.20944 s allowed"),
         ({"output": "rocker.nose"}, "unknown point of rocker in output 'nose'"),
-        ({"bodies": [*FOUR_BAR.bodies, FOUR_BAR.bodies[0]]}, "body crank: the name stands twice"),
+        ({"bodies": [*FOUR_BAR.bodies, FOUR_BAR.bodies[0]]}, "body crank: the name is used twice"),
         ({"bodies": []}, "bodies: at least one is needed"),
         ({"drives": [Drive("crank", 30.0, follow=Follow("rocker.haed"))]}, "'haed'; did you mean"),
         ({"run_up": 1.5}, "run_up = 1.5: a whole number"),
@@ -172,15 +186,11 @@ def test_parts_that_do_not_fit_together_are_refused(changes: dict[str, Any], mes
         (OverPosition, {"table": ENDS, "sense": "along"}, "5 N or N m at 1 .*would drive"),
         (OverPosition, {"table": ENDS, "release": True}, "release: it needs a table"),
         (OverPosition, {"table": ENDS, "unloading": 9.0}, "unloading: it needs a table that acts"),
-        (
-            OverPosition,
-            {**SHEET, "unloading": 4.9},
-            "4.9 N.m .* is 5, the steepest rise of",
-        ),
+        (OverPosition, {**SHEET, "unloading": 4.9}, "4.9 N.m .* is 5, the steepest rise of"),
         (OverPosition, {**SHEET, "table": [(1, -5)], "unloading": 9.0}, "-5 N .*, where it begins"),
         (Harmonics, {"harmonics": [(1, 1)]}, "frequency = 0 rad/s: with harmonics"),
         (Moment, {"body": "crank", "law": 1.0}, "use Load for a constant moment"),
-        (Moment, {"body": "crank", "law": "f.py:f"}, "there is no file"),
+        (Moment, {"body": "crank", "law": "f.py:f"}, "no such file"),
         (Force, {"point": "crank", "direction": 0.0, "law": None}, "law = None: a number"),
         (Force, {"point": "crank", "direction": 0.0, "law": math.pow}, "source of .* be read"),
         (Rise, {"start": 1.0, "end": 0.5, "by": 1.0}, "a rise from 1 to 0.5 rad: it must begin"),
@@ -206,13 +216,10 @@ def test_parts_that_do_not_fit_together_are_refused(changes: dict[str, Any], mes
         (Coining, {"height": -1e-3}, r"height = -0\.001 m: allowed is 1e-06 to 10 m"),
     ],
 )
-def test_a_part_that_is_not_possible_is_refused(
-    kind: Any, values: dict[str, Any], message: str
-) -> None:
+def test_impossible_parts_are_refused(kind: Any, values: dict[str, Any], message: str) -> None:
     required = {"body": "crank", "speed": 10.0} if kind is Drive else {}
-    with pytest.raises(InputError, match=message) as refusal:
+    with pytest.raises(InputError, match=message):
         kind(**{**required, **values})
-    assert "\n" not in str(refusal.value)
 
 
 def test_the_parameters_of_a_user_law_are_checked() -> None:
@@ -283,40 +290,67 @@ def test_plain_data_that_does_not_fit_is_refused(path: Any, value: Any, message:
     with pytest.raises(InputError, match=message) as refusal:
         linkage_from(data, "here")
     assert "here" in str(refusal.value)
-    assert "\n" not in str(refusal.value)
 
 
-numbers = st.floats(-1e3, 1e3)
-
-
-@st.composite
-def motions(draw: st.DrawFn) -> dict[str, Any]:
-    """Return harmonics, and a table or rises."""
-    motion: dict[str, Any] = {"harmonics": draw(st.lists(st.tuples(numbers, numbers), max_size=16))}
-    if draw(st.booleans()):
-        width = draw(st.sampled_from([1, 3]))
-        rows = draw(st.lists(st.tuples(*[numbers] * width), min_size=3, max_size=30))
-        return motion | {"table": [(2 * k * math.pi / len(rows), *r) for k, r in enumerate(rows)]}
-    start, by = draw(st.floats(0.0, 2.0)), draw(numbers)
-    end = start + draw(st.floats(0.1, 2.0))
-    rise = Rise(start, end, by, draw(st.sampled_from([*RISES])))
-    return motion | {"rises": [rise, Rise(end + 0.5, end + 1.5, -by)]}
-
-
-curves = st.builds(
-    lambda motion, direction: Follow("rocker.head", direction, **motion),
-    motions(),
-    st.none() | numbers,
+sizes = st.floats(1.0, 1e7)
+depths = st.floats(1e-5, 0.1)
+blanks = st.builds(
+    Blanking,
+    force=sizes,
+    thickness=depths,
+    rise=depths,
+    # No shorter than a millionth of the length, the resolution of a table.
+    plateau=st.floats(0.05, 1.0),
+    snap=depths,
+    cushion=st.floats(0.0, 1e5),
 )
-any_drive = st.builds(
-    lambda speed, angle, frequency, motion: Drive("crank", speed, angle, frequency, **motion),
-    *(numbers, numbers, st.floats(1e-3, 1e3)),
-    motions() | st.fixed_dictionaries({"follow": curves}),
-)
+peaks = st.floats(0.05, 0.95)
+cups = st.builds(Drawing, force=sizes, depth=depths, peak=peaks, cushion=st.floats(0.0, 1e5))
 
 
-@given(any_drive, st.integers(0, 1000))
-def test_motions_are_stored_to_the_last_bit(drive: Drive, run_up: int) -> None:
-    linkage = FOUR_BAR.changed(drives=[drive], run_up=run_up)
-    assert linkage_from(json.loads(json.dumps(linkage.as_plain())), "here") == linkage
-    assert linkage_from(table_of(linkage), "here") == linkage
+@given(st.one_of(blanks, cups))
+def test_work_is_the_integral_of_a_continuous_force(process: Blanking | Drawing) -> None:
+    """Steep only where a sheet snaps through; the law pushes against the way in by as much."""
+    places, forces = np.array(process.curve).T
+    assert forces[0] == forces[-1] == 0.0
+    assert forces.max() == pytest.approx(process.force)
+    law = laws_of(process, 0.2, 0.03)[process.kind]
+
+    def size(depth: float) -> float:
+        return float(np.interp(-depth, *np.array(law.table).T))
+
+    work = sum(quad(size, *piece)[0] for piece in pairwise(places))
+    assert process.work == pytest.approx(work, rel=1e-9)
+    gap = 1e-9 * places[-1]
+    steepest = np.abs(np.diff(forces) / np.diff(places)).max()
+    for place in places:
+        assert abs(size(place + gap) - size(place - gap)) <= 2.001 * steepest * gap
+    assert law.release
+    assert law.zero == 0.2
+    assert law.unloading == pytest.approx((np.diff(forces) / np.diff(places)).max())
+    # A new blank lies there once the old one was left by the lift.
+    assert max(place for place, _ in law.table) == 0.03
+    if isinstance(process, Blanking):
+        assert np.interp(process.fracture, places, forces) == process.force
+        assert process.fracture - places[1] == pytest.approx(process.plateau * process.thickness)
+        assert places[-1] - process.fracture == pytest.approx(process.snap)
+
+
+@given(cups)
+def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
+    peak = cup.peak * cup.depth
+    for depth, force in cup.curve:
+        part = depth / peak if depth <= peak else (cup.depth - depth) / (cup.depth - peak)
+        exact = cup.force * np.sin(0.5 * np.pi * part) ** 2
+        assert force == pytest.approx(exact, abs=1e-9 * cup.force)
+
+
+def test_a_cushion_and_a_stop_push_both_ways() -> None:
+    held = laws_of(Drawing(cushion=20.0), 0.1, 0.01)["cushion"]
+    stop = laws_of(Coining(stiffness=1e5), 0.1, 0.01)["coining"]
+    for law, size in ((held, 20.0), (stop, 1e5 * 5e-3)):
+        assert law.sense == "both"
+        assert not law.release
+        assert law.outside == "hold"
+        assert np.interp(-5e-3, *np.array(law.table).T) == pytest.approx(size)
+        assert np.interp(1e-9, *np.array(law.table).T) == 0.0

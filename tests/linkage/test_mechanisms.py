@@ -40,7 +40,7 @@ def test_every_quantity_is_checked(mechanism: Any) -> None:
         (lambda: Press(geometry=Geometry(hx=5.0)), r"at crank angle \S+ deg joint \S+ does not"),
         (lambda: Press(length_5=0.02), "joint (C|E) does not close"),
         *((lambda rod=rod: SliderCrank(rod_length=rod), SHORT) for rod in (0.01, 0.05, 0.0500001)),
-        (lambda: Press(geometry=Geometry(side_bd=0.5)), r"plate 4 is no triangle.*0\.5 m"),
+        (lambda: Press(geometry=Geometry(side_bd=0.5)), r"plate 4 is not a triangle.*0\.5 m"),
         # Half a side assembles into links of another length.
         (lambda: Press(geometry=Geometry(side_b=0.5)), "side_b"),
         (lambda: Press(geometry=Geometry(side_c=0.0)), "side_c"),
@@ -48,9 +48,8 @@ def test_every_quantity_is_checked(mechanism: Any) -> None:
     ],
 )
 def test_a_mechanism_that_does_not_assemble_is_refused(make: Any, message: str) -> None:
-    with pytest.raises(InputError, match=message) as refusal:
+    with pytest.raises(InputError, match=message):
         motion_of(make())
-    assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
@@ -61,9 +60,7 @@ def test_a_mechanism_that_does_not_assemble_is_refused(make: Any, message: str) 
         ("lifted", 0.0785, 0.1856, 0.1695, 0.983),
     ],
 )
-def test_travel_of_each_geometry(
-    name: str, low: float, high: float, start: float, fastest: float
-) -> None:
+def test_press_geometry(name: str, low: float, high: float, start: float, fastest: float) -> None:
     press = Press(geometry=GEOMETRIES[name], speed=3.5 * math.pi)
     motion = motion_of(press).at(np.linspace(0.0, press.period, 20_001))
     i = 3 * Press().linkage().index("slider 6") + 1

@@ -85,9 +85,7 @@ def test_halfway_up_a_step_and_at_an_extremum_by_hand() -> None:
     st.floats(0.001, 0.999),
     st.integers(-1000, 1000),
 )
-def test_a_bin_covers_its_part_of_the_turn(
-    count: int, place: float, part: float, turns: int
-) -> None:
+def test_a_bin_covers_its_part_of_a_turn(count: int, place: float, part: float, turns: int) -> None:
     index = int(place * count)
     # An angle of a thousand turns is rounded to 1e-12, a bin may be 6e-5 wide.
     assert bin_of((index + part) * TURN / count + turns * TURN, count) == index

@@ -8,26 +8,23 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
+import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import Guide
-from presswear.linkage.laws import NormalLaw
-from presswear.linkage.surface import Surface
+from presswear.engines.settings import Engine
 from presswear.scene.bearing import CONVENTIONS
-from presswear.scene.catalog import wear_times
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
 from presswear.validation.work_precision import GAP
 
 
-def simulated(impact: Impact, engine: Engine, law: NormalLaw | None = None) -> Run:
+def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -> Run:
     """Run one free impact; guides along its line make the linkage an open tree."""
     linkage, start = impact.linkage, impact.start
     joint = linkage.clearances[0]
     joint = replace(joint, normal=law or joint.normal)
-    guides = tuple(Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies)
+    guides = tuple(pw.Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies)
     start.position[3] = impact.clearance - GAP
-    if isinstance(engine, ExudynJoints):
+    if isinstance(engine, pw.ExudynJoints):
         guides = ()
     run = engine.simulate(
         replace(linkage, joints=guides, clearances=(joint,)), start, Plan(5e-3, 1)
@@ -67,9 +64,9 @@ def closed_form(impact: Impact) -> float:
 
 # At these tolerances a contact gets the fewest steps, some 21; the trapezoidal rule is of order 2.
 ENGINES: list[tuple[Engine, float]] = [
-    (InHouse("dop853", 1e-6), 2e-5),
-    (ExudynTree(1e-6, 1e-3), 2e-5),
-    (ExudynJoints(60, 10, free_step=2e-5, newton=1e-10), 2.5e-4),
+    (pw.InHouse("dop853", 1e-6), 2e-5),
+    (pw.ExudynTree(1e-6, 1e-3), 2e-5),
+    (pw.ExudynJoints(60, 10, free_step=2e-5, newton=1e-10), 2.5e-4),
 ]
 
 
@@ -107,7 +104,7 @@ def test_a_force_that_begins_with_a_jump_has_no_other_peak(part: float, engine: 
         t_eval=np.linspace(0.0, 0.5 * period, 20001),
     )
     truth = float((stiffness * motion.y[0] + damper * motion.y[1]).max())
-    run = simulated(impact, engine, NormalLaw(stiffness, 1.0, viscosity=damper))
+    run = simulated(impact, engine, pw.NormalLaw(stiffness, 1.0, viscosity=damper))
     found = peaks(run)[0]
     assert run.recorder.series("normal", 0).max() <= found
     # Of a force that falls from its beginning the first accepted state tells most.
@@ -118,19 +115,19 @@ def test_a_force_that_begins_with_a_jump_has_no_other_peak(part: float, engine: 
 @pytest.mark.parametrize("conventions", [None, *CONVENTIONS])
 def test_peaks_in_the_press_do_not_depend_on_the_step(conventions: str | None) -> None:
     """Round surfaces, worn ones and worn ones on a foundation, against steps of 0.2 us at most."""
-    scene = wear_times()
+    scene = pw.scenes.wear_times()
     worn = {}
     if conventions is not None:
         scene = replace(scene, conventions=CONVENTIONS[conventions])
         angle = (np.arange(90) + 0.5) * math.radians(4.0)
-        bearing = Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
-        worn = {"A": (bearing, Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
+        bearing = pw.Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
+        worn = {"A": (bearing, pw.Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
     linkage, start, plan = scene.linkage(worn), start_of(scene), Plan(0.0175, 1)
-    fine = InHouse("dop853", 1e-12, free_step=2e-7).simulate(linkage, start, plan)
+    fine = pw.InHouse("dop853", 1e-12, free_step=2e-7).simulate(linkage, start, plan)
     exact = [fine.recorder.stored_contacts(k)[:3] for k in range(2)]
     assert min(len(own) for own in exact) > 0
     for tolerance in (1e-12, 1e-9):
-        run = InHouse("dop853", tolerance).simulate(linkage, start, plan)
+        run = pw.InHouse("dop853", tolerance).simulate(linkage, start, plan)
         for k, own in enumerate(exact):
             found = run.recorder.stored_contacts(k)[: len(own)]
             assert found[:, 5].max() < 0.2 * own[:, 5].max()

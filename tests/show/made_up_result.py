@@ -5,16 +5,12 @@ from typing import Any
 
 import numpy as np
 
+import presswear as pw
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.observe import CYCLE_FIXED, cycle_columns
-from presswear.recording.statistics import Estimate
 from presswear.results import stage as stages
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
-from presswear.results.result import Result
 from presswear.scene.bearing import CONVENTIONS
-from presswear.scene.catalog import wear_times
-from presswear.scene.options import Life
-from presswear.scene.scene import Scene
 
 BINS = 72
 PROVENANCE = {
@@ -23,14 +19,14 @@ PROVENANCE = {
 }
 
 
-def made_up(scene: Scene, count: int, status: str = "completed", message: str = "") -> Result:
+def made_up(scene: pw.Scene, count: int, status: str = "completed", message: str = "") -> pw.Result:
     """A result as a run of the scene would leave it, from formulas; stage depth grows."""
     ends = [("completed", "")] * (count - 1) + [(status, message)]
     made = tuple(_stage(scene, k, *end) for k, end in enumerate(ends))
-    return Result(scene, made, status, message, PROVENANCE, wall_s=3.0)
+    return pw.Result(scene, made, status, message, PROVENANCE, wall_s=3.0)
 
 
-def _stage(scene: Scene, index: int, status: Any, message: str) -> stages.StageResult:
+def _stage(scene: pw.Scene, index: int, status: Any, message: str) -> stages.StageResult:
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
     angle = bin_centres(BINS)
     arrays = {
@@ -43,9 +39,9 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> stages.StageR
     arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
     if scene.drive_torque == "on":
         arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
-    each, turn = Estimate.symmetric(80.0, 12.0, 2), 6.0 * np.pi * time / time[-1]
+    each, turn = pw.Estimate.symmetric(80.0, 12.0, 2), 6.0 * np.pi * time / time[-1]
     one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
-    peak = stages.WearPeak(Estimate(float(one.max())), Estimate(np.radians(92.5)))
+    peak = stages.WearPeak(pw.Estimate(float(one.max())), pw.Estimate(np.radians(92.5)))
     for joint in scene.clearance_joints:
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
         arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
@@ -66,28 +62,28 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> stages.StageR
         unresolved_contacts=0,
         min_steps_per_contact=50,
         contact_time_fraction=0.5,
-        load_distance_per_cycle=Estimate(80.0, samples=2),
-        wear_volume=Estimate(3e-9),
+        load_distance_per_cycle=pw.Estimate(80.0, samples=2),
+        wear_volume=pw.Estimate(3e-9),
         wear_volume_step_error=None,
         wear_map_error=0.1,
         wear_depth_max_by_replicate=(5e-6,),
         wear_peaks=dict.fromkeys((*SIDES, "both"), peak),
     )
-    each = Estimate.symmetric(0.107, 0.001, 2)
+    each = pw.Estimate.symmetric(0.107, 0.001, 2)
     output = stages.OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
     bdc = stages.BottomStatistics(
         strokes=2,
         ideal_height=-0.5871,
         ideal_time=0.5,
         ideal_dwell=0.0,
-        height=Estimate.symmetric(-0.58785, 2e-5, 2),
-        error=Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2),
+        height=pw.Estimate.symmetric(-0.58785, 2e-5, 2),
+        error=pw.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2),
         range_of_all=1e-4,
-        range=Estimate(1e-4),
+        range=pw.Estimate(1e-4),
         range_strokes=2,
-        standard_deviation=Estimate(4e-5, 3e-5, 6e-5),
-        delay=Estimate(-3e-3, samples=2),
-        delay_angle=Estimate.symmetric(-0.0314159, 0.0174533, 2),
+        standard_deviation=pw.Estimate(4e-5, 3e-5, 6e-5),
+        delay=pw.Estimate(-3e-3, samples=2),
+        delay_angle=pw.Estimate.symmetric(-0.0314159, 0.0174533, 2),
     )
     joints = dict.fromkeys(scene.clearance_joints, joint_statistics)
     return stages.StageResult(
@@ -106,13 +102,13 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> stages.StageR
     )
 
 
-def altered(result: Result, index: int, **changes: Any) -> Result:
+def altered(result: pw.Result, index: int, **changes: Any) -> pw.Result:
     """A result with one stage changed."""
     changed = replace(result.stages[index], **changes)
     return replace(result, stages=(*result.stages[:index], changed, *result.stages[index + 1 :]))
 
 
-def grown() -> Result:
+def grown() -> pw.Result:
     """Three stages with two wears of three steps each between them, and torques."""
     result = made_up(replace(BOTH, drive_torque="on"), 3)
     for index in range(2):
@@ -126,14 +122,16 @@ def grown() -> Result:
     return result
 
 
-BOTH = replace(wear_times(), cycles=2)
+BOTH = replace(pw.scenes.wear_times(), cycles=2)
 ONE = replace(BOTH, joints="C")
 BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
 IDEAL = replace(BOTH, joints="none", wear_updates=0)
 
 STROKES = np.array([4.0, 2e6, 4e6, 6e6])
 LIFE = 5e6
-ASKED = Life(until="depth > 50 um, bdc_drift > 2 mm", replaced="A@2e6", turned="C@7e6", at_most=8e6)
+ASKED = pw.Life(
+    until="depth > 50 um, bdc_drift > 2 mm", replaced="A@2e6", turned="C@7e6", at_most=8e6
+)
 
 
 def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> LifeResult:
@@ -169,7 +167,7 @@ def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> Li
     )
 
 
-def lived(result: Result, life: LifeResult | None = None) -> Result:
+def lived(result: pw.Result, life: LifeResult | None = None) -> pw.Result:
     scene = replace(result.scene, life=ASKED, wear_updates=2)
     return replace(result, scene=scene, life=life or made_up_life())
 

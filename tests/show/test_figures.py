@@ -76,9 +76,7 @@ def test_panels_with_their_labels_fit_beside_each_other(result: pw.Result) -> No
         (made.IDEAL, 1, ["response.png"]),
     ],
 )
-def test_figures_with_content_are_drawn(
-    scene: pw.Scene, stages: int, files: list[str], tmp_path: Path
-) -> None:
+def test_figures_are_drawn(scene: pw.Scene, stages: int, files: list[str], tmp_path: Path) -> None:
     figures = list(drawings(made_up(scene, stages)))
     files = ["mechanism.png", "stroke.png", *files]
     assert [drawing.file for drawing in figures] == files

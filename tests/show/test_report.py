@@ -159,9 +159,7 @@ RADIAL, SAMPLE = "Contact on worn surfaces is radial", "a peak is a random sampl
         (wear_times(), 1, "All settings are those of the named scene wear-times.", RADIAL),
     ],
 )
-def test_sentences_follow_the_scene(
-    scene: pw.Scene, stages: int, present: str, absent: str
-) -> None:
+def test_sentences_fit_the_scene(scene: pw.Scene, stages: int, present: str, absent: str) -> None:
     text = page_of(made_up(scene, stages)).text
     assert all(words in text for words in present.split(" & "))
     assert absent not in text

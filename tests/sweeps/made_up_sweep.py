@@ -35,13 +35,8 @@ def table_of(
     rows = np.repeat(values, replicates) + noise * random.standard_normal(count)
     bounds = np.zeros(len(points), bool) if censored is None else censored
     names = range(1, points.shape[1] + 1)
-    return Table(
-        tuple(Column(f"x{k}", "m", f"parameter {k}") for k in names),
-        (Column("y", "N", "response"),),
-        np.repeat(points, replicates, axis=0),
-        rows[:, None],
-        np.full((count, 1), half_widths),
-        np.repeat(bounds, replicates)[:, None],
-        ("",) * count,
-        replicates,
-    )
+    columns = tuple(Column(f"x{k}", "m", f"parameter {k}") for k in names)
+    halves, censored = np.full((count, 1), half_widths), np.repeat(bounds, replicates)[:, None]
+    response, points = Column("y", "N", "response"), np.repeat(points, replicates, axis=0)
+    errors = ("",) * count
+    return Table(columns, (response,), points, rows[:, None], halves, censored, errors, replicates)

@@ -130,7 +130,7 @@ def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path)
         process.wait(30.0)
         assert process.stderr is not None
         errors = process.stderr.read().decode()
-    assert number == signal.SIGKILL or "all finished runs are kept; continue with" in errors
+    assert number == signal.SIGKILL or "all finished runs are stored; continue with" in errors
     stored = {name: when for name, when in rows_in(folder).items() if read_row(folder, name)}
     assert stored
     command = [*command[:5], "--resume", "--out", str(folder), "--jobs", "1"]

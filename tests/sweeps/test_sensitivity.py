@@ -2,9 +2,11 @@
 
 Of 60 intervals of 95 % fewer than 50 contain the value with a probability below 1e-3 each.
 """
+# mypy: disable-error-code="union-attr,operator,index"
 
 import math
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +26,6 @@ from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import (
     PROBABILITIES,
     Points,
-    Sensitivity,
     chaotic_share,
     fit,
     points_of,
@@ -42,10 +43,8 @@ INDICES = np.array([ISHIGAMI_FIRST, ISHIGAMI_TOTAL])
 SLOPES = np.array([1.0, -4.0, 0.0])
 
 
-def result_of(table: Table, kind: str) -> Sensitivity:
-    result = sensitivity(points_of(table, "y"), kind)
-    assert result is not None
-    return result
+def result_of(table: Table, kind: str) -> Any:
+    return sensitivity(points_of(table, "y"), kind)
 
 
 def ishigami_of(kind: str, size: int, seed: int, replicates: int = 1, noise: float = 0.0) -> Table:
@@ -132,15 +131,12 @@ def test_one_at_a_time_gives_changes_with_intervals() -> None:
 
 
 @pytest.mark.parametrize(("count", "replicates", "noise"), [(16, 2, 0.5), (32, 4, 2.0)])
-def test_intervals_of_the_chaotic_share_contain_it(
-    count: int, replicates: int, noise: float
-) -> None:
+def test_intervals_of_the_chaotic_share_hold_it(count: int, replicates: int, noise: float) -> None:
     hits = 0
     for seed in SEEDS:
         points = np.random.default_rng(seed).standard_normal((count, 1))
         table = table_of(points, points[:, 0], replicates, noise, seed + 1000)
         share = chaotic_share(points_of(table, "y"))
-        assert share is not None
         hits += share[1] <= noise**2 / (1.0 + noise**2) <= share[2]
     assert hits / len(SEEDS) >= MIN_COVERAGE
     assert chaotic_share(points_of(ishigami_of("latin", 64, 1), "y")) is None
@@ -151,11 +147,9 @@ def test_quantiles_of_rows_are_order_statistics() -> None:
     for seed in range(200):
         values = life.rvs(100, random_state=seed)
         spread = spread_of_rows(table_of(values[:, None], values), "y", Limit(50.0, True))
-        assert spread is not None
         truth = life.ppf(PROBABILITIES)
         low, high = np.nan_to_num(spread.low, nan=0.0), np.nan_to_num(spread.high, nan=np.inf)
         hits += (low <= truth) & (truth <= high)
-        assert spread.violation is not None
         assert spread.violation[0] == np.mean(values < 50.0)
     assert hits.min() / 200 >= 0.9
 
@@ -164,10 +158,8 @@ def test_censored_values_leave_quantiles_open() -> None:
     values = np.minimum(np.arange(100.0), 80.0)
     table = table_of(values[:, None], values, replicates=3, censored=values >= 80.0)
     spread = spread_of_rows(table, "y", Limit(90.0, True))
-    assert spread is not None
     assert spread.values[49] == 49.0
     assert np.isnan([spread.values[89], spread.high[89]]).all()
-    assert spread.violation is not None
     assert spread.violation[1] < 0.8 < 0.99 < spread.violation[2]
     assert spread_of_rows(table_of(np.ones((5, 1)), np.full(5, np.nan)), "y") is None
 
@@ -213,7 +205,6 @@ def test_a_distribution_has_the_quantiles_of_single_runs() -> None:
         places = [4, 49, 94]
         assert spread.values[places] == pytest.approx(truth, rel=0.25)
         hits += (spread.low[places] <= truth) & (truth <= spread.high[places])
-        assert spread.violation is not None
         assert spread.violation[0] == pytest.approx(LIFE.cdf(40.0), abs=0.05)
     assert hits.min() >= 5
 

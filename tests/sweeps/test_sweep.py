@@ -1,4 +1,4 @@
-"""Sweeps from a script and from the command line."""
+"""Sweeps from a script and from the command line, and bad input, which writes nothing."""
 
 import json
 import math
@@ -6,8 +6,10 @@ import pickle
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from html import unescape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +17,7 @@ from exudyn.processing import ParameterVariation
 from made_up_sweep import table_of
 
 import presswear as pw
-from presswear.__main__ import main
-from presswear.cli import sweep as command
+from presswear.cli import sweep as sweep_command
 from presswear.scene.files import example_file, scene_from
 from presswear.scene.settings import changed
 from presswear.sweeps.plan import NOT_RUN, Plan, read_sweep
@@ -25,17 +26,11 @@ from presswear.sweeps.responses import Limit
 from presswear.sweeps.sweep import load_sweep, run_sweep
 from presswear.tools.errors import InputError, RunFailed
 
-QUICK = {
-    "engine": "dae",
-    "integrator": "dopri5",
-    "integration_tolerance": 1e-6,
-    "wear_updates": 0,
-    "cycles": 1,
-    "replicates": 1,
-}
+QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}
+QUICK |= {"wear_updates": 0, "cycles": 1, "replicates": 1}
 SCENE = pw.scenes.wear_times(**QUICK)
-OPTIONS = [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
-VARY = ["--vary", "clearance=0.4mm,0.6mm", "--response", "A.force_max,bdc_error"]
+OPTIONS = " ".join(f"--set {key}={value}" for key, value in QUICK.items())
+VARY = "--vary clearance=0.4mm,0.6mm --response A.force_max,bdc_error"
 
 
 def peak(result: pw.Result) -> float:
@@ -47,14 +42,8 @@ def run_at(settings: dict[str, float]) -> pw.Result:
 
 
 def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
-    sweep = pw.sweep(
-        SCENE,
-        {"clearance": [4e-4, 6e-4], "A.friction": "0.02,0.05"},
-        tmp_path / "sweep",
-        [peak, "bdc_error"],
-        replicates=2,
-        jobs=1,
-    )
+    vary = {"clearance": [4e-4, 6e-4], "A.friction": "0.02,0.05"}
+    sweep = pw.sweep(SCENE, vary, tmp_path / "sweep", [peak, "bdc_error"], replicates=2, jobs=1)
     table = sweep.table
     keys = [column.key for column in (*table.parameters, *table.responses)]
     assert keys == ["clearance", "A.friction", "peak", "bdc_error"]
@@ -85,9 +74,7 @@ def test_other_responses_of_stored_rows_need_no_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("on", ["", "dask", "concurrent.futures:ProcessPoolExecutor"])
-def test_numbers_do_not_depend_on_the_executor(
-    on: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_executors_agree(on: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     vary = {"clearance": [4e-4, 6e-4], "cycles": [4]}
     alone = pw.sweep(SCENE, vary, tmp_path / "1", jobs=1).table
     table = pw.sweep(SCENE, vary, tmp_path / "2", on=on, jobs=2).table
@@ -107,40 +94,33 @@ def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
 
 
 def test_a_sweep_is_resumed_extended_reported_and_exported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder, out = tmp_path / "sweep", ["--out", str(tmp_path / "sweep"), "--jobs", "1"]
-    assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out, "--shard", "1/2"]) == 0
-    assert "2 points, 2 runs" in capsys.readouterr().out
+    folder, csv = tmp_path / "sweep", tmp_path / "rows.csv"
+    line = f"sweep wear-times {VARY} {OPTIONS} --out {folder} --jobs 1"
+    assert "2 points, 2 runs" in command(f"{line} --shard 1/2")
     assert load_sweep(folder).table.errors == ("", NOT_RUN)
-    assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out]) == 2
-    assert "the folder is not empty" in capsys.readouterr().err
-    assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out, "--shard", "2/2"]) == 0
-    wider = [word.replace("0.6mm", "0.6mm,0.8mm,0.9mm") for word in VARY]
-    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--shard", "1/2"]) == 2
-    assert "--resume extends it" in capsys.readouterr().err
-    monkeypatch.setattr(command, "LONG", 1e-6)
-    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--resume"]) == 2
-    assert "continue with --resume --yes" in capsys.readouterr().err
-    assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--resume", "--yes"]) == 0
+    assert "the folder is not empty" in command(line, 2)
+    command(f"{line} --shard 2/2")
+    wider = line.replace("0.6mm", "0.6mm,0.8mm,0.9mm")
+    assert "--resume extends it" in command(f"{wider} --shard 1/2", 2)
+    monkeypatch.setattr(sweep_command, "LONG", 1e-6)
+    assert "continue with --resume --yes" in command(f"{wider} --resume", 2)
+    command(f"{wider} --resume --yes")
     table = load_sweep(folder).table
     assert np.isfinite(table.values).all()
-    capsys.readouterr()
-    assert main(["report", str(folder), "--limit", "A.force_max<=1N"]) == 0
+    command(f"report {folder} --limit 'A.force_max<=1N'")
     page = (folder / "report.html").read_text()
     assert "4 of 4 points violate the upper limit 1.00 N of A.force_max" in page
     assert (folder / "figures" / "lines-A-force_max.png").exists()
-    assert main(["report", str(folder), "--limit", "B.force_max<=1MN"]) == 2
-    assert "did you mean A.force_max" in capsys.readouterr().err
-    assert main(["report", str(tmp_path), "--limit", "A.force_max<=1MN"]) == 2
-    assert "--limit needs a sweep" in capsys.readouterr().err
-    assert main(["export", str(folder), str(tmp_path / "rows.csv")]) == 0
-    assert (tmp_path / "rows.csv").read_text() == table.csv()
-    assert main(["export", str(folder), str(tmp_path / "rows.csv"), "--life"]) == 2
-    assert "--strokes and --life cannot be used" in capsys.readouterr().err
+    refused = command(f"report {folder} --limit 'B.force_max<=1MN'", 2)
+    assert "did you mean A.force_max" in refused
+    assert "--limit needs a" in command(f"report {tmp_path} --limit 'A.force_max<=1MN'", 2)
+    command(f"export {folder} {csv}")
+    assert csv.read_text() == table.csv()
+    assert "--strokes and --life cannot be used" in command(f"export {folder} {csv} --life", 2)
     (folder / "sweep.json").write_text(json.dumps({"schema": 2, "plan": {}}))
-    assert main(["report", str(folder)]) == 2
-    assert "sweep.json" in capsys.readouterr().err
+    assert "sweep.json" in command(f"report {folder}", 2)
 
 
 SAMPLED = Plan(
@@ -175,13 +155,12 @@ replicates = 2
 """
 
 
-def test_a_sweep_may_be_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = tmp_path / "my.toml"
+def test_a_sweep_may_be_a_file(tmp_path: Path, command: Callable[..., str]) -> None:
+    file, folder = tmp_path / "my.toml", tmp_path / "sweep"
     file.write_text(FILE)
-    out = ["--out", str(tmp_path / "sweep"), "--replicates", "1", "--jobs", "1"]
-    assert main(["sweep", str(file), *OPTIONS, *out]) == 0
-    assert "2 points, 2 runs" in capsys.readouterr().out
-    assert load_sweep(tmp_path / "sweep").requested.keys == ("A.force_max@last", "bdc_error@last")
+    shown = command(f"sweep {file} {OPTIONS} --out {folder} --replicates 1 --jobs 1")
+    assert "2 points, 2 runs" in shown
+    assert load_sweep(folder).requested.keys == ("A.force_max@last", "bdc_error@last")
     text = example_file("slider-crank")
     file.write_text(text + '\n[sweep]\nvary = ["clearance=0.1mm,0.2mm"]\n')
     scene, options = read_sweep(file)
@@ -215,16 +194,95 @@ def test_a_scene_is_a_function_of_its_settings() -> None:
 
 
 def test_parameter_variation_of_exudyn_accepts_a_function() -> None:
-    function = pw.function_of(SCENE, "A.force_max")
-    varied, values = ParameterVariation(
-        function,
-        {"clearance": (4e-4, 6e-4, 2), "friction": [0.02, 0.05]},
-        useMultiProcessing=True,
-        numberOfThreads=2,
-        showProgress=False,
-        addComputationIndex=True,
-        parameterFunctionData={"seed": 1},
-    )
+    function, shared = pw.function_of(SCENE, "A.force_max"), {"seed": 1}
+    options: dict[str, Any] = {"useMultiProcessing": True, "numberOfThreads": 2}
+    options |= {"showProgress": False, "addComputationIndex": True}
+    options["parameterFunctionData"] = shared
+    vary = {"clearance": (4e-4, 6e-4, 2), "friction": [0.02, 0.05]}
+    varied, values = ParameterVariation(function, vary, **options)
     points = zip(varied["clearance"], varied["friction"], strict=True)
-    shared = {"seed": 1}
     assert values == [function({"clearance": c, "friction": f, **shared}) for c, f in points]
+
+
+# Options of ``presswear sweep wear-times``, and words of the message.
+BAD_INPUT = r"""
+--vary clearence=1mm | did you mean clearance
+--vary clearance= | expected KEY=VALUES
+--vary clearance=0.4,0.5 | clearance = '0.4' has no unit
+--vary clearance=1mm:3m:4 | clearance = 3 m: allowed is
+--vary engine=dae,exudyntree | did you mean exudyn-tree
+--vary friction=0.1,0.1 | a value is repeated
+--vary 'A.friction=0.1,0.2 & C.friction=0.1' | as many values of each key, got 2 and 1
+--vary friction=0.1 --vary friction=0.2 | friction varies twice
+--vary seed=1,2 --replicates 2 | cannot be combined
+--vary length_3=0.1m,0.11m | no scene of this plan can be made
+--vary friction=0:0.1:10000 --vary clearance=0.1mm:1mm:10000 | the plan has 100000000 rows
+--sample sobol:8 | --sample and --range must be used together
+--sample sobol --range friction=0:0.1 | expected KIND:SIZE
+--sample sobel:8 --range friction=0:0.1 | did you mean sobol
+--sample sobol:500 --range friction=0:0.1 | must be a power of two, 256 or 512
+--sample morris:0 --range friction=0:0.1 | a size and a number of parameters of at least 1
+--sample sobol:8 --range engine=dae | engine is not a number
+--sample sobol:8 --range friction | expected KEY=DISTRIBUTION
+--sample sobol:8 --range 'clearance=nromal(0.8mm, 0.05mm)' | did you mean normal
+--sample sobol:8 --range clearance=0.8mm | expected a range such as
+--sample sobol:8 --range 'clearance=normal(0.8mm)' | expected normal(MEAN, DEVIATION)
+--sample sobol:8 --range 'clearance=normal(0.8, 0.05mm)' | has no unit
+--sample sobol:8 --range 'clearance=normal(0.8mm, 0.5mm)' | of it lies outside the allowed range
+--sample sobol:8 --range clearance=0.2mm:2m | allowed is
+--sample sobol:8 --range clearance=1mm:0.2mm | the first end must be below the second
+--sample sobol:8 --range 'clearance=lognormal(0.8mm, 0.5)' | a factor such as x1.6
+--sample sobol:8 --range 'friction=lognormal(0, 50%)' | the median must be positive
+--sample sobol:8 --range 'clearance=table(nowhere.csv)' | no such file
+--vary clearance=1mm --response A.forcemax | did you mean A.force_max
+--vary clearance=1mm --response B.depth | unknown response 'B.depth'
+--vary clearance=1mm --response A.depth@3 | the stage must be 0 to wear_updates = 2
+--vary clearance=1mm --response A.depth@x | NAME@STAGE
+--vary clearance=1mm --response A.depth,A.depth | is repeated
+--vary clearance=1mm --limit 'bdc_error<1mm' | expected RESPONSE>=VALUE or RESPONSE<=VALUE
+--vary clearance=1mm --limit 'bdc_eror>=1mm' | did you mean bdc_
+--vary clearance=1mm --limit 'A.force_max<=15' | has no unit
+--vary clearance=1mm --limit 'bdc_error>=1mm' --limit 'bdc_error<=2mm' | already has a limit
+--vary clearance=1mm --on dsk | MODULE:FACTORY
+--vary clearance=1mm --on nowhere:Executor | nowhere
+--vary clearance=1mm --on builtins:dict | dict is not an Executor
+--vary clearance=1mm --on dask://nowhere | expected dask://HOST:PORT
+--vary clearance=1mm --shard 3/2 | expected K/N
+--vary clearance=1mm --replicates few | --replicates few
+--vary clearance=1mm --replicates 10001 | replicates = 10001: must be 1 to 10000
+--vary clearance=1mm --seed -1 | must be a whole number from 0
+--vary clearance=1mm --keep most | allowed is one of responses, results
+--vary clearance=1mm --set colour=red | unknown key 'colour'
+--vary clearance=1mm --cycles 1 --set cycles=2 | cannot be combined
+--resume | --resume needs the folder
+--resume --out . | is not the folder of a sweep
+"""
+
+
+@pytest.mark.parametrize("case", ["| nothing varies", *BAD_INPUT.strip().splitlines()])
+def test_bad_input_is_one_line_and_writes_nothing(
+    case: str, tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words, _, message = case.rpartition("| ")
+    assert message in command(f"sweep wear-times {words}", 2)
+    assert not list(tmp_path.iterdir())
+
+
+SWEEP_FILE = '[sweep]\nscene = "wear-times"\nvary = ["clearance=0.4mm"]\nreplicates = 2\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (SWEEP_FILE.replace("vary", "varry"), "unknown key of [sweep] in "),
+        (SWEEP_FILE.replace("= 2", '= "2"'), "replicates"),
+        (SWEEP_FILE.replace("wear-times", "wear-time"), "did you mean wear-times"),
+        (SWEEP_FILE + '\n[mechanism]\nkind = "x"\n', "the file describes one"),
+        ("sweep = 3\n", "a table is expected"),
+    ],
+)
+def test_a_wrong_file_is_refused(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "my.toml").write_text(text)
+    with pytest.raises(pw.InputError, match=re.escape(message)):
+        read_sweep(tmp_path / "my.toml")

@@ -11,25 +11,15 @@ from typing import BinaryIO
 import numpy as np
 import pytest
 
+from presswear.tools import files
 from presswear.tools.arrays import named, part, read_arrays, read_numbers, write_arrays
 from presswear.tools.errors import InputError
-from presswear.tools.files import (
-    LOCK,
-    FolderLock,
-    digest,
-    holder,
-    is_free,
-    only_writer,
-    read_checked,
-    write_bytes,
-    write_whole,
-)
 from presswear.tools.serialize import read_json, write_json
 
 
 def test_a_file_is_written_whole_or_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "file"
-    write_bytes(target, b"old")
+    files.write_bytes(target, b"old")
 
     def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -39,10 +29,10 @@ def test_a_file_is_written_whole_or_stays(tmp_path: Path, monkeypatch: pytest.Mo
         raise OSError("no errno, no name")
 
     with pytest.raises(OSError, match="no errno, no name"):
-        write_whole(target, broken)
+        files.write_whole(target, broken)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space left on device") as raised:
-        write_bytes(target, b"new")
+        files.write_bytes(target, b"new")
     assert raised.value.filename == str(target)
     assert target.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [target]
@@ -54,12 +44,12 @@ def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
     result = read_arrays(file, checksum)
     assert part(result, "joint")["depth"].tolist() == [0.0, 1.0, 2.0]
     assert result["records"].dtype == records.dtype
-    with pytest.raises(InputError, match="records holds no real numbers"):
+    with pytest.raises(InputError, match="records contains no real numbers"):
         read_numbers(file)
     with pytest.raises(InputError, match=r"a\.npz is cut off or altered"):
-        read_arrays(file, digest(b""))
+        read_arrays(file, files.digest(b""))
     with pytest.raises(InputError, match=r"b\.npz is missing"):
-        read_checked(tmp_path / "b.npz", None)
+        files.read_checked(tmp_path / "b.npz", None)
     whole = file.read_bytes()
     np.savez(file, x=np.array([print]), allow_pickle=True)
     for data in (file.read_bytes(), whole[:-30], b"PK" + 99 * b"0"):
@@ -86,13 +76,13 @@ def test_documents_hold_finite_numbers_of_one_schema(tmp_path: Path) -> None:
 def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
     (tmp_path / "full").mkdir()
     (tmp_path / "empty").mkdir()
-    for file in ("file", "full/file", f"full/{LOCK}", f"empty/{LOCK}"):
+    for file in ("file", "full/file", f"full/{files.LOCK}", f"empty/{files.LOCK}"):
         (tmp_path / file).write_text("somebody's")
     before = sorted(tmp_path.rglob("*"))
-    assert all(is_free(tmp_path / name) for name in ("empty", "new", "a/b/c", "ü µ"))
+    assert all(files.is_free(tmp_path / name) for name in ("empty", "new", "a/b/c", "ü µ"))
     for name in ("full", "file"):
-        assert not is_free(tmp_path / name)
-        with pytest.raises(InputError, match="not empty"), only_writer(tmp_path / name):
+        assert not files.is_free(tmp_path / name)
+        with pytest.raises(InputError, match="not empty"), files.only_writer(tmp_path / name):
             pass
     assert sorted(tmp_path.rglob("*")) == before
 
@@ -100,12 +90,12 @@ def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        ("file/below", "is no folder"),
-        ("dangling", "leads nowhere"),
+        ("file/below", "is not a folder"),
+        ("dangling", "broken link"),
         ("a\0b", "printable"),
         ("\udcff", "printable"),
         ("n" * 256, "255 bytes"),
-        ("/proc/none/x", "nothing can be written there"),
+        ("/proc/none/x", "no file can be written there"),
     ],
 )
 def test_what_cannot_be_a_folder_is_refused(tmp_path: Path, name: str, says: str) -> None:
@@ -113,7 +103,7 @@ def test_what_cannot_be_a_folder_is_refused(tmp_path: Path, name: str, says: str
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
     before = sorted(tmp_path.rglob("*"))
     with pytest.raises(InputError, match=says):
-        is_free(tmp_path / name)
+        files.is_free(tmp_path / name)
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -132,42 +122,40 @@ def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) ->
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "taken\n"
-        with pytest.raises(InputError, match=f"process {process.pid} on .* is at work in it"):
-            FolderLock(tmp_path)
-        assert f"process {process.pid} on " in (holder(tmp_path) or "")
+        with pytest.raises(InputError, match=f"process {process.pid} on .* is writing to it"):
+            files.FolderLock(tmp_path)
+        assert f"process {process.pid} on " in (files.holder(tmp_path) or "")
         process.kill()
-    assert holder(tmp_path) is None
-    lock = FolderLock(tmp_path)
+    assert files.holder(tmp_path) is None
+    lock = files.FolderLock(tmp_path)
     assert lock.is_held()
-    assert str(os.getpid()) in (tmp_path / LOCK).read_text()
+    assert str(os.getpid()) in (tmp_path / files.LOCK).read_text()
     lock.release()
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
-    with only_writer(tmp_path / "new" / "below"):
-        assert holder(tmp_path / "new" / "below") is not None
+    with files.only_writer(tmp_path / "new" / "below"):
+        assert files.holder(tmp_path / "new" / "below") is not None
     assert not (tmp_path / "new").exists()
-    with only_writer(tmp_path / "full"):
+    with files.only_writer(tmp_path / "full"):
         (tmp_path / "full" / "result").touch()
     (tmp_path / "before").mkdir()
-    with only_writer(tmp_path / "before"):
+    with files.only_writer(tmp_path / "before"):
         pass
     assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")} == {
         *("full", "full/result", "before")
     }
 
 
-def test_a_file_system_without_locks_is_reported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_missing_locks_are_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(descriptor: int, operation: int) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
     monkeypatch.setattr(fcntl, "flock", none)
-    lock = FolderLock(tmp_path)
+    lock = files.FolderLock(tmp_path)
     assert "without locks (No locks available): start no second run in it" in lock.warning
     assert lock.is_held()
-    assert holder(tmp_path) is None
+    assert files.holder(tmp_path) is None
     lock.release()
     assert list(tmp_path.iterdir()) == []

@@ -25,9 +25,7 @@ from presswear.tools.numbers import large, lasting, readable, short_number, whol
         (short_number, {2e11: "2·10¹¹", 0.0243: "0.0243"}),
     ],
 )
-def test_numbers_are_readable(
-    function: Callable[[float | None], str], texts: dict[float | None, str]
-) -> None:
+def test_numbers(function: Callable[[float | None], str], texts: dict[float | None, str]) -> None:
     assert {value: function(value) for value in texts} == texts
 
 

@@ -72,9 +72,8 @@ def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> 
 def test_a_text_that_is_no_quantity_is_refused(unit: str, texts: list[str]) -> None:
     for text in texts:
         message = r"use a decimal point, '1\.5mm'" if "," in text else ""
-        with pytest.raises(InputError, match=r"^key = .*" + message) as refusal:
+        with pytest.raises(InputError, match=r"^key = .*" + message):
             _read(text, unit)
-        assert "\n" not in str(refusal.value)
 
 
 WHOLE = Quantity("", whole=True)

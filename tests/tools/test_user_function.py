@@ -77,7 +77,6 @@ def test_message_names_the_place_without_number(body: str, words: str) -> None:
     with pytest.raises(InputError, match=words) as refusal:
         law(body).number("normal_law", KNOWN, {"a": 2.5})
     assert "a = 2.5" in str(refusal.value)
-    assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
@@ -117,6 +116,5 @@ def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
     ],
 )
 def test_a_law_that_cannot_be_compiled_is_refused_by_name(body: str, message: str) -> None:
-    with pytest.raises(InputError, match=message) as refusal:
+    with pytest.raises(InputError, match=message):
         check_compiles(law(body), "F1", KNOWN)
-    assert len(str(refusal.value).splitlines()) == 1

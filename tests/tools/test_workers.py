@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 import presswear
@@ -136,9 +137,7 @@ def runs_out_of_memory(report: Report) -> None:
         (runs_out_of_memory, RunFailed, "memory ran out"),
     ],
 )
-def test_an_error_or_a_killed_worker_ends_the_run(
-    job: Job, error: type[Exception], words: str
-) -> None:
+def test_an_error_or_a_kill_ends_the_run(job: Job, error: type[Exception], words: str) -> None:
     with Workers(2) as pool, pytest.raises(error, match=words):
         pool.run({0: Waits(), 1: job}, nothing, nothing)
 
@@ -225,14 +224,9 @@ def started(tmp_path: Path, text: str) -> "subprocess.Popen[str]":
     (tmp_path / "script.py").write_text(text)
     places = Path(presswear.__path__[0]).parent, Path(__file__).parent
     path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
-    return subprocess.Popen(
-        [sys.executable, str(tmp_path / "script.py")],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, "PYTHONPATH": path},
-    )
+    options: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    options |= {"env": {**os.environ, "PYTHONPATH": path}, "start_new_session": True}
+    return subprocess.Popen([sys.executable, str(tmp_path / "script.py")], **options)
 
 
 def workers_of(process: "subprocess.Popen[str]") -> list[int]:
@@ -246,25 +240,12 @@ def workers_of(process: "subprocess.Popen[str]") -> list[int]:
     return [int(word) for word in set(lines) - {"start"}]
 
 
-def is_running(pid: int) -> bool:
-    """Return whether a process exists and has not ended."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from Linux's /proc")
 def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
     process = started(tmp_path, _SCRIPT)
-    pids = workers_of(process)
-    assert all(map(is_running, pids))
+    workers = [psutil.Process(pid) for pid in workers_of(process)]
     process.kill()
     process.communicate()
-    last = time.monotonic() + PATIENCE
-    while any(map(is_running, pids)):
-        assert time.monotonic() < last
-        time.sleep(0.05)
+    assert psutil.wait_procs(workers, timeout=PATIENCE)[1] == []
 
 
 def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:

@@ -1,29 +1,22 @@
 """Benchmark: errors and orders of every method, the cost of features, and the command."""
 
 import csv
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from presswear.__main__ import main
-from presswear.engines.settings import InHouse
+import presswear as pw
 from presswear.linkage.laws import delivered_restitution
-from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError, RunFailed
 from presswear.validation import timing, work_precision
 from presswear.validation.cases import order_of
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
-from presswear.validation.work_precision import (
-    Extent,
-    Point,
-    contact_methods,
-    first_run,
-    single_impact,
-)
+from presswear.validation.work_precision import Extent, Point, contact_methods, first_run
 
 SHORT = Extent(
     repeats=2,
@@ -36,7 +29,7 @@ SHORT = Extent(
     tolerances=(1e-6, 1e-9),
     tree_tolerances=(1e-5, 1e-7),
 )
-SCENE = wear_times()
+SCENE = pw.scenes.wear_times()
 TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
 
 
@@ -113,8 +106,8 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
 
 
 def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
-    problem = single_impact(SCENE, SHORT)
-    tight = InHouse(integration_tolerance=1e-12, free_step=1.0)
+    problem = work_precision.single_impact(SCENE, SHORT)
+    tight = pw.InHouse(integration_tolerance=1e-12, free_step=1.0)
     linkages = problem.linkage, Impact(0.9).linkage
     runs = [tight.simulate(each, problem.start, problem.plan) for each in linkages]
     assert runs[0].diagnostics["model"] != runs[1].diagnostics["model"]
@@ -162,12 +155,12 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
 
 @pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
 def test_a_method_that_fails_is_a_point(words: str) -> None:
-    problem = single_impact(SCENE, SHORT)
+    problem = work_precision.single_impact(SCENE, SHORT)
 
     def errors(run: object) -> list[float]:
         if "error" in words:
             return [np.nan] * 3
-        raise RunFailed("3 of the first 10 touchdowns missing")
+        raise pw.RunFailed("3 of the first 10 touchdowns missing")
 
     point = first_run(replace(problem, errors=errors), problem.methods[-1])
     assert words in point.failure
@@ -175,45 +168,41 @@ def test_a_method_that_fails_is_a_point(words: str) -> None:
 
 
 def test_a_scene_without_clearance_is_refused() -> None:
-    with pytest.raises(InputError, match="no clearance"):
+    with pytest.raises(pw.InputError, match="no clearance"):
         work_precision.work_precision(replace(SCENE, joints="none"), SHORT, silent)
-    with pytest.raises(InputError, match="clearance at A and C"):
+    with pytest.raises(pw.InputError, match="clearance at A and C"):
         timing.feature_costs(replace(SCENE, joints="A"), timing.FeatureExtent(), silent)
 
 
+def rows_of(file: Path) -> list[dict[str, str]]:
+    with file.open() as opened:
+        return list(csv.DictReader(opened))
+
+
 def test_the_command_writes_table_and_figure(
-    points: list[Point],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    points: list[Point], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
 ) -> None:
-    extents = []
+    extents, folder = list[Extent](), tmp_path / "out"
 
     def measured(scene: object, extent: Extent, report: object) -> list[Point]:
         extents.append(extent)
         return points
 
     monkeypatch.setattr(work_precision, "work_precision", measured)
-    folder = tmp_path / "out"
-    assert main(["benchmark", "--quick", "--repeats", "3", "--out", str(folder)]) == 0
+    shown = command(f"benchmark --quick --repeats 3 --out {folder}")
     assert extents == [replace(work_precision.QUICK, repeats=3)]
-    shown = capsys.readouterr().out
     assert "step 0.0001 failed" in shown
-    lines = [line for line in shown.splitlines() if str(folder) not in line]
-    assert max(map(len, lines)) <= 80
+    assert max(len(line) for line in shown.splitlines() if str(folder) not in line) <= 80
     assert (folder / "benchmark.png").stat().st_size > 10_000
-    with (folder / "benchmark.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(folder / "benchmark.csv")
     assert len(rows) == sum(len(point.problem.quantities) for point in points)
     first = points[0]
     assert first.timing is not None
     assert float(rows[0]["error"]) == first.errors["slider (m)"]
     assert float(rows[0]["wall_s"]) == min(first.timing.walls)
     assert int(rows[0]["steps"]) == first.timing.steps
-    failed = [row for row in rows if row["failure"]]
-    assert all(row["error"] == row["wall_s"] == "" for row in failed)
-    assert main(["benchmark", "--out", str(folder)]) == 2
-    assert "not empty" in capsys.readouterr().err
+    assert all(row["error"] == row["wall_s"] == "" for row in rows if row["failure"])
+    assert "not empty" in command(f"benchmark --out {folder}", 2)
 
 
 @pytest.fixture(scope="module")
@@ -245,22 +234,18 @@ def test_every_feature_is_timed_on_and_off(costs: list[timing.FeatureCost]) -> N
 
 
 def test_the_features_command_writes_its_table(
-    costs: list[timing.FeatureCost],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    costs: list[timing.FeatureCost], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
 ) -> None:
     monkeypatch.setattr(timing, "feature_costs", lambda *arguments: costs)
-    assert main(["benchmark", "--features", "--quick", "--out", str(tmp_path / "out")]) == 0
-    assert "torques stored: on" in capsys.readouterr().out
-    with (tmp_path / "out" / "features.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row["ratio_per_step"]) for row in rows] == [cost.step_ratio for cost in costs]
+    folder = tmp_path / "out"
+    assert "torques stored: on" in command(f"benchmark --features --quick --out {folder}")
+    ratios = [float(row["ratio_per_step"]) for row in rows_of(folder / "features.csv")]
+    assert ratios == [cost.step_ratio for cost in costs]
 
 
 def test_a_repeat_with_other_steps_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     timed = timing.timed_run("short", SCENE, 0.02)
     runs = [timed.run(), timing.timed_run("shorter", SCENE, 0.01).run()]
     monkeypatch.setattr(type(timed), "run", lambda self: runs.pop(0))
-    with pytest.raises(RunFailed, match="other steps"):
+    with pytest.raises(pw.RunFailed, match="other steps"):
         timing.time_runs([timed], 2, silent)

@@ -2,15 +2,12 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, cast
 
 import pytest
 
-from presswear.__main__ import main
-from presswear.engines.settings import InHouse
-from presswear.linkage.laws import FrictionLaw
-from presswear.tools.errors import InputError, RunFailed
+import presswear as pw
 from presswear.validation import cases, hard_cases, reference_problems
 
 HARD = list(hard_cases.hard_cases())
@@ -46,7 +43,7 @@ def test_cases_have_unique_names() -> None:
 
 
 def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    coarse = InHouse("rk4", equal_step=5e-6)
+    coarse = pw.InHouse("rk4", equal_step=5e-6)
     monkeypatch.setattr(reference_problems, "TIGHT", coarse)
     missed = [check.quantity for check in reference_problems.impact_checks() if not check.passed]
     assert "restitution, nominal 0.9, dae" in missed
@@ -58,8 +55,8 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hard_cases, "ONSET_SPEED_FLOOR", 2e-6)
     assert not next(iter(hard_cases.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
-    monkeypatch.setattr(reference_problems, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
-    on_flat = reference_problems.block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
+    monkeypatch.setattr(reference_problems, "FRICTION", pw.FrictionLaw(0.1001, 1e-4, 1e-3))
+    on_flat = reference_problems.block(0.0, GRAVITY, pw.FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
     monkeypatch.setattr(reference_problems, "on_incline", lambda *arguments: on_flat)
     assert not next(iter(hard_cases.creeps(TIGHT, 0.05))).passed
 
@@ -71,19 +68,19 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
     run.diagnostics["energy_residual_J"] = -1e-5
     assert not cases.energy_check(run, "dae").passed
     assert cases.energy_check(run, "exudyn-joints").passed
-    with pytest.raises(RunFailed, match=r"ended at 0.01 s, not at 0.02 s"):
+    with pytest.raises(pw.RunFailed, match=r"ended at 0.01 s, not at 0.02 s"):
         cases.sound(run, cases.guarded(0.02))
     run.recorder.records.counters["unresolved"][1] = 1
-    with pytest.raises(RunFailed, match="1 of 2 contacts unresolved"):
+    with pytest.raises(pw.RunFailed, match="1 of 2 contacts unresolved"):
         cases.sound(run, plan)
     run.recorder.rows[1, 2] = math.nan
-    with pytest.raises(RunFailed, match="not finite: series"):
+    with pytest.raises(pw.RunFailed, match="not finite: series"):
         cases.sound(run, plan)
 
 
 def test_a_run_that_takes_too_long_is_stopped() -> None:
     plan = cases.guarded(1.0, patience=-1.0)
-    with pytest.raises(RunFailed, match=r"stopped after -1 s of CPU time at 20 %"):
+    with pytest.raises(pw.RunFailed, match=r"stopped after -1 s of CPU time at 20 %"):
         plan.report(0.2, cast(Any, None))
     cases.guarded(1.0, patience=60.0).report(0.2, cast(Any, None))
 
@@ -103,7 +100,7 @@ def _case(refusal: str = "", *, error: Exception | None = None, value: float = 0
     return cases.Case("made up", "nothing", "none", checks, refusal)
 
 
-REFUSED = InputError("c = 0 m: allowed is 1 to 2 m")
+REFUSED = pw.InputError("c = 0 m: allowed is 1 to 2 m")
 
 
 @pytest.mark.parametrize(
@@ -113,13 +110,13 @@ REFUSED = InputError("c = 0 m: allowed is 1 to 2 m")
         (_case(value=-1.0), "pass"),
         (_case(value=-1.1), "MISS"),
         (_case(value=math.nan), "MISS"),
-        (_case(error=RunFailed("the step vanished")), "MISS"),
+        (_case(error=pw.RunFailed("the step vanished")), "MISS"),
         (_case(error=ZeroDivisionError("division by zero")), "MISS"),
         (_case(error=REFUSED), "MISS"),
         (_case("c = 0 m", error=REFUSED), "refused"),
         (_case("c = 1 m", error=REFUSED), "MISS"),
-        (_case("c = 0 m", error=RunFailed("c = 0 m: the state ran away")), "refused"),
-        (_case("c = 0 m", error=RunFailed("the step vanished")), "MISS"),
+        (_case("c = 0 m", error=pw.RunFailed("c = 0 m: the state ran away")), "refused"),
+        (_case("c = 0 m", error=pw.RunFailed("the step vanished")), "MISS"),
         (_case("c = 0 m"), "MISS"),
     ],
 )
@@ -128,35 +125,29 @@ def test_verdicts(case: cases.Case, verdict: str) -> None:
 
 
 def test_the_command_prints_the_hard_cases_and_fails_on_a_miss(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     listed = [_case(), _case("c = 0 m", error=REFUSED)]
     monkeypatch.setattr(hard_cases, "hard_cases", lambda: iter(listed))
-    assert main(["verify", "--hard"]) == 0
-    assert "refused" in capsys.readouterr().out
+    assert "refused" in command("verify --hard")
     listed.append(_case(value=2.0))
-    assert main(["verify", "--hard"]) == 1
-    out = capsys.readouterr().out
+    out = command("verify --hard", 1)
     assert "1 of 3 within their bounds, 1 refused, 1 missed" in out
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
 
 
 def test_the_command_prints_references_and_fails_on_a_miss(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
     checks = [cases.Check.against(name, -15.75637105984, -15.756371, 1e-3)]
     listed = [cases.Case("one", "", "all", lambda: iter(checks))]
     monkeypatch.setattr(reference_problems, "reference_cases", lambda: listed)
-    assert main(["verify"]) == 0
-    out = capsys.readouterr().out
-    for words in (name, "-15.7563711", "pass", "1 of 1"):
-        assert words in out
+    out = command("verify")
+    assert all(words in out for words in (name, "-15.7563711", "pass", "1 of 1"))
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-    listed.append(_case(error=RunFailed("the step vanished (t = 0.1 s)")))
-    assert main(["verify"]) == 1
-    out = capsys.readouterr().out
-    for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)"):
-        assert words in out
+    listed.append(_case(error=pw.RunFailed("the step vanished (t = 0.1 s)")))
+    out = command("verify", 1)
+    assert all(words in out for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)"))

@@ -1,10 +1,11 @@
-"""Films: readable by other programs, complete or absent, without orphan processes."""
+"""Clips, the player, and films: readable by other programs, complete or absent."""
 
 import os
 import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,91 @@ from numpy.typing import NDArray
 from PIL import Image
 from synthetic_clip import synthetic_clip
 
-from presswear.show.replay.clip import frames_between
-from presswear.show.replay.output import check_movie, pictures, still, write_movie, write_still
+import presswear as pw
+from presswear.recording.film import FRAMES_PER_CYCLE
+from presswear.results.life import LifeResult
+from presswear.scene.options import Life
+from presswear.show.replay import output
+from presswear.show.replay.clip import frames_at, frames_between, life_clip, snapshots
 from presswear.tools.errors import InputError, RunFailed
 
 CLIP = synthetic_clip()
+
+
+def test_frames_are_the_nearest_in_time() -> None:
+    step = CLIP.film.time[1]
+    assert [frames_at([CLIP], t * step) for t in (0.0, 10.4, 10.6)] == [(0,), (10,), (11,)]
+    slow = 10.0 / CLIP.period
+    assert frames_between([CLIP], 0.0, CLIP.period, slow, 5.0) == [(2 * k,) for k in range(50)]
+    assert CLIP.default_slow == pytest.approx(slow, rel=0.05)
+    with pytest.raises(pw.InputError, match=r"title, first wear, goes from 0 s to 0\.571"):
+        frames_at([CLIP], 2.0 * CLIP.period)
+    with pytest.raises(pw.InputError, match="at most 20000 are drawn"):
+        frames_between([CLIP], 0.0, CLIP.period, 1e5, 25.0)
+
+
+@pytest.mark.parametrize("previous", [10, 20, 40])
+def test_no_peak_between_two_pictures_is_missed(previous: int) -> None:
+    peaks = CLIP.film.joints[min(previous + 1, 20) : 21, :, 5].max(axis=0)
+    (state,) = snapshots([CLIP], [previous], [20])
+    assert state.peaks == pytest.approx(peaks)
+    assert [len(CLIP.snapshot(k, k).positions) for k in (0, 100)] == [1, 61]
+
+
+def test_player_keys() -> None:
+    player = output.Player(0.0, 1.0, 0.2, slow=10.0, step=0.01)
+    player.advance(1.0)
+    assert player.time == pytest.approx(0.3)
+    assert player.press(output.SPACE)
+    player.advance(1.0)
+    assert all(map(player.press, (output.RIGHT, output.RIGHT, output.LEFT)))
+    assert player.time == pytest.approx(0.31)
+    assert player.press(output.SPACE)
+    assert player.press(output.UP)
+    player.advance(1.0)
+    assert player.time == pytest.approx(0.31 + 0.15)
+    assert player.press(output.DOWN)
+    assert player.slow == pytest.approx(10.0)
+    assert player.press(output.END)
+    assert player.part == 1.0
+    player.advance(1.0)
+    assert player.time == 0.0
+    assert all(map(player.press, (output.RIGHT, output.HOME, output.LEFT)))
+    assert player.time == 0.0
+    assert not player.press(ord("X"))
+
+
+def test_a_life_is_the_last_cycle_of_each_stage() -> None:
+    scene = pw.scenes.wear_times(
+        engine="dae", cycles=3, wear_updates=1, replicates=2, conventions="refined"
+    )
+    result = pw.run(scene, jobs=1)
+    with pytest.raises(pw.InputError, match="has no life"):
+        life_clip(result)
+    life = LifeResult("at_most", "", 3e6, None, None, 0.9, (), (), ())
+    result = replace(result, scene=replace(result.scene, life=Life()), life=life)
+    clip = life_clip(result)
+    assert [each.stage for each in clip.chapters] == ["no wear", "after 3 million strokes"]
+    step = np.diff(clip.film.time)
+    assert 0.0 < step.min() < step.max() < 2.0 * clip.period / FRAMES_PER_CYCLE
+    assert clip.span[1] - clip.span[0] == pytest.approx(2.0 * clip.period, rel=1e-2)
+    assert clip.default_start == clip.span[0]
+    start = result.scene.run_up + 2.0 * clip.period  # of the third cycle
+    for stage, first, chapter in zip(result.stages, clip.firsts, clip.chapters, strict=True):
+        row = int(np.flatnonzero(stage.film.time >= start - 1e-9)[0])
+        np.testing.assert_array_equal(clip.film.position[first], stage.film.position[row])
+        depth = chapter.linkage.clearances[0].bearing_surface.depth
+        assert depth.max(initial=0.0) == stage.joints["A"].depth("bearing").max()
+    second = clip.firsts[1]
+    assert [clip.snapshot(k, k).chapter for k in (0, second - 1, second)] == [0, 0, 1]
+    assert len(clip.snapshot(second, second - 2).positions) == 1
+    film = result.stages[1].film
+    half = replace(film, time=film.time[:9], position=film.position[:9], joints=film.joints[:9])
+    cut = replace(result.stages[1], read_film=lambda: half)
+    with pytest.raises(pw.InputError, match="its film has no whole cycle"):
+        life_clip(replace(result, stages=(result.stages[0], cut)))
+
+
 SIZE = (320, 214)
 
 
@@ -33,7 +114,7 @@ def moving(count: int, fails: bool = False) -> Iterator[NDArray[np.uint8]]:
 
 
 def test_a_gif_has_every_picture_and_the_requested_speed(tmp_path: Path) -> None:
-    write_movie(tmp_path / "film.gif", moving(7), 10.0)
+    output.write_movie(tmp_path / "film.gif", moving(7), 10.0)
     with Image.open(tmp_path / "film.gif") as film:
         assert getattr(film, "n_frames", 1) == 7
         assert film.info["duration"] == 100
@@ -45,30 +126,30 @@ def test_a_gif_has_every_picture_and_the_requested_speed(tmp_path: Path) -> None
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is missing")
 def test_an_mp4_is_complete_or_absent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "film.mp4"
-    write_movie(file, moving(9), 25.0)
+    output.write_movie(file, moving(9), 25.0)
     command = ["ffprobe", "-v", "error", "-count_frames", "-show_entries"]
     command += ["stream=nb_read_frames,r_frame_rate,width", "-of", "csv=p=0", str(file)]
-    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-    assert output == "96,25/1,9"
+    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    assert shown == "96,25/1,9"
     film = file.read_bytes()
     with pytest.raises(RuntimeError, match="the renderer failed"):
-        write_movie(file, moving(3, fails=True), 10.0)
+        output.write_movie(file, moving(3, fails=True), 10.0)
     assert [path.name for path in tmp_path.iterdir()] == [file.name]
     assert file.read_bytes() == film
     monkeypatch.setattr(shutil, "which", lambda name: None)
     with pytest.raises(InputError, match=r"film\.mp4: \.mp4 needs ffmpeg.* write a \.gif"):
-        check_movie(file)
+        output.check_movie(file)
 
 
 def test_pictures_of_all_processes_are_in_order(tmp_path: Path) -> None:
     frames = frames_between([CLIP], 0.0, 0.2 * CLIP.period, 2.0, 40.0)
-    drawn = list(pictures([CLIP], frames, "", SIZE))
+    drawn = list(output.pictures([CLIP], frames, "", SIZE))
     assert len(drawn) == len(frames) > 5
-    single = still([CLIP], frames[3], SIZE)
+    single = output.still([CLIP], frames[3], SIZE)
     # Title, time bar and peaks differ; the mechanism does not.
     assert np.array_equal(drawn[3][30:185, :200], single[30:185, :200])
     assert not np.array_equal(drawn[3][30:185, :200], drawn[4][30:185, :200])
-    write_still(tmp_path / "one.png", single)
+    output.write_still(tmp_path / "one.png", single)
     with Image.open(tmp_path / "one.png") as image:
         assert np.array_equal(np.array(image), single)
 
@@ -83,7 +164,7 @@ class Deadly:
 def test_a_process_that_ends_early_ends_the_film() -> None:
     deadly: Any = Deadly()
     with pytest.raises(RunFailed, match="ended unexpectedly"):
-        list(pictures([deadly], [[0]], "", SIZE))
+        list(output.pictures([deadly], [[0]], "", SIZE))
 
 
 KILLED = """
@@ -102,7 +183,7 @@ if __name__ == "__main__":
 
 @pytest.mark.parametrize("count", [1, 4])
 def test_a_killed_film_leaves_no_process(tmp_path: Path, count: int) -> None:
-    """Killed while pictures are drawn, and while workers wait for the next."""
+    """Killed while output.pictures are drawn, and while workers wait for the next."""
     script = tmp_path / "film.py"
     script.write_text(KILLED.format(count=count))
     paths = os.pathsep.join([str(Path(__file__).parent), *sys.path])

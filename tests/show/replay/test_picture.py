@@ -8,9 +8,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from synthetic_clip import FRAMES, synthetic_clip
 
-from presswear.linkage.elements import Attachment
-from presswear.linkage.loads import Spring
-from presswear.scene.catalog import scene_named
+import presswear as pw
 from presswear.show.replay.clip import Chapter, equal_limits
 from presswear.show.replay.mechanism import BODY_COLOURS, FORCE, EnlargedJoint
 from presswear.show.replay.picture import Picture
@@ -145,7 +143,7 @@ def test_two_clips_have_one_scale() -> None:
 
 
 def test_only_the_joints_of_the_present_stage_are_visible() -> None:
-    unworn = scene_named("wear-times").linkage()
+    unworn = pw.scenes.scene_named("wear-times").linkage()
     clip = replace(
         CLIP, chapters=(*CLIP.chapters, Chapter("after", unworn)), firsts=(0, FRAMES // 2)
     )
@@ -160,7 +158,7 @@ def test_only_the_joints_of_the_present_stage_are_visible() -> None:
 
 
 def test_a_spring_is_drawn_between_its_ends() -> None:
-    spring = Spring("coil", Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1)
+    spring = pw.Spring("coil", pw.Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1)
     chapter = Chapter("first wear", LINKAGE.changed(springs=[spring]))
     picture = Picture([replace(CLIP, chapters=(chapter,))], (480, 320))
     picture.show([CLIP.snapshot(20, 20)], 0.0, "")

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import lines
@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.__main__ import main
+import presswear as pw
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
 needs_xdotool = pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is missing")
@@ -25,8 +25,7 @@ needs_xdotool = pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdot
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two cycles and one wear."""
     path = tmp_path_factory.mktemp("replay") / "short"
-    options = ["--cycles", "2", "--wear-updates", "1", "--engine", "dae", "--out", str(path)]
-    assert main(["run", "wear-times", *options]) == 0
+    pw.run(pw.scenes.wear_times(cycles=2, wear_updates=1, engine="dae"), path)
     return path
 
 
@@ -40,26 +39,26 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-def test_stills_and_a_film(folder: Path, tmp_path: Path) -> None:
+def test_stills_and_a_film(folder: Path, tmp_path: Path, command: Callable[..., str]) -> None:
     """At a time with and without unit, two stages side by side, and a part of a cycle."""
 
-    def still(*options: str) -> NDArray[np.uint8]:
+    def still(options: str) -> NDArray[np.uint8]:
         file = tmp_path / "one.png"
-        size = ("--size", "480x320")
-        assert main(["replay", str(folder), *options, "--still", str(file), *size]) == 0
+        command(f"replay {folder} {options} --still {file} --size 480x320")
         with Image.open(file) as image:
             return np.array(image)
 
-    first, same, later = (still("--stage", "1", "--at", at) for at in ("0.3", "300ms", "0.31s"))
+    first, same, later = (still(f"--stage 1 --at {at}") for at in ("0.3", "300ms", "0.31s"))
     assert first.shape == (320, 480, 3)
     assert np.array_equal(first, same)
     assert not np.array_equal(first, later)
     for compare in ("1", f"{folder}:1"):
-        amber = (still("--stage", "0", "--compare", compare) == (230, 159, 0)).all(axis=2)
+        amber = (still(f"--stage 0 --compare {compare}") == (230, 159, 0)).all(axis=2)
         assert min(amber[:, :240].sum(), amber[:, 240:].sum()) > 100
-    options = ["--from", "0.1", "--to", "0.2", "--slow", "10", "--rate", "5", "--size", "240x160"]
-    assert main(["replay", str(folder), "--movie", str(tmp_path / "film.gif"), *options]) == 0
-    with Image.open(tmp_path / "film.gif") as film:
+    file = tmp_path / "film.gif"
+    options = "--from 0.1 --to 0.2 --slow 10 --rate 5 --size 240x160"
+    command(f"replay {folder} --movie {file} {options}")
+    with Image.open(file) as film:
         assert getattr(film, "n_frames", 1) == 5
 
 
@@ -80,19 +79,12 @@ BAD_INPUT = """
 
 
 def test_bad_input_is_refused_in_one_line(
-    folder: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for case in BAD_INPUT.strip().splitlines():
         options, _, message = case.partition(": ")
-        capsys.readouterr()
-        assert main(["replay", str(folder), *options.split()]) == 2
-        error = capsys.readouterr().err
-        assert message in error
-        assert error.count("\n") == 1
+        assert message in command(f"replay {folder} {options}", 2)
         assert list(tmp_path.iterdir()) == []
 
 
@@ -105,8 +97,9 @@ def test_without_a_display_one_line_names_alternatives(folder: Path, name: str) 
             command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
         )
         assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-        for words in ("no window can be opened here", "--movie", "--still"):
-            assert words in done.stderr
+        assert all(
+            word in done.stderr for word in ("no window can be opened", "--movie", "--still")
+        )
 
 
 @needs_xdotool

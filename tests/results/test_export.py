@@ -1,25 +1,27 @@
-"""Tables that go to other programs and come back."""
+"""Tables for other programs, names of joints in them, and lives beside each other."""
 
+import csv
+import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from presswear.__main__ import main
-from presswear.campaign.campaign import run
+import presswear as pw
+from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.results.export import (
     compare_tables,
     life_table,
     read_table,
     strokes_table,
+    table_of,
     unit_of,
     write_table,
 )
-from presswear.results.life import LifeResult
-from presswear.results.result import Result, load
-from presswear.scene.catalog import press_blanking, wear_times
-from presswear.tools.errors import InputError
+from presswear.results.life import LifeResult, life_ratio
+from presswear.scene.settings import changed
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
@@ -44,7 +46,7 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rows["A_normal_force"], [1.0, 2.0])
     units = {"slider_depth": "m", "rod 3_wear_volume_low": "m^3", "crank 2_angle": "rad"}
     assert {name: unit_of(name) for name in units} == units
-    with pytest.raises(InputError, match="slider"):
+    with pytest.raises(pw.InputError, match="slider"):
         unit_of("slider")
 
 
@@ -52,7 +54,7 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
     ("text", "word"),
     [
         ("", "lacks time"),
-        ("time\n1\n", "beside time"),
+        ("time\n1\n", "besides time"),
         ("time,velocity\n", "no rows"),
         ("time,velocity,velocity\n0,1,1\n", "a column is named twice"),
         ("time,velocity\n0,1\n1\n", "columns changed from 2 to 1 at row 2"),
@@ -65,9 +67,8 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
 def test_a_wrong_table_is_refused_in_one_line(text: str, word: str, tmp_path: Path) -> None:
     path = tmp_path / "theirs.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=f"theirs.csv.*{word}") as refused:
+    with pytest.raises(pw.InputError, match=f"theirs.csv.*{word}"):
         read_table(path)
-    assert "\n" not in str(refused.value)
 
 
 def test_ours_is_interpolated_at_their_times() -> None:
@@ -87,75 +88,64 @@ def test_ours_is_interpolated_at_their_times() -> None:
     assert displacement.bound == pytest.approx(1e-3 * rms, rel=1e-6)
     for when, column, word in ((2.0, "velocity", "no overlap"), (0.5, "B_sliding", "B_sliding")):
         foreign = {"time": np.array([when]), column: np.zeros(1)}
-        with pytest.raises(InputError, match=word):
+        with pytest.raises(pw.InputError, match=word):
             compare_tables(ours, foreign, None, 1e-3)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One fast cycle of the in-house solver, worn once."""
-    scene = wear_times(speed=60.0)
+    scene = pw.scenes.wear_times(speed=60.0)
     scene = replace(scene, engine="dae", cycles=1, wear_updates=0)
     path = tmp_path_factory.mktemp("result") / "run"
-    run(scene, path)
+    pw.run(scene, path)
     return path
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
 def test_an_exported_run_agrees_with_itself(
-    suffix: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    suffix: str, folder: Path, tmp_path: Path, command: Callable[..., str]
 ) -> None:
-    file = tmp_path / f"run{suffix}"
-    assert main(["export", str(folder), str(file)]) == 0
+    file, theirs = tmp_path / f"run{suffix}", tmp_path / f"theirs{suffix}"
+    command(f"export {folder} {file}")
     table = read_table(file)
     with np.load(folder / "stage-0.npz") as stored:
         np.testing.assert_array_equal(table["velocity"], stored["slider"][:, 1])
         np.testing.assert_array_equal(table["C_eccentricity_y"], stored["C_eccentricity"][:, 1])
         np.testing.assert_array_equal(table["A_tangential_force"], stored["A_force"][:, 1])
     assert len(table) == 19
-    command = ["crosscheck", str(folder), "--against"]
-    assert main([*command, str(file), "--tolerance", "1e-12"]) == 0
-    assert "MISS" not in capsys.readouterr().out
+    assert "MISS" not in command(f"crosscheck {folder} --against {file} --tolerance 1e-12")
     table["C_eccentricity_x"] *= 1.01
-    theirs = tmp_path / f"theirs{suffix}"
     write_table(theirs, table)
-    assert main([*command, str(theirs)]) == 1
-    missed = [line for line in capsys.readouterr().out.splitlines() if "MISS" in line]
+    shown = command(f"crosscheck {folder} --against {theirs}", 1)
+    missed = [line for line in shown.splitlines() if "MISS" in line]
     assert [line.split()[0] for line in missed] == ["C_eccentricity_x"]
-    assert main([*command, str(theirs), "--tolerance", "0.02"]) == 0
+    command(f"crosscheck {folder} --against {theirs} --tolerance 0.02")
 
 
 @pytest.mark.parametrize(
-    ("file", "more", "word"),
+    ("words", "message"),
     [
-        ("run.csv", (), "exists"),
-        ("run.txt", (), ".csv or .npz"),
-        ("nowhere/run.csv", (), "no folder"),
-        ("new.csv", ("--stage", "7"), "no stage 7"),
-        ("new.csv", ("--stage", "one"), "one"),
+        ("run.csv", "exists"),
+        ("run.txt", ".csv or .npz"),
+        ("nowhere/run.csv", "no folder"),
+        ("new.csv --stage 7", "no stage 7"),
+        ("new.csv --stage one", "one"),
     ],
 )
 def test_export_refuses_in_one_line(
-    file: str,
-    more: tuple[str, ...],
-    word: str,
-    folder: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    words: str, message: str, folder: Path, tmp_path: Path, command: Callable[..., str]
 ) -> None:
     kept = tmp_path / "run.csv"
     kept.write_text("mine")
-    assert main(["export", str(folder), str(tmp_path / file), *more]) == 2
-    shown = capsys.readouterr()
-    assert word in shown.err
-    assert shown.err.count("\n") == 1
+    assert message in command(f"export {folder} {tmp_path}/{words}", 2)
     assert kept.read_text() == "mine"
     assert list(tmp_path.iterdir()) == [kept]
 
 
 def test_moments_of_strokes_are_exported(folder: Path) -> None:
-    scene = press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
-    result = run(scene)
+    scene = pw.scenes.press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
+    result = pw.run(scene)
     table = strokes_table(result, 0)
     moments = ("contact", "fracture", "separation")
     assert list(table) == [f"{name}_{end}" for name in moments for end in ("time", "height")]
@@ -166,8 +156,8 @@ def test_moments_of_strokes_are_exported(folder: Path) -> None:
     broken = process.height - process.fracture
     assert table["fracture_height"] == pytest.approx(broken, rel=1e-6)
     assert np.all(table["contact_time"] < table["fracture_time"])
-    with pytest.raises(InputError, match="has no strokes to write: the scene has no process"):
-        strokes_table(load(folder), 0)
+    with pytest.raises(pw.InputError, match="has no strokes to write: the scene has no process"):
+        strokes_table(pw.load(folder), 0)
 
 
 def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
@@ -175,7 +165,7 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     strokes, depth = np.array([4.0, 1e6]), np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]])
     curves = {"strokes": strokes, "A.depth": depth, "bdc_drift": 10.0 * depth}
     life = LifeResult("at_most", "", 1e6, None, None, 0.9, (), (), (), (), curves)
-    result = Result(press_blanking(), (), "completed", "", {}, 1.0, life=life)
+    result = pw.Result(pw.scenes.press_blanking(), (), "completed", "", {}, 1.0, life=life)
     table = life_table(result)
     low, high = (f"A_depth_{end}" for end in ("low", "high"))
     assert list(table)[:4] == ["strokes", "A_depth", low, high]
@@ -185,5 +175,59 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     assert table["bdc_drift_high"].tolist() == [2e-8, 4e-4]
     write_table(tmp_path / "life.csv", table)
     assert f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
-    with pytest.raises(InputError, match="has no life to write"):
+    with pytest.raises(pw.InputError, match="has no life to write"):
         life_table(replace(result, life=None))
+
+
+def named(*names: str) -> pw.Linkage:
+    """Return the four-bar with its last joints renamed."""
+    kept, last = FOUR_BAR.joints[: -len(names)], FOUR_BAR.joints[-len(names) :]
+    renamed = [replace(joint, name=name) for joint, name in zip(last, names, strict=True)]
+    return FOUR_BAR.changed(joints=(*kept, *renamed))
+
+
+@pytest.mark.parametrize("name", ["main_pin", "time", "all", "Bolzen Ø 20", "2", "depth_pin"])
+def test_a_name_is_carried_to_the_table(name: str, tmp_path: Path) -> None:
+    settings = {"engine": "dae", "integration_tolerance": "1e-6", "cycles": "1", "replicates": "1"}
+    scene = changed(pw.Scene(mechanism=named(name), joints=name, wear_updates=0), settings)
+    out = tmp_path / "out"
+    pw.run(scene, out)
+    assert name in pw.load(out).stages[0].joints
+    pw.load(out).report()
+    write_table(tmp_path / "table.csv", table_of(pw.load(out), 0))
+    with (tmp_path / "table.csv").open() as opened:
+        header = next(csv.reader(line for line in opened if not line.startswith("#")))
+    assert f"{name}_penetration" in header
+
+
+@pytest.mark.parametrize("name", ["", " pin", "a/b", "a.b", "a,b", "a\nb", "none", "../x"])
+def test_a_name_that_files_or_lists_cannot_hold_is_refused(name: str) -> None:
+    with pytest.raises(pw.InputError, match="name"):
+        named(name)
+
+
+def test_two_joints_whose_arrays_could_be_mixed_up_are_refused() -> None:
+    with pytest.raises(pw.InputError, match="must not begin with B_, because B is a joint too"):
+        named("B", "B_force")
+
+
+LIFE = LifeResult("limit", "", 1e6, 0.04, 0.0, 0.9, (), (), ())
+
+
+def test_a_ratio_has_the_errors_of_both_lives() -> None:
+    longer = replace(LIFE, strokes=2e6, sampling=0.03)
+    low, high = 2.0 * math.exp(-0.05), 2.0 * math.exp(0.05)
+    assert life_ratio(longer, LIFE) == (f"2.00 ({low:.2f} to {high:.2f})", "1")
+    assert life_ratio(replace(LIFE, sampling=0.1), replace(LIFE, sampling=0.0))[1] == "0.5"
+
+
+def test_half_a_standard_deviation_has_the_probability_of_the_normal_distribution() -> None:
+    half = 0.1
+    exact = replace(LIFE, sampling=0.0)
+    beside = replace(LIFE, strokes=1e6 * math.exp(0.5 * half / 1.959964), sampling=half)
+    assert float(life_ratio(beside, exact)[1]) == pytest.approx(0.691462, abs=0.005)
+
+
+def test_a_life_without_limit_or_interval_is_not_compared() -> None:
+    for other in (replace(LIFE, ended="at_most"), replace(LIFE, sampling=None)):
+        assert life_ratio(LIFE, other) == ("", "")

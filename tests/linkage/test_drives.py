@@ -1,4 +1,4 @@
-"""Motions of drives as data: rises by their closed forms, tables by scipy, what is no motion."""
+"""Motions of drives: rises and tables against closed forms and scipy, servo laws of the press."""
 
 import math
 from itertools import pairwise
@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicSpline
 
+import presswear as pw
 from presswear.linkage.drives import RISES, Drive, Rise, pieces_of, run_up_motion
+from presswear.physics.ideal import motion_of
 from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi
@@ -147,3 +149,49 @@ def test_a_run_up_is_smooth_and_ends_in_step() -> None:
     late = time > 4.0
     np.testing.assert_array_equal(levels[0][late], time[late] - 2.0)
     assert [float(x[0]) for x in run_up_motion(np.zeros(1), 4.0)] == [0.0, 0.0, 0.0]
+
+
+IDEAL = pw.scenes.ideal()
+W = pw.Press().speed
+
+SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
+
+
+@SOME
+@given(
+    st.floats(0.02, 0.12),
+    st.floats(0.075, 0.09),
+    st.floats(115.0, 125.0),
+    st.sampled_from(["cycloidal", "modified-sine", "3-4-5"]),
+)
+def test_slider_dwells_as_requested(part: float, stroke: float, bottom: float, law: str) -> None:
+    dwell = pw.Dwell(part=part, stroke=stroke, bottom=math.radians(bottom), law=law)
+    press = pw.Press(servo=dwell)
+    time = (dwell.bottom + math.pi * part * np.linspace(-1.0, 1.0, 101)) / W
+    ideal = motion_of(press)
+    place, speed, _ = ideal.at(time).output(press.linkage()).T
+    assert np.ptp(place) < 2e-9 * stroke
+    assert np.abs(speed).max() < 1e-6 * W * stroke
+    whole = ideal.at(ideal.times).output(press.linkage())[:, 0]
+    assert whole.min() > place.min() - 2e-9 * stroke
+    assert np.ptp(whole) == pytest.approx(stroke, rel=1e-4)
+    crank = ideal.at(ideal.times).position[:, 3 * press.linkage().index("crank 7") + 2]
+    assert np.ptp(crank) < math.pi
+
+
+@SOME
+@given(st.floats(0.05, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
+def test_the_speed_is_constant_in_the_work(speed: float, height: float, end: float) -> None:
+    """Near 0.04 m/s some of these curves are out of reach of the press."""
+    forming = pw.Forming(speed=speed, height=height, end=end)
+    press = pw.Press(servo=forming)
+    ideal = motion_of(press)
+    slowing = forming.bottom / W - 2.0 * end / speed
+    time = slowing - (height - end) / speed * np.linspace(0.0, 1.0, 101)
+    place, velocity, _ = ideal.at(time).output(press.linkage()).T
+    assert np.abs(velocity + speed).max() < 1e-6 * speed
+    whole = ideal.at(ideal.times).output(press.linkage())
+    assert place[0] - whole[:, 0].min() == pytest.approx(end, abs=1e-8)
+    # One way down, one way up.
+    moving = np.sign(whole[:-1, 1][np.abs(whole[:-1, 1]) > 1e-6])
+    assert np.count_nonzero(moving != np.roll(moving, 1)) == 2

@@ -1,4 +1,4 @@
-"""Runs that are interrupted, resumed, refused or starved lose nothing and name everything."""
+"""Result folders: interrupted, damaged, of another version, with links, or on a full disk."""
 
 import errno
 import json
@@ -14,15 +14,12 @@ import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 
-from presswear.__main__ import main
+import presswear as pw
 from presswear.campaign.campaign import Checkpoint, run_into
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.recording.observer import Observer
-from presswear.results.folder import FILE, ResultFolder
-from presswear.results.result import load, unfinished
-from presswear.scene.catalog import wear_times
+from presswear.results.folder import FILE, SCHEMA, ResultFolder, provenance, read_stored
+from presswear.results.result import unfinished
 from presswear.show.report import render_report
-from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.serialize import write_json
 
 SETTINGS: dict[str, Any] = {
@@ -30,7 +27,7 @@ SETTINGS: dict[str, Any] = {
     **{"cycles_per_update": 2e4, "speed": "60rad/s", "engine": "dae", "integrator": "dopri5"},
     **{"integration_tolerance": 1e-5, "angles": 90, "C.angles": 60},
 }
-SCENE = wear_times(**SETTINGS)
+SCENE = pw.scenes.wear_times(**SETTINGS)
 """Two starts of two cycles, a wear in steps, and again: every kind of place to stop at.
 
 With maps of different bins at its joints.
@@ -42,7 +39,7 @@ class Stop(BaseException):
 
 
 @dataclass
-class Acting(Observer):
+class Acting(pw.Observer):
     """Calls a function at the n-th checkpoint of a campaign; 0: never."""
 
     place: int
@@ -89,7 +86,7 @@ def halted(stopped: Path, tmp_path: Path) -> Path:
 
 def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) -> None:
     """Stopped again and again, each time one place further: every place is one to go on from."""
-    steps = load(whole).stages[0].wear_steps
+    steps = pw.load(whole).stages[0].wear_steps
     assert len(steps) > 1
     path, places = tmp_path / "out", 0
     while True:
@@ -102,7 +99,7 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
     # Two cycles of two starts for each step and the last stage, and the end of the stage.
     assert places >= 4 * (len(steps) + 1)
     assert folder_differences(whole, path) == []
-    assert len(load(path).provenance["resumed"]) == places
+    assert len(pw.load(path).provenance["resumed"]) == places
     files = {f"{kind}-{index}.npz" for kind in ("stage", "film") for index in (0, 1)}
     assert {item.name for item in path.iterdir()} == {"result.json", *files}
 
@@ -127,7 +124,7 @@ def test_another_scene_or_program_is_refused(
         document["provenance"].update(change)
         write_json(halted / FILE, document)
     before = {file.name: file.read_bytes() for file in halted.iterdir()}
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(pw.InputError, match=words):
         ResultFolder(halted, scene, resume=True)
     assert {file.name: file.read_bytes() for file in halted.iterdir()} == before
 
@@ -140,7 +137,7 @@ def test_a_checkpoint_that_is_damaged_or_of_another_run_is_named_and_left(
     file, other = (next(path.glob("checkpoint-*.npz")) for path in (halted, tmp_path / "other"))
     for data in (file.read_bytes()[:-1], other.read_bytes()):
         file.write_bytes(data)
-        with pytest.raises(InputError, match=f"{file.name} is cut off or altered"):
+        with pytest.raises(pw.InputError, match=f"{file.name} is cut off or altered"):
             ResultFolder(halted, SCENE, resume=True)
         assert file.read_bytes() == data
 
@@ -152,11 +149,11 @@ def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
         data = bytearray((path / name).read_bytes())
         data[len(data) // 2] ^= 4
         (path / name).write_bytes(data)
-        with pytest.raises(InputError, match=f"{name} is cut off or altered"):
-            load(path)
+        with pytest.raises(pw.InputError, match=f"{name} is cut off or altered"):
+            pw.load(path)
         (path / name).unlink()
-        with pytest.raises(InputError, match=f"{name} is missing"):
-            load(path)
+        with pytest.raises(pw.InputError, match=f"{name} is missing"):
+            pw.load(path)
 
 
 def test_a_run_in_a_folder_is_not_disturbed_and_no_file_of_others_is_touched(
@@ -164,14 +161,14 @@ def test_a_run_in_a_folder_is_not_disturbed_and_no_file_of_others_is_touched(
 ) -> None:
     first = ResultFolder(tmp_path / "out", SCENE)
     for resume in (False, True):
-        with pytest.raises(InputError, match="is at work in it" if resume else "not empty"):
+        with pytest.raises(pw.InputError, match="is writing to it" if resume else "not empty"):
             ResultFolder(tmp_path / "out", SCENE, resume=resume)
-    assert "is at work in it" in unfinished(load(first.path))
+    assert "is writing to it" in unfinished(pw.load(first.path))
     first.discard()
     assert not (tmp_path / "out").exists()
     (tmp_path / "precious").write_text("mine")
-    for resume, words in ((False, "not empty"), (True, "no run to go on with")):
-        with pytest.raises(InputError, match=words):
+    for resume, words in ((False, "not empty"), (True, "no run to resume")):
+        with pytest.raises(pw.InputError, match=words):
             ResultFolder(tmp_path, SCENE, resume=resume)
     assert [item.name for item in tmp_path.iterdir()] == ["precious"]
 
@@ -189,7 +186,7 @@ def test_a_full_disk_ends_the_run_with_one_line(
     path = tmp_path / "out"
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", full)
-        with pytest.raises(RunFailed, match=r"cannot be written: No space left on device; the run"):
+        with pytest.raises(pw.RunFailed, match=r"cannot be written: No space left on device; "):
             run(path)
     assert not list(path.glob("*.part"))
     run(path, resume=True)
@@ -199,41 +196,36 @@ def test_a_full_disk_ends_the_run_with_one_line(
 def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
     path = tmp_path / "out"
     removing = Acting(1, lambda: shutil.rmtree(path))
-    with pytest.raises(RunFailed, match=f"{path} was removed or replaced"):
+    with pytest.raises(pw.RunFailed, match=f"{path} was removed or replaced"):
         run_into(ResultFolder(path, SCENE, 0.0), SCENE, [removing])
     assert not path.exists()
 
 
-def test_a_run_without_a_finished_stage_has_no_report(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_finished_stage_no_report(tmp_path: Path, command: Callable[..., str]) -> None:
     path = tmp_path / "out"
     with pytest.raises(Stop):
         run(path, stop=1)
-    assert main(["report", str(path)]) == 2
     line = f"continue with: presswear run wear-times --resume --out {path}\n"
-    assert capsys.readouterr().err.endswith(line)
+    assert command(f"report {path}", 2).endswith(line)
 
 
 def test_the_command_goes_on_and_ends_as_if_never_stopped(
-    halted: Path, whole: Path, capsys: pytest.CaptureFixture[str]
+    halted: Path, whole: Path, command: Callable[..., str]
 ) -> None:
-    resume = ["--resume", "--out", str(halted)]
-    assert main(["run", "friction", *resume]) == 2
-    assert "it holds a run of wear-times, not of friction" in capsys.readouterr().err
-    assert main(["run", "wear-times", *resume]) == 0
-    assert "going on after stage 0, the wear after it" in capsys.readouterr().out
+    resume = f"--resume --out {halted}"
+    refused = command(f"run friction {resume}", 2)
+    assert "it holds a run of wear-times, not of friction" in refused
+    assert "resuming after stage 0, the wear after it" in command(f"run wear-times {resume}")
     assert folder_differences(whole, halted) == []
     before = (halted / "result.json").read_bytes()
-    assert main(["run", "wear-times", *resume]) == 0
-    assert "is already complete" in capsys.readouterr().out
+    assert "is already complete" in command(f"run wear-times {resume}")
     assert (halted / "result.json").read_bytes() == before
     assert json.loads(before)["status"] == "completed"
 
 
 def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
     """Each joint's arrays, statistics, figures and report are over its own angles."""
-    result = load(whole)
+    result = pw.load(whole)
     data = result.dataset(1)
     for name, bins in (("A", 90), ("C", 60)):
         assert "angle" not in result.stages[1].arrays
@@ -246,3 +238,126 @@ def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
         volume = worn * 2.0 * math.pi * gap.bearing_radius * gap.width
         assert numbers.wear_volume.mean == pytest.approx(volume, rel=1e-12)
     assert render_report(result)
+
+
+@pytest.fixture(scope="module")
+def document(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Document of a run of two stages, as if it had failed and left a checkpoint."""
+    # On a foundation contacts make no energy, which would end the run.
+    scene = pw.scenes.wear_times(
+        speed=60.0, conventions="refined", engine="dae", cycles=5, wear_updates=1
+    )
+    path = tmp_path_factory.mktemp("result") / "run"
+    pw.run(scene, path)
+    document = json.loads((path / FILE).read_text())
+    finding = {"kind": "wear", "what": "a", "time_s": 1.0, "joint": "", "remedy": ""}
+    document["stages"][1]["finding"] = finding
+    checkpoint = {"file": "checkpoint-2.npz", "digest": 64 * "0", "words": "stage 1", "index": 1}
+    document["checkpoint"] = checkpoint
+    document["provenance"]["resumed"] = [{"started": "now", "machine": "this"}]
+    return json.dumps(document)
+
+
+def test_a_document_is_read_and_written_unchanged(document: str, tmp_path: Path) -> None:
+    (tmp_path / FILE).write_text(document)
+    read_stored(tmp_path).write(tmp_path)
+    assert json.loads((tmp_path / FILE).read_text()) == json.loads(document)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "says"),
+    [
+        ("stages 0 statistics cycles", "five", "statistics.cycles: Expected `int`, got `str`"),
+        ("stages 0 statistics joints A peak_force", True, "joints.*Expected `float`, got `bool`"),
+        ("stages 0 wear_steps 0 factor", None, "wear_steps.*factor: Expected `float`"),
+        ("stages 1 finding kind", 3, "finding.kind: Expected `str`"),
+        ("stages 1", {}, r"stages\[1\]: Object missing required field `index`"),
+        ("stages 1 index", 2, r"the stages \[0, 2\] and 'files' differ: film-1\.npz, film-2\.npz"),
+        ("files ../x", "", r"'files' differ: \.\./x"),
+        ("files", {}, r"'files' differ: film-0\.npz"),
+        ("checkpoint file", "../x", r"checkpoint.file: Invalid enum value '\.\./x'"),
+        ("status", "fine", "status: Invalid enum value 'fine'"),
+        ("provenance packages", [], "provenance.packages: Expected `object`, got `array`"),
+        ("scene", 3, "scene: Expected `object`, got `int`"),
+        ("schema", 9, f"has schema 9; this version reads {SCHEMA}"),
+    ],
+)
+def test_a_wrong_part_is_named(
+    document: str, tmp_path: Path, place: str, value: object, says: str
+) -> None:
+    changed = json.loads(document)
+    owner: Any = changed
+    *keys, last = place.split()
+    for key in keys:
+        owner = owner[int(key) if isinstance(owner, list) else key]
+    owner[int(last) if isinstance(owner, list) else last] = value
+    (tmp_path / FILE).write_text(json.dumps(changed))
+    with pytest.raises(pw.InputError, match=f"{FILE}.*{says}"):
+        read_stored(tmp_path)
+
+
+NO_SCENE = json.dumps({"schema": SCHEMA, "scene": {"press": {}}, "provenance": provenance()})
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"schema": 99}', f'{{"schema": {SCHEMA}}}', "\x00\xff", NO_SCENE]
+)
+def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / FILE).write_text(text, encoding="latin-1")
+    with pytest.raises(pw.InputError, match=FILE):
+        pw.load(tmp_path)
+
+
+RESULT, SWEEP = "ideal", "clearances"
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a result and a sweep."""
+    folder = tmp_path_factory.mktemp("stored")
+    pw.run(pw.scenes.ideal(engine="dae"), folder / RESULT)
+    scene = pw.scenes.slider_crank(engine="dae", cycles=1, wear_updates=0)
+    pw.sweep(scene, {"clearance": "0.2mm"}, folder / SWEEP, ["B.force_max"], jobs=1)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("kind", "link", "line"),
+    [
+        (RESULT, "figures", "report {folder}"),
+        (RESULT, "report.html.part", "report {folder}"),
+        (RESULT, "lock", "run {kind} --resume --out {folder}"),
+        (SWEEP, "table.csv.part", "report {folder}"),
+        (SWEEP, "rows", "sweep slider-crank --resume --out {folder}"),
+        (SWEEP, "runs", "sweep slider-crank --resume --out {folder}"),
+    ],
+)
+def test_a_link_is_refused_in_one_line(
+    stored: Path,
+    tmp_path: Path,
+    command: Callable[..., str],
+    kind: str,
+    link: str,
+    line: str,
+) -> None:
+    folder, outside = tmp_path / "copy", tmp_path / "outside"
+    shutil.copytree(stored / kind, folder)
+    outside.mkdir()
+    (outside / "file").write_text("nothing may be written here\n")
+    if (folder / link).is_dir():
+        shutil.rmtree(folder / link)
+    (folder / link).symlink_to(outside / ("file" if "." in link or link == "lock" else ""))
+    message = command(line.format(folder=folder, kind=kind), 2)
+    assert f"{folder / link}: this is a link" in message
+    assert [path.name for path in outside.iterdir()] == ["file"]
+    assert (outside / "file").read_text() == "nothing may be written here\n"
+
+
+def test_a_link_in_place_of_a_file_is_replaced(stored: Path, tmp_path: Path) -> None:
+    folder, outside = tmp_path / "copy", tmp_path / "outside.html"
+    shutil.copytree(stored / RESULT, folder)
+    outside.write_text("nothing may be written here\n")
+    (folder / "report.html").symlink_to(outside)
+    pw.load(folder).report()
+    assert outside.read_text() == "nothing may be written here\n"
+    assert not (folder / "report.html").is_symlink()
