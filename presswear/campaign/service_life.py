@@ -204,6 +204,9 @@ class Refinement:
         return len(self.blocks) > MIN_BLOCKS and self.cycles_until(math.inf) >= needed
 
 
+Refinements = Sequence[Refinement]
+
+
 @dataclass(frozen=True)
 class LifeState:
     """State of a service life."""
@@ -261,7 +264,7 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
 def run_refinements(
     problem: LifeProblem,
     advance: Advance,
-    refinements: Sequence[Refinement] = (),
+    refinements: Refinements = (),
     keep: Callable[[tuple[Refinement, ...]], None] = lambda refinements: None,
 ) -> tuple[Refinement, ...]:
     """Run refinements until the life is known, after those that have run; keep them each block.
@@ -329,7 +332,7 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     return BlockPlan(refinement.block, share, lacking / refinement.block)
 
 
-def next_refinement(problem: LifeProblem, refinements: Sequence[Refinement]) -> Refinement | None:
+def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinement | None:
     """Return the next refinement; None if the life is known, or the cycles are used up.
 
     InputError if a limit is exceeded when new.
@@ -353,7 +356,7 @@ def next_refinement(problem: LifeProblem, refinements: Sequence[Refinement]) -> 
     return Refinement(last.change * max(finished, 1.0) / cycles, block)
 
 
-def estimate_life(refinements: Sequence[Refinement], limits: Sequence[Limit]) -> LifeEstimate:
+def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEstimate:
     """Return the strokes after which the first of some limits is exceeded, with their errors.
 
     The error of the step goes as one over the cycles, or faster: by each coarser refinement, that
@@ -507,9 +510,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def life_result(
-    scene: Scene, problem: LifeProblem, refinements: tuple[Refinement, ...]
-) -> LifeResult:
+def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:
     """Return the life as results store it."""
     last, end = refinements[-1], refinements[-1].blocks[-1]
     life = estimate_life(refinements, problem.limits)
@@ -550,7 +551,7 @@ def life_result(
 
 
 def wear_between(
-    refinements: Sequence[Refinement],
+    refinements: Refinements,
     joints: Sequence[ClearanceJoint],
     initial: Array,
     since: float,

@@ -71,7 +71,7 @@ class Linkage(Checked):
     """
 
     kind: ClassVar[str] = "linkage"
-    loose: ClassVar[tuple[str, ...]] = ()
+    default_joints: ClassVar[tuple[str, ...]] = ()
     origin: ClassVar[str] = "Dimensions and masses are the user's."
 
     bodies: tuple[Body, ...]
@@ -112,7 +112,7 @@ class Linkage(Checked):
         return tuple(load for load in self.loads if not isinstance(load, Load))
 
     @property
-    def openable(self) -> tuple[str, ...]:
+    def allowed_joints(self) -> tuple[str, ...]:
         """Names of the joints that may have clearance."""
         return tuple(joint.name for joint in self.revolutes)
 
@@ -166,7 +166,7 @@ class Linkage(Checked):
         """Return the position of a body in ``bodies``."""
         return [one.name for one in self.bodies].index(body)
 
-    def opened(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
+    def with_clearances(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
         """Return the linkage with clearance joints in place of revolutes of the same name."""
         names = {joint.name for joint in joints}
         rest = tuple(joint for joint in self.joints if joint.name not in names)

@@ -51,8 +51,8 @@ class Mechanism(Checked, ABC):
     """Driven mechanism, a data class of its quantities: everything but its clearance joints."""
 
     kind: ClassVar[str]  # word for it in a stored scene
-    openable: ClassVar[tuple[str, ...]]  # joints that may have clearance, one letter each
-    loose: ClassVar[tuple[str, ...]]  # joints that have clearance by default
+    allowed_joints: ClassVar[tuple[str, ...]]  # joints that may have clearance, one letter each
+    default_joints: ClassVar[tuple[str, ...]]  # joints that have clearance by default
     origin: ClassVar[str]  # of its values, in a sentence
     speed: float  # of the driven crank, rad/s
 
@@ -128,8 +128,8 @@ class Press(Mechanism):
     """Hybrid-driven seven-bar press of the paper."""
 
     kind = "press"
-    openable = ("A", "C")
-    loose = ("A", "C")
+    allowed_joints = ("A", "C")
+    default_joints = ("A", "C")
     origin = (
         "The geometry and several parameters are chosen, not the paper's: it does not print enough "
         "to fix the mechanism."
@@ -253,8 +253,8 @@ class SliderCrank(Mechanism):
     """
 
     kind = "slider-crank"
-    openable = ("A", "B")
-    loose = ("B",)
+    allowed_joints = ("A", "B")
+    default_joints = ("B",)
     origin = (
         "Dimensions, masses and speed are those of a slider-crank that the literature on joints "
         "with clearance has studied (Flores), from memory and not checked against a page."

@@ -192,10 +192,8 @@ def compare_tables(
     last = float(time[-1]) if until is None else min(until, float(time[-1]))
     common = (theirs["time"] >= time[0]) & (theirs["time"] <= last)
     if not common.any():
-        raise InputError(
-            f"no overlap: the run is compared from {time[0]:g} to {last:g} s, the table goes "
-            f"from {theirs['time'][0]:g} to {theirs['time'][-1]:g} s"
-        )
+        table = f"{theirs['time'][0]:g} to {theirs['time'][-1]:g} s"
+        raise InputError(f"no overlap: run from {time[0]:g} to {last:g} s, table from {table}")
     cubic = CubicHermiteSpline(time, ours["displacement"], ours["velocity"])
     curves = {"displacement": cubic, "velocity": cubic.derivative()}
     differences = []

@@ -167,10 +167,8 @@ class ResultFolder(Observer):
         scene.check_trusted()
         free = is_free(path)
         if not free and not resume:
-            raise InputError(
-                f"--out {path}: it exists and is not empty; name a new folder, or resume the "
-                "run in it with --resume"
-            )
+            remedy = "name a new folder, or resume its run with --resume"
+            raise InputError(f"--out {path}: it exists and is not empty; {remedy}")
         if not free and not (path / FILE).is_file():
             raise InputError(f"--out {path}: it contains no run to resume: it has no {FILE}")
         self.path, self.interval = path, interval
@@ -337,10 +335,7 @@ class ResultFolder(Observer):
     def _check(self) -> None:
         """Raise RunFailed if the folder is gone, or has been replaced by another."""
         if not self._lock.is_held():
-            raise RunFailed(
-                f"the folder {self.path} was removed or replaced during the run: "
-                "the run has stopped, and nothing was written elsewhere"
-            )
+            raise RunFailed(f"the folder {self.path} was removed or replaced; the run has stopped")
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -349,7 +344,5 @@ class ResultFolder(Observer):
         try:
             yield
         except OSError as error:
-            raise RunFailed(
-                f"{error.filename} cannot be written: {error.strerror}; the run has stopped, what "
-                "was stored before is whole"
-            ) from error
+            fault = f"{error.filename} cannot be written: {error.strerror}"
+            raise RunFailed(f"{fault}; the run has stopped, earlier files are intact") from error

@@ -117,23 +117,16 @@ class Bearing:
             if friction_law != laws.LUGRE:
                 raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
         if not isinstance(friction_law, str) and self.friction == 0.0:
-            raise InputError(
-                f"friction = 0: with friction_law = {friction_law} allowed is above 0 to 0.8"
-            )
+            raise InputError(f"friction = 0: with friction_law = {friction_law} allowed is above 0")
         if self.elasticity != "power" and self.exponent != 1.5:
-            raise InputError(
-                f"exponent = {self.exponent:g}: with elasticity = {self.elasticity} allowed is 1.5"
-            )
+            allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
+            raise InputError(f"exponent = {self.exponent:g}: {allowed}")
         if self.clearance >= self.bearing_radius:
-            raise InputError(
-                f"clearance = {self.clearance:g} m: allowed is 1e-9 m up to below the bearing "
-                f"radius, {self.bearing_radius:g} m"
-            )
+            radius = f"the bearing radius, {self.bearing_radius:g} m"
+            raise InputError(f"clearance = {self.clearance:g} m: allowed is below {radius}")
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
-            raise InputError(
-                f"lower_speed = {self.lower_speed:g} m/s: allowed is 0 to {LEAST_RAMP:g} m/s below "
-                f"upper_speed, {self.upper_speed:g} m/s"
-            )
+            allowed = f"0 to {LEAST_RAMP:g} m/s below upper_speed, {self.upper_speed:g} m/s"
+            raise InputError(f"lower_speed = {self.lower_speed:g} m/s: allowed is {allowed}")
 
     def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
         """Raise InputError where surfaces that are or become worn cannot meet in this way.
@@ -143,16 +136,12 @@ class Bearing:
         if contact != "foundation":
             return
         if self.exponent != 1.5:
-            raise InputError(
-                f"{where}exponent = {self.exponent:g}: with contact = 'foundation', which is "
-                "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
-            )
+            allowed = "with contact = 'foundation' allowed is 1.5, which a linear foundation gives"
+            raise InputError(f"{where}exponent = {self.exponent:g}: {allowed}")
         if is_worn and not isinstance(self.normal_law, str):
-            raise InputError(
-                f"{where}normal_law = {self.normal_law}: worn surfaces with contact = 'foundation' "
-                f"have an elastic force already; allowed is one of {', '.join(laws.DAMPINGS)}, or "
-                "contact = 'radial'"
-            )
+            allowed = f"one of {', '.join(laws.DAMPINGS)}; or use contact = 'radial'"
+            law = f"{where}normal_law = {self.normal_law}"
+            raise InputError(f"{law}: with contact = 'foundation' allowed is {allowed}")
 
     def hertz(self, reading: laws.StiffnessReading) -> float:
         """Return K, N/m^n: the contact stiffness, or Hertz's."""
@@ -162,7 +151,7 @@ class Bearing:
         return laws.hertz_stiffness(*radii, self.materials.compliance, reading)
 
     def normal(self, reading: laws.StiffnessReading) -> laws.NormalLaw:
-        """Return the law of its normal force."""
+        """Return the normal force law with its parameters."""
         function = self.normal_law if isinstance(self.normal_law, UserFunction) else None
         damping = laws.DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
         factors = damping.factor(self.restitution), self.viscous_damping
@@ -170,8 +159,8 @@ class Bearing:
         return laws.NormalLaw(stiffness, self.exponent, *factors, self.elasticity, function)
 
     @property
-    def rubbing(self) -> laws.FrictionLaw:
-        """Law of its friction."""
+    def friction_parameters(self) -> laws.FrictionLaw:
+        """Friction law with its parameters."""
         function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if function else str(self.friction_law)
         static = self.friction if self.static_friction is None else self.static_friction
@@ -197,7 +186,7 @@ class Bearing:
     def joint(
         self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
     ) -> elements.ClearanceJoint:
-        """Return a revolute joint opened: bearing on its first end, pin on its second."""
+        """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
         coefficient, share = self.materials.wear_coefficient, self.materials.bearing_share
         slip, distribution = conventions.slip, conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
@@ -209,7 +198,7 @@ class Bearing:
             self.clearance,
             self.width,
             self.normal(conventions.stiffness),
-            self.rubbing,
+            self.friction_parameters,
             wear if coefficient > 0.0 else None,
             conventions.map_frame,
             conventions.contact,
@@ -268,10 +257,9 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
         return Surface()
     angle = angle % _TURN
     for k in np.flatnonzero((depth < 0.0) | (depth > bearing.clearance))[:1]:
-        raise InputError(
-            f"{where}: depth {depth[k]:g} m at {math.degrees(angle[k]):g} deg: allowed is 0 to "
-            f"{bearing.clearance:g} m, the clearance"
-        )
+        place = f"depth {depth[k]:g} m at {math.degrees(angle[k]):g} deg"
+        allowed = f"allowed is 0 to {bearing.clearance:g} m, the clearance"
+        raise InputError(f"{where}: {place}: {allowed}")
     _check_angles(where, angle)
     bins = bin_centres(bearing.angles)
     if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
@@ -288,10 +276,8 @@ def _check_angles(where: str, angle: Array) -> None:
         raise InputError(f"{where}: the angle {twice:g} deg occurs twice")
     for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
         low, high = np.degrees([angle[k], angle[k] + gaps[k]])
-        raise InputError(
-            f"{where}: {angle.size} angles, none between {low:g} and {high:g} deg; a whole turn "
-            f"in steps of at most {math.degrees(widest):g} deg is expected"
-        )
+        gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"
+        raise InputError(f"{where}: {gap}; allowed is a gap of {math.degrees(widest):g} deg")
 
 
 def _rebinned(angle: Array, depth: Array, bins: int) -> Array:

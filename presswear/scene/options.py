@@ -29,11 +29,9 @@ class Numerics:
     def _engines(self) -> dict[str, Any]:
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
-    def resolved(
-        self, purpose: settings.Purpose, accuracy: float = settings.WEAR_ERROR
-    ) -> "Numerics":
+    def resolved(self, purpose: settings.Purpose, error: float = settings.WEAR_ERROR) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
-        return Numerics(**{k: one.resolved(purpose, accuracy) for k, one in self._engines.items()})
+        return Numerics(**{k: one.resolved(purpose, error) for k, one in self._engines.items()})
 
     def of(self, engine: settings.Engine) -> "Numerics":
         """Return a copy with the settings of one engine."""
@@ -168,10 +166,8 @@ class Life(Checked):
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)
             if match is None:
-                raise InputError(
-                    f"until = {text!r}: NAME > VALUE is expected, such as 'depth > 0.05 mm'; names "
-                    f"are {', '.join(FOLLOWED)}"
-                )
+                example = "NAME > VALUE is expected, such as 'depth > 0.05 mm'"
+                raise InputError(f"until = {text!r}: {example}; names are {', '.join(FOLLOWED)}")
             joint, name, size = match.groups()
             if name not in FOLLOWED:
                 raise unknown("number in until", name, FOLLOWED)

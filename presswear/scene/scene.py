@@ -44,8 +44,8 @@ class Scene:
     ----------
     mechanism : Press, SliderCrank or Linkage
     bearings : Bearing, or mapping of str to Bearing
-        Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping opens
-        its joints, each with its bearing.
+        Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping gives
+        its joints clearance, each with its bearing.
     joint_bearings : mapping of str to Bearing
         Bearings of single joints that differ.
     surfaces : mapping of str to pair
@@ -69,7 +69,7 @@ class Scene:
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(
         None,
-        lambda scene: (*scene.mechanism.openable, "none"),
+        lambda scene: (*scene.mechanism.allowed_joints, "none"),
         "joints with clearance; default: those of the mechanism",
         several=True,
     )
@@ -117,23 +117,21 @@ class Scene:
             and not self.bearings.keys() & Bearing().__dict__.keys()
         ):
             self._set(
-                joints=self._openable.combine(self.bearings),
+                joints=self._joint_choice.combine(self.bearings),
                 joint_bearings=dict(self.bearings),
                 bearings=next(iter(self.bearings.values()), Bearing()),
             )
         if self.joints is None:
-            if not self.mechanism.loose and self.bearings != Bearing():
-                raise InputError(
-                    "bearings: no joint has clearance; set joints, or give a mapping by joint; "
-                    f"allowed are {', '.join(self.mechanism.openable)}"
-                )
-            self._set(joints=self._openable.combine(self.mechanism.loose))
+            if not self.mechanism.default_joints and self.bearings != Bearing():
+                names = ", ".join(self.mechanism.allowed_joints)
+                raise InputError(f"bearings: no joint has clearance; set joints to any of {names}")
+            self._set(joints=self._joint_choice.combine(self.mechanism.default_joints))
         check_fields(self)
         for name in self.joint_bearings:
-            if name not in self.mechanism.openable:
-                raise unknown("joint in bearings", name, self.mechanism.openable)
+            if name not in self.mechanism.allowed_joints:
+                raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
         self._set(  # in one spelling, so that equal scenes are equal
-            joints=self._openable.combine(self.clearance_joints),
+            joints=self._joint_choice.combine(self.clearance_joints),
             joint_bearings={k: b for k, b in self.joint_bearings.items() if b != self.bearings},
             surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing),
         )
@@ -144,9 +142,7 @@ class Scene:
         if self.life is not None:
             self._check_life(self.life)
         elif self.replicate_count > 1 and not self.clearance_joints:
-            raise InputError(
-                f"replicates = {self.replicates}: without a clearance joint allowed is 1"
-            )
+            raise InputError(f"replicates = {self.replicates}: allowed is 1 without clearance")
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -176,10 +172,8 @@ class Scene:
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)
-            raise InputError(
-                f"engine = {ExudynTree.word!r}: a linkage without free loops is needed, but "
-                f"{reason}; allowed here is one of {engines}"
-            )
+            fault = f"it needs a linkage without free loops, but {reason}"
+            raise InputError(f"engine = {ExudynTree.word!r}: {fault}; allowed is one of {engines}")
 
     def _check_life(self, life: Life) -> None:
         if not self.clearance_joints:
@@ -187,14 +181,10 @@ class Scene:
         if self.wear_updates < 1:
             raise InputError("wear_updates = 0: with a life allowed is 1 to 20")
         if self.replicates == 1:
-            raise InputError(
-                "replicates = 1: with a life allowed is 2 to 100, for its confidence interval"
-            )
+            raise InputError("replicates = 1: with a life allowed is 2 to 100")
         if self.conventions.wear_distribution != "arc":
-            raise InputError(
-                "wear_distribution = 'bin': the depth, and with it a life, depends on the width of "
-                "the bins; allowed is 'arc', which conventions = 'refined' has"
-            )
+            reason = "its depth depends on the width of the bins"
+            raise InputError(f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}")
         if not any(self.bearing(j).materials.wear_coefficient for j in self.clearance_joints):
             raise InputError("wear_coefficient = 0: with a life allowed is above 0")
         life.limits(self.clearance_joints)
@@ -203,12 +193,12 @@ class Scene:
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
-        words = self._openable.split(self.joints)
-        return tuple(name for name in self.mechanism.openable if name in words)
+        words = self._joint_choice.split(self.joints)
+        return tuple(name for name in self.mechanism.allowed_joints if name in words)
 
     @property
-    def _openable(self) -> Choice:
-        return Choice((*self.mechanism.openable, "none"), several=True)
+    def _joint_choice(self) -> Choice:
+        return Choice((*self.mechanism.allowed_joints, "none"), several=True)
 
     def check_user_laws(self) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
@@ -289,7 +279,7 @@ class Scene:
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
         surfaces |= {**self.surfaces, **(worn or {})}
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
-        return ideal.opened(
+        return ideal.with_clearances(
             tuple(self.bearing(j.name).joint(j, self.conventions, surfaces[j.name]) for j in joints)
         )
 

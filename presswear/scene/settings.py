@@ -136,7 +136,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     common = {}
     for key, value in settings.items():
         first, _, last = key.rpartition(".")
-        if first in scene.mechanism.openable:
+        if first in scene.mechanism.allowed_joints:
             single.setdefault(first, {})[last] = value
         else:
             common[key] = value
@@ -160,7 +160,7 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if part is not None and part.value == NONE:
         kinds = ", ".join(name for name in cast(Choice, part.meaning).words if name != NONE)
         return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
-    if first in scene.mechanism.openable and first not in scene.clearance_joints:
+    if first in scene.mechanism.allowed_joints and first not in scene.clearance_joints:
         return InputError(f"{key}: joint {first} has no clearance; joints = {scene.joints}")
     inner = [name for name in allowed if first and name.startswith(f"{first}.")]
     common = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]

@@ -172,10 +172,9 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     frozen = _frozen(kind, key, meaning, *words)
     low, high = float(frozen.cdf(meaning.low)), float(frozen.cdf(meaning.high))
     if low + 1.0 - high > MAX_CUT:
-        raise InputError(
-            f"{key} = {text!r}: {100.0 * (low + 1.0 - high):.3g} % of it lies outside the allowed "
-            f"range {meaning.range_text()}; at most {100.0 * MAX_CUT:g} % may"
-        )
+        part = f"{100.0 * (low + 1.0 - high):.3g} % of it lies outside the allowed range"
+        allowed = f"{meaning.range_text()}; at most {100.0 * MAX_CUT:g} % may"
+        raise InputError(f"{key} = {text!r}: {part} {allowed}")
     return Distribution(text.strip(), frozen, low, high)
 
 
@@ -201,10 +200,8 @@ def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> A
         return stats.lognorm(math.sqrt(math.log1p(part**2)), scale=first)
     if spread.startswith("x"):
         return stats.lognorm(math.log(above(1.0, f"factor of {key}", spread[1:])), scale=first)
-    raise InputError(
-        f"spread of {key} = {spread!r}: expected a factor such as x1.6 or a coefficient of "
-        "variation such as 50%"
-    )
+    allowed = "a factor such as x1.6 or a coefficient of variation such as 50%"
+    raise InputError(f"spread of {key} = {spread!r}: expected {allowed}")
 
 
 def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
@@ -257,9 +254,7 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
         raise InputError(f"{kind}:{size}: expected a size and a number of parameters of at least 1")
     if kind in ("sobol", "saltelli") and size & (size - 1):
         lower = 1 << (size.bit_length() - 1)
-        raise InputError(
-            f"{kind}:{size}: must be a power of two, {lower} or {2 * lower}, for balanced points"
-        )
+        raise InputError(f"{kind}:{size}: must be a power of two, {lower} or {2 * lower}")
     random = np.random.default_rng(seed)
     if kind == "morris":
         paths = np.empty((size, dimension + 1, dimension))

@@ -184,9 +184,8 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
         if at and (is_whole or not (stage.isascii() and stage.isdigit())):
             raise InputError(f"response {item}: expected NAME or NAME@STAGE, with a stage from 0")
         if at and int(stage) > scene.wear_updates:
-            raise InputError(
-                f"response {item}: the stage must be 0 to wear_updates = {scene.wear_updates}"
-            )
+            allowed = f"0 to wear_updates = {scene.wear_updates}"
+            raise InputError(f"response {item}: the stage must be {allowed}")
         columns.append(Column(item.strip(), definition.unit, definition.text))
         keys.append(name if is_whole else f"{name}@{int(stage) if at else LAST}")
         if definition.optional and name not in optional:
@@ -257,13 +256,12 @@ def parse_limits(texts: Sequence[str], responses: Sequence[Column]) -> dict[str,
         sign = ">=" if ">=" in text else "<="
         key, _, value = (part.strip() for part in text.partition(sign))
         if not value:
-            raise InputError(
-                f"--limit {text}: expected RESPONSE>=VALUE or RESPONSE<=VALUE, such as life>=2e6"
-            )
+            example = "RESPONSE>=VALUE or RESPONSE<=VALUE, such as life>=2e6"
+            raise InputError(f"--limit {text}: expected {example}")
         if key not in columns:
             raise unknown("response", key, columns)
         if key in limits:
             raise InputError(f"--limit {text}: {key} already has a limit")
-        any_number = Quantity(columns[key].unit, -math.inf, math.inf, "", "")
-        limits[key] = Limit(float(parse_quantity(key, value, any_number)), sign == ">=")
+        number = parse_quantity(key, value, Quantity(columns[key].unit))
+        limits[key] = Limit(float(number), sign == ">=")
     return limits

@@ -69,9 +69,7 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
     the one that submitted the row raises `InputError`, because its numbers would differ.
     """
     if program_digest() != program:
-        raise InputError(
-            "a worker has another program: install the same presswear, Python and packages there"
-        )
+        raise InputError("a worker has another program: install equal versions of all packages")
     from presswear.campaign.campaign import run  # slow to import
 
     while folder is not None and holder(folder):
@@ -188,10 +186,8 @@ def _outcome(future: Future[Outcome]) -> Outcome:
         raise
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".rstrip(": ")
-        raise RunFailed(
-            f"the executor failed ({reason}); a script that starts processes needs "
-            'if __name__ == "__main__":'
-        ) from None
+        remedy = 'a script that starts processes needs if __name__ == "__main__":'
+        raise RunFailed(f"the executor failed ({reason}); {remedy}") from None
 
 
 class SerialExecutor(Executor):
@@ -265,10 +261,8 @@ def _prepare_worker() -> None:
 def _user_executor(on: str) -> Executor:
     module, _, name = on.partition(":")
     if not (module and name):
-        raise InputError(
-            f"--on {on}: expected dask, dask://HOST:PORT or MODULE:FACTORY, such as "
-            "concurrent.futures:ProcessPoolExecutor"
-        )
+        example = "MODULE:FACTORY, such as concurrent.futures:ProcessPoolExecutor"
+        raise InputError(f"--on {on}: expected dask, dask://HOST:PORT or {example}")
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
     try:
@@ -299,9 +293,8 @@ def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Execut
         try:
             client = Client(f"tcp://{address}" if address else None, timeout=CONNECT, **local)
         except (OSError, TimeoutError, ValueError) as error:
-            raise InputError(
-                f"--on {on}: no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
-            ) from None
+            fault = f"no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
+            raise InputError(f"--on {on}: {fault}") from None
         try:
             if local:
                 notify(f"Dask dashboard at {client.dashboard_link}")

@@ -356,10 +356,8 @@ def fit(points: Points) -> Surrogate:
     if points.censored.any():
         raise InputError(f"no surrogate of {name}: some of its values are lower bounds")
     if not MIN_POINTS_EACH * dimension <= count <= MAX_POINTS:
-        raise InputError(
-            f"no surrogate of {name}: {count} points have a value; it needs "
-            f"{MIN_POINTS_EACH * dimension} to {MAX_POINTS} for {dimension} parameters"
-        )
+        allowed = f"{MIN_POINTS_EACH * dimension} to {MAX_POINTS} for {dimension} parameters"
+        raise InputError(f"no surrogate of {name}: {count} points have a value; it needs {allowed}")
     if points.is_constant:
         raise InputError(f"no surrogate of {name}: it has the same value at all points")
     try:
@@ -388,8 +386,7 @@ def fit(points: Points) -> Surrogate:
     noise = float(points.noise.mean() / points.means.var(ddof=1))
     needed = max(MIN_EXPLAINED * (1.0 - min(noise, 1.0)), MIN_EXPLAINED_TOTAL)
     if explained < needed:
-        raise InputError(
-            f"no surrogate of {name}: in cross-validation it explains "
-            f"{100.0 * max(explained, 0.0):.0f} % of the variance; it needs {100.0 * needed:.0f} %"
-        )
+        part = f"{100.0 * max(explained, 0.0):.0f} % of the variance"
+        fault = f"in cross-validation it explains {part}; it needs {100.0 * needed:.0f} %"
+        raise InputError(f"no surrogate of {name}: {fault}")
     return Surrogate(points, process, logarithmic, explained)

@@ -17,14 +17,7 @@ from presswear.scene.settings import changed
 from presswear.sweeps import runner
 from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
-from presswear.sweeps.responses import (
-    Limit,
-    Requested,
-    User,
-    digest_of,
-    parse_limits,
-    request,
-)
+from presswear.sweeps.responses import Limit, Requested, User, digest_of, parse_limits, request
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import FolderLock, check_ending, digest, inside, is_free, write_bytes
 from presswear.tools.quantities import Choice

@@ -115,7 +115,7 @@ def check_ending(path: Path, *endings: str, option: str = "") -> str:
     if path.is_dir():
         raise InputError(f"{label}: it is a folder; name a file")
     if not path.parent.is_dir():
-        raise InputError(f"{label}: there is not a folder {path.parent}")
+        raise InputError(f"{label}: there is no folder {path.parent}")
     return ending
 
 

@@ -93,10 +93,9 @@ class Quantity:
         """Raise InputError unless the value is a finite number in range."""
         kind = int if self.whole else (int, float)
         if not isinstance(value, kind) or isinstance(value, bool):
-            raise InputError(
-                f"{name} = {shown(value)}: a {'whole ' if self.whole else ''}number is expected; "
-                f"allowed is {self.range_text()}"
-            )
+            number = "a whole number" if self.whole else "a number"
+            allowed = f"{number} is expected; allowed is {self.range_text()}"
+            raise InputError(f"{name} = {shown(value)}: {allowed}")
         is_above = self.low < value if self.open_low else self.low <= value
         if not (is_above and value <= self.high) or math.isinf(value):
             text = f"{value:g}"
@@ -235,10 +234,8 @@ class Choice:
                 return
         if self.example:
             raise InputError(f"{name} = {shown(value)}: a text is expected")
-        raise InputError(
-            f"{name} = {shown(value)}: allowed is one of {', '.join(self.allowed())}"
-            f"{nearest(f'{value}', self.words)}"
-        )
+        allowed = ", ".join(self.allowed()) + nearest(f"{value}", self.words)
+        raise InputError(f"{name} = {shown(value)}: allowed is one of {allowed}")
 
 
 def quantity(

@@ -303,9 +303,8 @@ def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
         raise InputError(f"{file} cannot be read: {error}") from None
     # JSON's true equals 1 and 2.0 equals 2, but neither is a schema.
     if type(document.get("schema")) is not int or document["schema"] != schema:
-        raise InputError(
-            f"{file} has schema {document.get('schema')!r}; this version reads {schema}"
-        )
+        stored = document.get("schema")
+        raise InputError(f"{file} has schema {stored!r}; this version reads {schema}")
     return document
 
 

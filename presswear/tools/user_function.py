@@ -84,10 +84,8 @@ class UserFunction:
                 source = textwrap.dedent(inspect.getsource(value))
                 function = UserFunction(value.__name__, source).trusted()
             except (OSError, TypeError, AttributeError):
-                raise InputError(
-                    f"{key}: the source of {value!r} cannot be read: must be a function defined in "
-                    "a file"
-                ) from None
+                fault = f"the source of {value!r} cannot be read"
+                raise InputError(f"{key}: {fault}; define the function in a file") from None
         else:
             file, _, name = str(value).rpartition(":")
             try:

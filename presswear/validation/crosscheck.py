@@ -57,6 +57,10 @@ class Touchdown:
     peak_force: float
 
 
+Touchdowns = tuple[Touchdown, ...]
+Means = dict[str, dict[str, Estimate]]  # by engine and quantity
+
+
 @dataclass(frozen=True)
 class Trajectory:
     """Recorded series that are compared."""
@@ -64,7 +68,7 @@ class Trajectory:
     time: Array  # s, shape (n,)
     slider: Array  # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
     eccentricity: Array  # m, shape (n, 2 joints)
-    touchdowns: tuple[Touchdown, ...]  # in the order of their times
+    touchdowns: Touchdowns  # in the order of their times
 
     def slider_at(self, time: Array) -> tuple[Array, Array]:
         """Return position, m, and velocity, m/s, at specified times."""
@@ -72,7 +76,7 @@ class Trajectory:
         return cubic(time), cubic.derivative()(time)
 
 
-def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:
+def touchdowns_of(run: Run) -> Touchdowns:
     """Return the touchdowns of all recorded contacts, and of those that last to the end."""
     touchdowns, records = [], run.recorder.records
     for k, last in enumerate(records.memory):
@@ -104,9 +108,7 @@ def velocity_difference(reference: Trajectory, compared: Trajectory, end: float)
     return float(np.abs(difference).max() / np.abs(reference.slider[:, 1]).max())
 
 
-def touchdown_differences(
-    reference: tuple[Touchdown, ...], compared: tuple[Touchdown, ...]
-) -> Array:
+def touchdown_differences(reference: Touchdowns, compared: Touchdowns) -> Array:
     """Return the differences of touchdowns with the same number in the same joint, shape (n, 3).
 
     They are time, s, and relative closing speed and peak force; infinite for a touchdown that the
@@ -139,17 +141,15 @@ class _Runner:
         self.linkage, self.start, self.report = scene.linkage(), start_of(scene), report
         self.moved = disturbed(self.linkage, self.start, DISTURBANCE)  # None: no free direction
 
-    def run(self, word: str, engine: Engine, plan: Plan, is_moved: bool = False) -> Run:
+    def run(self, word: str, engine: Engine, plan: Plan, moved: bool = False) -> Run:
         """Run from the start, or from the disturbed start; RunFailed if the run fails."""
         self.report(word, 0.0)
-        start = (is_moved and self.moved) or self.start
+        start = (moved and self.moved) or self.start
         plan = replace(plan, report=lambda part, recorder: self.report(word, part))
         return finished(engine.simulate(self.linkage, start, plan))
 
-    def trajectory(
-        self, word: str, engine: Engine, end: float, is_moved: bool = False
-    ) -> Trajectory:
-        run = self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), is_moved)
+    def trajectory(self, word: str, engine: Engine, end: float, moved: bool = False) -> Trajectory:
+        run = self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), moved)
         recorder, records = run.recorder, run.recorder.records
         # The series holds displacements, and a disturbed initial state is displaced already.
         position = recorder.series("displacement") + float(records.output["start"][0])
@@ -172,7 +172,7 @@ class _Runner:
         if self.moved is None:
             return None
         first = self.trajectory("dae", engine, end)
-        second = self.trajectory("dae, disturbed", engine, end, is_moved=True)
+        second = self.trajectory("dae, disturbed", engine, end, moved=True)
         return divergence_time(first, second, GROWTH * DISTURBANCE), first, second
 
 
@@ -191,11 +191,11 @@ class Crosscheck:
     horizon: float  # s
     diverged: bool  # whether trajectories diverged at the horizon; else it is the end of the runs
     checks: tuple[Check, ...]
-    touchdowns: tuple[Touchdown, ...]  # of the reference up to the horizon
+    touchdowns: Touchdowns  # of the reference up to the horizon
     # Time, s, and distance of the slider from the reference, m, shape (n, 2): the disturbed initial
     # state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
-    statistics: dict[str, dict[str, Estimate]]  # means over cycles by engine and quantity
+    statistics: Means  # over cycles
 
     @property
     def passed(self) -> bool:
@@ -266,7 +266,7 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = _exudyn_checks(is_tree, reference, compared, list(distances.values()), end)
     if diverged:
-        checks += _reported("disturbed start", reference, moved, end)
+        checks += _reports("disturbed start", reference, moved, end)
     if first := reference.touchdowns[:FIRST_TOUCHDOWNS]:
         # Far enough to include the last of the touchdowns.
         plan = Plan(min(1.001 * first[-1].time, end), 1, 1)
@@ -304,7 +304,7 @@ def _exudyn_checks(
             Check(f"{count} closing speeds", speeds, CLOSING_BOUND, "relative"),
             Check(f"{count} peak forces", forces, FORCE_BOUND, "relative"),
             Check(f"{name}: velocity to touch {len(first)}", speed, VELOCITY_BOUND, "relative"),
-            *_reported(name, reference, finest, horizon),
+            *_reports(name, reference, finest, horizon),
         ]
         if is_tree:
             early = float(distance[time <= last].max())
@@ -320,9 +320,7 @@ def _exudyn_checks(
     return checks
 
 
-def _reported(
-    name: str, reference: Trajectory, compared: Trajectory, end: float
-) -> Iterator[Check]:
+def _reports(name: str, reference: Trajectory, compared: Trajectory, end: float) -> Iterator[Check]:
     """Yield differences up to the horizon, where no solver could keep a bound."""
     # A touchdown just before the horizon may come just after it in the compared run.
     times = touchdown_differences(reference.touchdowns, compared.touchdowns)[:, 0]
@@ -333,9 +331,7 @@ def _reported(
     yield Check(f"{name}: {count} touches, times", largest, None, "s")
 
 
-def _check_means(
-    scene: Scene, runner: _Runner
-) -> tuple[list[Check], dict[str, dict[str, Estimate]]]:
+def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], Means]:
     """Check that the 95 % intervals of means over cycles of both engines overlap."""
     cycles = CYCLES if scene.cycles is None else scene.cycles
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
@@ -347,7 +343,7 @@ def _check_means(
     for k, joint in enumerate(scene.clearance_joints):
         quantities.append((f"peak force in {joint}", "force_max", k, "N"))
         quantities.append((f"load distance in {joint}", "load_distance", k, "N m"))
-    means: dict[str, dict[str, Estimate]] = {}
+    means: Means = {}
     exudyn = next(iter(exudyn_of(scene).values()))
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
         recorder = runner.run(f"{word}, {cycles} cycles", engine, plan).recorder

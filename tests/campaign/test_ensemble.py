@@ -32,9 +32,7 @@ def two() -> tuple[StageResult, Ensemble]:
     return run_stage(replace(QUICK, replicates=2, cycles=6), 0)
 
 
-def test_replicates_start_close_together_and_diverge(
-    two: tuple[StageResult, Ensemble],
-) -> None:
+def test_replicates_start_close_together_and_diverge(two: tuple[StageResult, Ensemble]) -> None:
     linkage = QUICK.linkage()
     replicates = [start_of(changed(QUICK, {"seed": seed}), k) for seed in "012" for k in range(4)]
     away = [np.abs(start.position - replicates[0].position).max() for start in replicates]
@@ -121,10 +119,7 @@ def test_pieces_with_equal_steps_are_equal(monkeypatch: pytest.MonkeyPatch, engi
     """Bit for bit, because each starts in a state of the run itself."""
     monkeypatch.setattr(replicates, "REFINEMENT", 1.0)
     scene = tolerance_scene(engine, 1e-5)
-    assert step_errors(scene) == {
-        "load_distance_step_error": 0.0,
-        "peak_force_step_error": 0.0,
-    }
+    assert step_errors(scene) == {"load_distance_step_error": 0.0, "peak_force_step_error": 0.0}
 
 
 def test_step_error_falls_with_the_tolerance() -> None:

@@ -4,13 +4,14 @@ import json
 import logging
 import os
 import re
-import shlex
 import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,6 +24,8 @@ from presswear.cli.terminal import logging_to_stderr
 from presswear.results.folder import ResultFolder
 from presswear.scene.files import example_file, scene_from
 from presswear.show import report
+
+Command = Callable[..., str]
 
 # Line, and the words that its message contains, separated by " & ".
 BAD_INPUT = r"""
@@ -63,7 +66,7 @@ run slider-crank --set geometry=standard: geometry & rod_length
 run slider-crank --set crank_length=0.12m: rod_length = 0.12 m & joint B
 run ideal --cycles 1 --set cycles=2: --cycles and --set cycles
 run ideal --out '': --out & name is expected
-run ideal --out /dev/null/x: /dev/null & no folder
+run ideal --out /dev/null/x: /dev/null & not a folder
 run ideal --set 'fric\ntion=1': fric\ntion
 life press-blanking --until 'deth > 1 mm': deth & did you mean depth
 life press-blanking --until 'depth > 1': depth & has no unit; known are m, cm, mm
@@ -114,50 +117,43 @@ completion bsh: unknown shell 'bsh'; did you mean bash?
 
 @pytest.mark.parametrize("case", BAD_INPUT.strip().splitlines())
 def test_bad_input_is_one_line_and_exit_code_2(
-    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.chdir(tmp_path)
     line, _, words = case.partition(": ")
-    assert main([word.replace("\\n", "\n") for word in shlex.split(line)]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    for part in words.split(" & "):
-        assert part in captured.err
+    message = command(line.replace("\\n", "\n"), 2)
+    assert message.startswith("presswear: ")
+    assert all(part in message for part in words.split(" & "))
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_of_several_runs_names_them(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_of_several_runs_names_them(tmp_path: Path, command: Command) -> None:
     for key in ("a", "b", "c", "runs/d"):
         (tmp_path / key).mkdir(parents=True)
         (tmp_path / key / "result.json").touch()
-    assert main(["replay", str(tmp_path), "--still", str(tmp_path / "a.png")]) == 2
     named = ", ".join(str(tmp_path / key) for key in "abc")
-    assert f"name one that it holds: {named}\n" in capsys.readouterr().err
+    message = command(f"replay {tmp_path} --still {tmp_path / 'a.png'}", 2)
+    assert f"name one that it holds: {named}\n" in message
 
 
-def test_list_names_scenes(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["list"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_list_names_scenes(command: Command) -> None:
+    lines = command("list").splitlines()
     assert [line.split()[0] for line in lines] == list(pw.scenes.SCENES)
     assert len({line.index(line.split(None, 1)[1]) for line in lines}) == 1
 
 
-def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_ideal_and_report(tmp_path: Path, command: Command) -> None:
     folder = tmp_path / "ideal"
     page = folder / "report.html"
-    assert main(["run", "ideal", "--cycles", "1", "--out", str(folder), "--no-report"]) == 0
+    command(f"run ideal --cycles 1 --out {folder} --no-report")
     assert not page.exists()
-    assert main(["run", "ideal", "--resume", "--out", str(folder)]) == 0
+    command(f"run ideal --resume --out {folder}")
     assert json.loads((folder / "result.json").read_text())["status"] == "completed"
     assert page.stat().st_size > 10_000
     page.unlink()
-    assert main(["report", str(folder)]) == 0
+    command(f"report {folder}")
     assert page.exists()
-    assert main(["run", "ideal", "--out", str(folder)]) == 2
-    assert "not empty" in capsys.readouterr().err
+    assert "not empty" in command(f"run ideal --out {folder}", 2)
 
 
 @pytest.mark.parametrize("is_verbose", [True, False])
@@ -175,16 +171,16 @@ def test_verbose_logs_the_stages(is_verbose: bool, capsys: pytest.CaptureFixture
         assert ("verbose" in arguments) == (words != "list ideal")
 
 
-@pytest.mark.parametrize("command", ["", *COMMANDS])
-def test_every_help_has_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("name", ["", *COMMANDS])
+def test_every_help_has_an_example(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
-        main([*command.split(), "--help"])
+        main([*name.split(), "--help"])
     assert ended.value.code == 0
     assert "example: presswear" in capsys.readouterr().out
 
 
 def test_an_interrupt_that_became_another_error_is_one(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     def listed(arguments: object, console: object) -> int:
         try:
@@ -194,52 +190,44 @@ def test_an_interrupt_that_became_another_error_is_one(
         return 0
 
     monkeypatch.setattr(scenes, "list_scenes", listed)
-    assert main(["list"]) == 143
-    assert capsys.readouterr().err == "presswear: interrupted\n"
+    assert command("list", 143) == "presswear: interrupted\n"
     monkeypatch.setattr(scenes, "list_scenes", lambda arguments, console: 1 // 0)
     with pytest.raises(ZeroDivisionError):
-        main(["list"])
+        command("list")
 
 
 @pytest.mark.parametrize("kind", ["four-bar", "slider-crank", "press"])
 def test_a_new_file_is_listed_drawn_and_run(
-    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["new", kind, "my-own.toml"]) == 0
-    written = Path("my-own.toml").read_bytes()
-    assert main(["new", kind, "my-own.toml"]) == 2
-    assert Path("my-own.toml").read_bytes() == written
-    assert "my-own.toml cannot be written: File exists" in capsys.readouterr().err
-    assert main(["list", "my-own.toml"]) == 0
-    output = capsys.readouterr().out
-    keys = [line.split()[0] for line in output.splitlines()]
+    command(f"new {kind} mine.toml")
+    written = Path("mine.toml").read_bytes()
+    assert "mine.toml cannot be written: File exists" in command(f"new {kind} mine.toml", 2)
+    assert Path("mine.toml").read_bytes() == written
+    keys = [line.split()[0] for line in command("list mine.toml").splitlines()]
     assert len(keys) == len(set(keys))
-    assert {"bodies[0].mass", "joints[1].first", "drives[0].speed", "clearance", "cycle"} <= set(
-        keys
-    )
-    assert main(["show", "my-own.toml", "--at", "10ms"]) == 0
-    assert Path("my-own.png").read_bytes().startswith(b"\x89PNG")
-    options = ["--engine", "dae", "--cycles", "1", "--wear-updates", "0", "--set", "replicates=1"]
-    assert main(["run", "my-own.toml", "--out", "out", *options]) == 0
-    assert "report in out" in capsys.readouterr().out
+    shown = {"bodies[0].mass", "joints[1].first", "drives[0].speed", "clearance", "cycle"}
+    assert shown <= set(keys)
+    command("show mine.toml --at 10ms")
+    assert Path("mine.png").read_bytes().startswith(b"\x89PNG")
+    options = "--engine dae --cycles 1 --wear-updates 0 --set replicates=1"
+    assert "report in out" in command(f"run mine.toml --out out {options}")
 
 
 def test_a_run_is_resumed_without_the_files_that_it_started_with(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     """Its folder holds the mechanism and the text of the law, which --trust executes."""
     monkeypatch.chdir(tmp_path)
     Path("laws.py").write_text("def soft(penetration):\n    return 1e7 * penetration\n")
-    text = example_file("four-bar").replace(
-        "wear_updates = 1", 'wear_updates = 0\nnormal_law = "laws.py:soft"'
-    )
-    Path("mine.toml").write_text(text)
+    changed = 'wear_updates = 0\nnormal_law = "laws.py:soft"'
+    Path("mine.toml").write_text(example_file("four-bar").replace("wear_updates = 1", changed))
     scene = scene_from(Path("mine.toml"))
     with ResultFolder(Path("out"), scene) as folder:
         folder.interrupt()
     Path("laws.py").unlink()
-    line = ["run", "mine.toml", "--resume", "--out", "out", "--trust"]
+    line = "run mine.toml --resume --out out --trust"
     resumed: list[pw.Scene] = []
 
     def run_into(store: ResultFolder, scene: pw.Scene, *more: object) -> None:
@@ -249,11 +237,10 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
     monkeypatch.setattr(campaign, "run_into", run_into)
     monkeypatch.setattr(report, "write_report", lambda result: "")
     for _ in range(2):
-        assert main(line) == 0
+        command(line)
         Path("mine.toml").unlink(missing_ok=True)
     assert resumed == [scene, scene]
-    assert main([*line, "--cycles", "3"]) == 2
-    assert "mine.toml: there is no such file" in capsys.readouterr().err
+    assert "mine.toml: there is no such file" in command(f"{line} --cycles 3", 2)
 
 
 @pytest.mark.parametrize("line", ["list ideal", "--help", "--version"])
@@ -263,9 +250,8 @@ def test_a_full_standard_output_is_named_in_one_line(line: str, tmp_path: Path) 
     for unbuffered in ("", "1") if line == "list ideal" else ("",):
         environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
         with Path("/dev/full").open("w") as full:
-            done = subprocess.run(
-                words, env=environment, stdout=full, stderr=subprocess.PIPE, text=True
-            )
+            pipes: dict[str, Any] = {"stdout": full, "stderr": subprocess.PIPE}
+            done = subprocess.run(words, env=environment, text=True, **pipes)
         assert done.returncode == 2
         output = "presswear: standard output cannot be written: No space left on device\n"
         assert done.stderr == output
@@ -286,39 +272,30 @@ def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
     assert b"joints = '\\xb5'" in done.stderr
 
 
-def test_lives_are_compared_and_resumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> None:
     out = tmp_path / "lives"
-    command = ["life", "wear-times", "--engine", "dae", "--cycles", "1", "--jobs", "1"]
-    command += ["--until", "A.depth>8um", "--tolerance", "1", "--set", "life.max_cycles=40"]
-    command += ["--set", "replicates=2", "--compare", "wear_coefficient=9e-13/Pa"]
-    assert main([*command, "--out", str(out)]) == 0
-    first = capsys.readouterr().out
+    line = "life wear-times --engine dae --cycles 1 --jobs 1 --until A.depth>8um --tolerance 1"
+    line += " --set life.max_cycles=40 --set replicates=2 --compare wear_coefficient=9e-13/Pa"
+    first = command(f"{line} --out {out}")
     names = {path.parent.name for path in out.glob("*/result.json")}
     assert names == {"plain", "wear_coefficient=9e-13-Pa"}
     assert " times as long, longer with a probability of " in first
-    assert main([*command, "--out", str(out)]) == 2
-    assert "add --resume" in capsys.readouterr().err
-    assert main([*command, "--out", str(out), "--resume"]) == 0
+    assert "add --resume" in command(f"{line} --out {out}", 2)
+    again = command(f"{line} --out {out} --resume")
     lines = [line for line in first.splitlines() if line.startswith(("plain: ", "wear_"))]
     assert len(lines) == 2
-    again = capsys.readouterr().out
     assert all(line in again for line in lines)
 
 
-def test_dynamics_of_a_result_and_of_a_scene(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -> None:
     pw.run(pw.scenes.slider_crank(cycles=4), tmp_path / "run", engine="dae", jobs=1)
-    assert main(["dynamics", str(tmp_path / "run")]) == 0
-    output = capsys.readouterr().out
+    output = command(f"dynamics {tmp_path / 'run'}")
     for word in ("free flight", "impact", "sustained contact", "sticking", "no period within 1 %"):
         assert word in output
-    assert main(["dynamics", "slider-crank", "--exponent", "3"]) == 0
-    assert "largest Lyapunov exponent" in capsys.readouterr().out
-    options = ["--cycles", "12", "--exponent", "0", "--orders", "2", "--jobs", "1"]
-    line = ["dynamics", "slider-crank", "--over", "clearance=0.01:0.02:2 mm", *options]
-    assert main([*line, "--out", str(tmp_path / "d")]) == 0
-    assert "periodic at 2 of 2 values" in capsys.readouterr().out
+    assert "largest Lyapunov exponent" in command("dynamics slider-crank --exponent 3")
+    line = "dynamics slider-crank --over 'clearance=0.01:0.02:2 mm' --cycles 12 --exponent 0"
+    output = command(f"{line} --orders 2 --jobs 1 --out {tmp_path / 'd'}")
+    assert "periodic at 2 of 2 values" in output
     for name in ("diagram.png", "orders.png"):
         assert (tmp_path / "d" / name).stat().st_size > 10_000
 
@@ -334,13 +311,9 @@ echo "${COMPREPLY[@]}"
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is missing")
-def test_completion_of_commands_options_names_and_folders(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["completion", "zsh"]) == 0
-    assert capsys.readouterr().out.startswith("#compdef presswear\n")
-    assert main(["completion", "bash"]) == 0
-    (tmp_path / "script.sh").write_text(capsys.readouterr().out)
+def test_completion_of_commands_options_and_names(tmp_path: Path, command: Command) -> None:
+    assert command("completion zsh").startswith("#compdef presswear\n")
+    (tmp_path / "script.sh").write_text(command("completion bash"))
     (tmp_path / "first").mkdir()
     (tmp_path / "file.csv").touch()
     for line, words in {
@@ -350,7 +323,7 @@ def test_completion_of_commands_options_names_and_folders(
         "run wear-times --engine exudyn-": {"exudyn-tree", "exudyn-joints"},
         "report f": {"first"},
     }.items():
-        command = ["bash", "-c", _TRY, "bash", "presswear", *line.split()]
-        output = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        call = ["bash", "-c", _TRY, "bash", "presswear", *line.split()]
+        output = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=True)
         assert set(output.stdout.split()) == words, line
         assert not output.stderr

@@ -16,14 +16,7 @@ from scipy.integrate import quad
 
 from presswear.linkage.drives import MAX_PIECES, Drive, Follow, Rise
 from presswear.linkage.elements import GROUND, Attachment, Bar, Body, Guide, OutputPoint, Pin
-from presswear.linkage.linkage import (
-    MAX_TURNS,
-    Linkage,
-    assemble,
-    linkage_from,
-    toml_of,
-    values_of,
-)
+from presswear.linkage.linkage import MAX_TURNS, Linkage, assemble, linkage_from, toml_of, values_of
 from presswear.linkage.loads import (
     Blanking,
     Coining,

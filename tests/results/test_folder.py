@@ -333,12 +333,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ],
 )
 def test_a_link_is_refused_in_one_line(
-    stored: Path,
-    tmp_path: Path,
-    command: Callable[..., str],
-    kind: str,
-    link: str,
-    line: str,
+    stored: Path, tmp_path: Path, command: Callable[..., str], kind: str, link: str, line: str
 ) -> None:
     folder, outside = tmp_path / "copy", tmp_path / "outside"
     shutil.copytree(stored / kind, folder)

@@ -40,7 +40,7 @@ def test_a_mechanism_has_default_joints_with_clearance() -> None:
         assert scene.joints == joints
     assert Scene(Press().linkage()).joints == "none"
     tight = Bearing(clearance=0.2e-3)
-    with pytest.raises(InputError, match=r"^bearings: no joint has clearance; .* are O, A, B, P$"):
+    with pytest.raises(InputError, match=r"^bearings: no joint has clearance; .* of O, A, B, P$"):
         Scene(FOUR_BAR, bearings=tight)
     assert Scene(FOUR_BAR, bearings=tight, joints="B").clearance_joints == ("B",)
     with pytest.raises(InputError, match="'joints' is missing"):

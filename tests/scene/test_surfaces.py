@@ -87,7 +87,7 @@ CLOSED = np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)])
         ({"A": (np.full(15, 1e-6), None)}, "bearing at A: 15 angles, none between 12 and 36 deg"),
         (
             {"A": (NARROW, None)},
-            "90 angles, none between 0.00343775 and 360 deg; a whole turn in st",
+            "90 angles, none between 0.00343775 and 360 deg; allowed is a gap of 22.5 deg",
         ),
         ({"A": (CLOSED, None)}, "bearing at A: the angle 0 deg occurs twice"),
     ],

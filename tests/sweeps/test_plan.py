@@ -88,7 +88,11 @@ def test_tables_are_written_for_other_programs(tmp_path: Path) -> None:
     read = pandas.read_parquet(tmp_path / "a.parquet")
     assert np.array_equal(read["y"], table.values[:, 0], equal_nan=True)
     assert np.array_equal(pandas.read_csv(tmp_path / "a.csv", comment="#")["x2"], read["x2"])
-    for name, message in (("a.csv", "exists"), ("a.xls", ".csv or .parquet"), ("n/a.csv", "no folder")):
+    for name, message in (
+        ("a.csv", "exists"),
+        ("a.xls", ".csv or .parquet"),
+        ("n/a.csv", "no folder"),
+    ):
         with pytest.raises(InputError, match=message):
             export_table(table, tmp_path / name)
 

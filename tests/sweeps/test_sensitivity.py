@@ -10,13 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up_sweep import (
-    ISHIGAMI_FIRST,
-    ISHIGAMI_TOTAL,
-    ISHIGAMI_VARIANCE,
-    ishigami,
-    table_of,
-)
+from made_up_sweep import ISHIGAMI_FIRST, ISHIGAMI_TOTAL, ISHIGAMI_VARIANCE, ishigami, table_of
 from numpy.typing import NDArray
 from scipy import stats
 
