@@ -110,7 +110,7 @@ new press x.txt: x.txt: the name must end in .toml
 new press no/x.toml: no/x.toml cannot be written: No such file or directory
 show wear-times --at 3: --at = '3' has no unit
 show wear-times --out x.pdf: x.pdf: the name must end in .png
-show wear-times --out no/x.png: there is not a folder no
+show wear-times --out no/x.png: there is no folder no
 completion bsh: unknown shell 'bsh'; did you mean bash?
 """
 
