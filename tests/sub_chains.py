@@ -1,17 +1,19 @@
 """Linkages of which a part has no freedom once a joint is open."""
 
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, Guide, Pin
+from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
 
+
+def bars(**sizes: tuple[float, float]) -> list[Body]:
+    """Return bars of a length, m, and a mass, kg, by name."""
+    return [Bar(name, *size) for name, size in sizes.items()]
+
+
 PUMP = assemble(
-    bodies=[
-        Bar("crank", 0.04, 0.3),
-        Bar("rod", 0.15, 0.4),
-        Bar("slider", 0.1, 0.5),
-        Bar("link", 0.12, 0.2),
-        Bar("rocker", 0.1, 0.3),
-    ],
+    bodies=bars(
+        crank=(0.04, 0.3), rod=(0.15, 0.4), slider=(0.1, 0.5), link=(0.12, 0.2), rocker=(0.1, 0.3)
+    ),
     joints=[
         Pin("O", (0.0, 0.0), "crank.tail"),
         Pin("A", "crank.head", "rod.tail"),
@@ -27,13 +29,9 @@ PUMP = assemble(
 )
 """A driven slider whose angle is not that of its guide moves a rocker; the drive is uneven."""
 STEPHENSON = assemble(
-    bodies=[
-        Bar("crank", 0.04, 0.3),
-        Bar("coupler", 0.16, 0.4),
-        Bar("left", 0.14, 0.3),
-        Bar("right", 0.12, 0.3),
-        Bar("tie", 0.10, 0.2),
-    ],
+    bodies=bars(
+        crank=(0.04, 0.3), coupler=(0.16, 0.4), left=(0.14, 0.3), right=(0.12, 0.3), tie=(0.10, 0.2)
+    ),
     joints=[
         Pin("O", (0.0, 0.0), "crank.tail"),
         Pin("A", "crank.head", "coupler.centre"),
@@ -48,13 +46,9 @@ STEPHENSON = assemble(
     name="Stephenson's six-bar",
 )
 """Four bodies behind the crank move only together: no two of them close alone."""
+FORE = Drive("fore", 0.0, 1.2, frequency=30.0, harmonics=[(0.1, 0.3)])
 ARM = assemble(
-    bodies=[
-        Bar("upper", 0.05, 0.3),
-        Bar("fore", 0.06, 0.4),
-        Bar("link", 0.16, 0.2),
-        Bar("rocker", 0.15, 0.3),
-    ],
+    bodies=bars(upper=(0.05, 0.3), fore=(0.06, 0.4), link=(0.16, 0.2), rocker=(0.15, 0.3)),
     joints=[
         Pin("O", (0.0, 0.0), "upper.tail"),
         Pin("E", "fore.tail", "upper.head"),
@@ -62,10 +56,7 @@ ARM = assemble(
         Pin("K", "link.head", "rocker.head"),
         Pin("P", (0.2, 0.0), "rocker.tail"),
     ],
-    drives=[
-        Drive("fore", 0.0, 1.2, frequency=30.0, harmonics=[(0.1, 0.3)]),
-        Drive("upper", 30.0, 0.2),
-    ],
+    drives=[FORE, Drive("upper", 30.0, 0.2)],
     guess={"link": 0.5, "rocker": 1.6},
     name="arm",
 )

@@ -1,4 +1,5 @@
 """Several replicates: they diverge, are pooled and end early together."""
+# mypy: disable-error-code="operator"
 
 from dataclasses import replace
 from statistics import median
@@ -66,8 +67,6 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
     added = np.stack([joint.wear(side) for side in SIDES])
     assert batches.mean(axis=0) == pytest.approx(added, abs=1e-12)
     depth = force.wear_peaks["both"].depth
-    assert depth.low is not None
-    assert depth.high is not None
     assert depth.low < depth.mean < depth.high
 
 
@@ -143,7 +142,5 @@ def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
         run(replace(tolerance_scene("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
         for cycles in (replicates.STEP_CHECK_CYCLES, replicates.STEP_CHECK_CYCLES - 1)
     )
-    assert many.load_distance_step_error is not None
-    assert many.wear_error is not None
     assert 0.0 < many.load_distance_step_error < many.wear_error
     assert few.load_distance_step_error is None
