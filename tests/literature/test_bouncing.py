@@ -8,13 +8,6 @@ from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact, order_of
-from presswear.validation.reference_problems import (
-    TIGHT,
-    bounced,
-    deepest_penetration,
-    delivered,
-    stiff_limit,
-)
 
 PLAN = Plan(0.005, 1)
 DELIVERED = references.DELIVERED["lankarani-nikravesh"]
@@ -42,7 +35,7 @@ def test_exudyn_delivers_to_second_order_in_the_step() -> None:
     for steps in parts:
         accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-12)
         run = accuracy.simulate(impact.linkage, impact.start, PLAN)
-        errors.append(abs(delivered(run, impact.speed) - exact))
+        errors.append(abs(references.delivered(run, impact.speed) - exact))
     assert order_of([1.0 / steps for steps in parts], errors) == pytest.approx(2.0, abs=0.2)
 
 
@@ -51,21 +44,23 @@ def test_elastic_impact_lasts_as_hertz_says(speed: float) -> None:
     """2.9432751843 delta_max / v."""
     impact = references.Impact(1.0, speed=speed)
     plan = Plan(2.0 * impact.clearance / speed, 1)
-    run = TIGHT.simulate(impact.linkage, impact.start, plan)
+    run = references.TIGHT.simulate(impact.linkage, impact.start, plan)
     contact = first_contact(run)
     assert contact["touchdown"] == pytest.approx(impact.clearance / speed, rel=1e-12)
     assert contact["separation"] - contact["touchdown"] == pytest.approx(
         impact.elastic_duration, rel=1e-8
     )
     # The tolerance in velocity is one of 1 m/s, not of the closing speed.
-    assert delivered(run, speed) == pytest.approx(1.0, abs=2.5e-9 / speed)
+    assert references.delivered(run, speed) == pytest.approx(1.0, abs=2.5e-9 / speed)
 
 
 @pytest.mark.parametrize("nominal", [0.5, 0.8, 0.9, 1.0])
 def test_depth_is_the_closed_form(nominal: float) -> None:
     impact = references.Impact(nominal, clearance=1e-5)
-    run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
-    assert deepest_penetration(run, impact.speed) == pytest.approx(impact.deepest, rel=1e-8)
+    run = references.TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
+    assert references.deepest_penetration(run, impact.speed) == pytest.approx(
+        impact.deepest, rel=1e-8
+    )
 
 
 @pytest.mark.parametrize("nominal", [0.9, 0.8, 0.5])
@@ -75,9 +70,9 @@ def test_ball_rebounds_with_the_delivered_restitution(nominal: float) -> None:
     ratios = []
     for stiffness in (1e12, 1e13, 1e14):
         ball = references.Ball(nominal, stiffness)
-        rebounds = bounced(ball, 2.5)[1][:4]
+        rebounds = references.bounced(ball, 2.5)[1][:4]
         ratios.append(rebounds / np.concatenate([[ball.speed], rebounds[:-1]]))
     np.testing.assert_allclose((ratios[0] - expected) / (ratios[1] - expected), 10**0.4, rtol=5e-3)
     for bounce in range(4):
-        limit = stiff_limit(ratios[1][bounce], ratios[2][bounce], 10.0)
+        limit = references.stiff_limit(ratios[1][bounce], ratios[2][bounce], 10.0)
         assert limit == pytest.approx(expected, abs=5e-9)

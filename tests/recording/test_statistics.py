@@ -9,39 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from presswear.recording.statistics import (
-    MAX_BATCHES,
-    MIN_SAMPLES,
-    STARTUP_CYCLES,
-    Estimate,
-    MapBatches,
-    after_startup,
-    angle_interval,
-    basic_interval,
-    batched,
-    differ,
-    half_width,
-    map_batches,
-    map_errors,
-    mean_map,
-    mean_range,
-    peak_of,
-    pointwise_interval,
-    pooled,
-    resampled,
-    spread,
-)
+from presswear.recording import statistics
 from presswear.tools.arrays import Array
 
 
 def test_interval_of_a_mean_over_cycles() -> None:
     """Student's interval of 2, 4, 6 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
-    found = pooled([np.array([100.0, 50.0, 2.0, 4.0, 6.0])])[0]
+    found = statistics.pooled([np.array([100.0, 50.0, 2.0, 4.0, 6.0])])[0]
     assert found.mean == 4.0
     assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
-    assert pooled([np.array([1.0])])[0].half_width is None
+    assert statistics.pooled([np.array([1.0])])[0].half_width is None
     # Where no more ran, the last is the only sample.
-    assert pooled([np.array([1.0, 3.0])])[0].mean == 3.0
+    assert statistics.pooled([np.array([1.0, 3.0])])[0].mean == 3.0
 
 
 def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:
@@ -55,12 +34,12 @@ def autoregressive(generator: np.random.Generator, phi: float, runs: int, count:
 def test_batches_cover_the_mean_of_correlated_cycles() -> None:
     """Of an autoregressive series a plain interval is too narrow; that of batches is not."""
     rows = autoregressive(np.random.default_rng(3), 0.8, 300, 1600)
-    for function, low, high in ((batched, 0.9, 1.0), (as_it_is, 0.0, 0.7)):
-        inside = [abs(row.mean()) <= (half_width(function(row)) or 0.0) for row in rows]
+    for function, low, high in ((statistics.batched, 0.9, 1.0), (as_it_is, 0.0, 0.7)):
+        inside = [abs(row.mean()) <= (statistics.half_width(function(row)) or 0.0) for row in rows]
         assert low < np.mean(inside) <= high
 
 
-def ends_of(estimate: Estimate | None) -> tuple[float, float]:
+def ends_of(estimate: statistics.Estimate | None) -> tuple[float, float]:
     """Return the ends of an interval."""
     assert estimate is not None
     assert estimate.low is not None
@@ -94,21 +73,21 @@ def test_intervals_of_scatter_cover_it(
 ) -> None:
     """Standard deviation and range of samples that hang together, of runs far apart."""
     generator = np.random.default_rng(11)
-    size = min(10, count - STARTUP_CYCLES)
+    size = min(10, count - statistics.STARTUP_CYCLES)
     long = shape(autoregressive(generator, phi, 2000, 20 // size * size))
     truth = float(np.ptp(long.reshape(-1, size), axis=1).mean())
     draws, deviations, ranges, plain = 300, 0, 0, 0
     for _ in range(draws):
         series = shape(autoregressive(generator, phi, runs, count))
         series += far * np.arange(runs)[:, np.newaxis]
-        scatter = spread(list(series))
+        scatter = statistics.spread(list(series))
         low, high = ends_of(scatter)
         deviations += low <= 1.0 <= high
-        span, pieces = mean_range(list(series))
+        span, pieces = statistics.mean_range(list(series))
         assert pieces == size
         low, high = ends_of(span)
         ranges += low <= truth <= high
-        free = runs * (count - STARTUP_CYCLES - 1)
+        free = runs * (count - statistics.STARTUP_CYCLES - 1)
         assert scatter is not None
         ends = scatter.mean * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
         plain += ends[0] <= 1.0 <= ends[1]
@@ -120,7 +99,7 @@ def test_intervals_of_scatter_cover_it(
 
 def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
     first, second = np.array([9.0, 9.0, 1.0, 3.0, 2.0]), np.array([9.0, 9.0, 14.0, 10.0, 12.0])
-    found = spread([first, second])
+    found = statistics.spread([first, second])
     assert found is not None
     assert found.mean == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
     # By hand: each sample left out once, with the mean of those that stay.
@@ -138,23 +117,25 @@ def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
 @given(st.integers(1, 200), st.integers(0, 2**31))
 def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
     maps = np.random.default_rng(seed).gamma(1.0, size=(count, 2, 2, 5))
-    found = MapBatches((2, 2, 5))
+    found = statistics.MapBatches((2, 2, 5))
     for depth in maps:
         found.add(depth)
-    samples = maps[min(STARTUP_CYCLES, count - 1) :]
-    assert np.array_equal(after_startup(maps), samples)
+    samples = maps[min(statistics.STARTUP_CYCLES, count - 1) :]
+    assert np.array_equal(statistics.after_startup(maps), samples)
     assert found.samples == len(samples)
-    assert np.allclose(mean_map([found]), samples.mean(axis=0))
-    if len(samples) < MIN_SAMPLES:
-        assert np.all(np.isinf(map_errors(*map_batches([found]))))
+    assert np.allclose(statistics.mean_map([found]), samples.mean(axis=0))
+    if len(samples) < statistics.MIN_SAMPLES:
+        assert np.all(np.isinf(statistics.map_errors(*statistics.map_batches([found]))))
         return
     whole = len(samples) // found.size
     expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
     assert np.allclose(found.batches, expected)
-    assert whole <= MAX_BATCHES
+    assert whole <= statistics.MAX_BATCHES
     noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
     size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))
-    assert np.allclose(map_errors(*map_batches([found])), np.sqrt(noise / size))
+    assert np.allclose(
+        statistics.map_errors(*statistics.map_batches([found])), np.sqrt(noise / size)
+    )
 
 
 @pytest.mark.parametrize(("count", "width"), [(6, 10.0), (20, 10.0), (20, 40.0)])
@@ -166,7 +147,9 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     for _ in range(draws):
         scale = 1.0 + 0.3 * generator.standard_normal((count, 1))
         maps = truth * scale * generator.gamma(11.0, 1.0 / 11.0, (count, 360))
-        depth, angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(count)), count)
+        depth, angle = statistics.peak_of(
+            maps.mean(axis=0), statistics.resampled(maps, np.ones(count)), count
+        )
         low, high = depth.low or 0.0, depth.high or 0.0
         deep += low <= 1.0 <= high
         low, high = ends_of(angle)
@@ -188,20 +171,24 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
     expected = stats.t.interval(0.95, count - 1, mean, stats.sem(samples))
     # So many draws that the ends of the interval are two of them.
     draws = mean + error * stats.norm.ppf(np.linspace(0.0, 1.0, 1001).clip(1e-9, 1.0 - 1e-9))
-    found = basic_interval(mean, draws, count)
+    found = statistics.basic_interval(mean, draws, count)
     assert (found.low, found.high) == pytest.approx(expected, rel=1e-9)
-    low, high = pointwise_interval(np.array([mean]), draws[:, np.newaxis], count)
+    low, high = statistics.pointwise_interval(np.array([mean]), draws[:, np.newaxis], count)
     assert (low[0], high[0]) == pytest.approx(expected, rel=1e-9)
     bins, turn = 1_000_000, 2.0 * math.pi
     place = round(mean / turn * bins)
-    angle = angle_interval(place, np.rint(draws / turn * bins).astype(np.int64), bins, count)
+    angle = statistics.angle_interval(
+        place, np.rint(draws / turn * bins).astype(np.int64), bins, count
+    )
     assert (angle.low, angle.high) == pytest.approx(expected, abs=10.0 * turn / bins)
 
 
 def test_pointwise_intervals_cover_the_mean_map() -> None:
     """Of 20 000 bins with normal depths 95 % have the true mean in their interval."""
     maps = np.random.default_rng(2).normal(1.0, 0.3, (12, 20_000))
-    low, high = pointwise_interval(maps.mean(axis=0), resampled(maps, np.ones(12)), 12)
+    low, high = statistics.pointwise_interval(
+        maps.mean(axis=0), statistics.resampled(maps, np.ones(12)), 12
+    )
     assert np.mean((low < 1.0) & (high > 1.0)) == pytest.approx(0.95, abs=0.01)
 
 
@@ -209,7 +196,7 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     generator = np.random.default_rng(5)
     around = (np.arange(360) + 180) % 360 - 180
     maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
-    _, angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(12)), 12)
+    _, angle = statistics.peak_of(maps.mean(axis=0), statistics.resampled(maps, np.ones(12)), 12)
     low, high = ends_of(angle)
     assert 0.0 < high - low < math.radians(40.0)
 
@@ -218,14 +205,14 @@ def test_runs_that_differ_are_single_samples() -> None:
     generator = np.random.default_rng(0)
     alike = [generator.normal(10.0, 1.0, 30) for _ in range(3)]
     apart = [generator.normal(mean, 1.0, 30) for mean in (8.0, 10.0, 12.0)]
-    together, are_apart = pooled(alike)
+    together, are_apart = statistics.pooled(alike)
     assert not are_apart
     assert together.samples == 84
     assert (together.half_width or 1.0) < 0.5
-    wide, are_apart = pooled(apart)
+    wide, are_apart = statistics.pooled(apart)
     assert are_apart
-    means = np.array([rows[STARTUP_CYCLES:].mean() for rows in apart])
-    assert wide.half_width == pytest.approx(half_width(means))
+    means = np.array([rows[statistics.STARTUP_CYCLES :].mean() for rows in apart])
+    assert wide.half_width == pytest.approx(statistics.half_width(means))
     assert (wide.half_width or 0.0) > 2.0
 
 
@@ -234,10 +221,10 @@ def test_quantiles_and_variances_are_those_of_scipy() -> None:
     for count in (2, 3, 8, 33, 200):
         some = draw.normal(size=count)
         low, high = stats.t.interval(0.95, count - 1, some.mean(), stats.sem(some))
-        assert half_width(some) == pytest.approx(0.5 * (high - low), rel=1e-12)
+        assert statistics.half_width(some) == pytest.approx(0.5 * (high - low), rel=1e-12)
     found = []
     for shift in np.linspace(0.0, 2.0, 41):
         groups = [draw.normal(shift * (k == 0), 1.0, 4 + 3 * k) for k in range(4)]
-        found.append(differ(groups))
+        found.append(statistics.differ(groups))
         assert found[-1] == (stats.f_oneway(*groups).pvalue < 0.01)
     assert 0 < sum(found) < len(found)
