@@ -67,9 +67,7 @@ anything = st.recursive(
 
 @given(st.data())
 @settings(max_examples=150)
-def test_a_part_with_one_value_changed_is_accepted_or_refused_in_one_line(
-    data: st.DataObject,
-) -> None:
+def test_a_part_with_one_value_changed_is_accepted_or_refused(data: st.DataObject) -> None:
     whole = data.draw(st.sampled_from(WHOLE))
     name = data.draw(st.sampled_from([item.name for item in fields(cast(Any, whole)) if item.init]))
     with suppress(pw.InputError):

@@ -39,9 +39,7 @@ def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) 
     assert output.count("load distance of a cycle at A") == 4
 
 
-def test_bottom_dead_centre_at_two_speeds_without_work_and_with_it(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_bottom_dead_centre_at_two_speeds_and_with_work(capsys: pytest.CaptureFixture[str]) -> None:
     """The last row is the scene itself, and the last column the change since the first row."""
     main = runpy.run_path(str(SCENARIOS / "bottom.py"))["main"]
     main("press-blanking", cycles=3, replicates=2)
@@ -63,9 +61,7 @@ def _with_half_width(text: str) -> list[float]:
     return [float(part.replace("−", "-").replace("\u202f", "")) for part in text.split("±")]
 
 
-def test_the_second_wear_under_every_assumption(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_second_wear_by_assumption(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     quick = {"engine": "dae", "cycles": 1, "replicates": 1, "cycles_per_update": 1e5, "speed": 60.0}
     script = runpy.run_path(str(SCENARIOS / "runaway.py"))
     script["main"](str(tmp_path / "runaway"), **quick)

@@ -130,9 +130,7 @@ def read_stored(path: Path) -> StoredResult:
     file, missing = path / FILE, f"{path} is not a result folder: it has no {FILE}"
     if (path / "sweep.json").exists():
         missing += "; a sweep holds whole results where it ran with --keep results"
-    elif inner := sorted(
-        f"{item.parent}" for d in ("*", "*/*") for item in path.glob(f"{d}/{FILE}")
-    ):
+    elif inner := sorted(f"{p.parent}" for d in ("*", "*/*") for p in path.glob(f"{d}/{FILE}")):
         missing += f"; name one that it holds: {', '.join(inner[:3])}"
     stored = typed(read_json(file, missing, SCHEMA), StoredResult, f"{file}")
     indices = [stage.index for stage in stored.stages]

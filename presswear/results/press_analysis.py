@@ -186,8 +186,8 @@ class Tonnage:
     """Tonnage and shock in the settled strokes of the first replicate of a stage.
 
     Reversed forces are those that inertia, drives at their prescribed motion and elastic contacts
-    cause in each joint when the work gives way. They are no bound of a press's reverse tonnage,
-    most of which is strain energy of frame, tools and drives.
+    cause in each joint when the work gives way. They are not a bound of the reverse tonnage
+    of a press, most of which is strain energy of frame, tools and drives.
     """
 
     strokes: int  # recorded settled strokes, from upper dead centre to the next

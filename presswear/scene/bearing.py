@@ -62,9 +62,7 @@ class Bearing:
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
     )
-    materials: laws.Materials | Any = named_set(
-        "paper", laws.MATERIALS, "materials of the pair, pin first"
-    )
+    materials: laws.Materials | Any = named_set("paper", laws.MATERIALS, "materials, pin first")
     contact_stiffness: float | None = quantity(
         None, "N/m^n", 1e3, 1e15, "chosen", "stiffness K; default: Hertz, from E, nu and radii"
     )
@@ -207,7 +205,7 @@ class Bearing:
 
 
 Surfaces = Mapping[str, tuple[Any, Any]]
-"""Bearing and pin by joint; see ``Scene.surfaces`` for what stands for a side."""
+"""Bearing and pin by joint; see ``Scene.surfaces`` for the form of a side."""
 
 _TURN = 2.0 * math.pi
 
@@ -272,8 +270,7 @@ def _check_angles(where: str, angle: Array) -> None:
     widest = _TURN / MIN_ANGLES
     gaps = np.diff(angle, append=angle[0] + _TURN)
     for k in np.flatnonzero(gaps < 1e-9)[:1]:
-        twice = math.degrees(angle[k])
-        raise InputError(f"{where}: the angle {twice:g} deg occurs twice")
+        raise InputError(f"{where}: the angle {math.degrees(angle[k]):g} deg occurs twice")
     for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
         low, high = np.degrees([angle[k], angle[k] + gaps[k]])
         gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"

@@ -156,15 +156,14 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
 
 
 def title_of(scene: Scene) -> str:
-    """Return the title of a scene, with the changes of a named scene or a file behind it."""
-    has_title = named_scene(scene) is not None and all(
-        scene.title != entry.title for entry in SCENES.values()
-    )
+    """Return the title of a scene, followed by its changes of a named scene or a file."""
+    titles = [entry.title for entry in SCENES.values()]
+    has_title = named_scene(scene) is not None and scene.title not in titles
     return scene.title if has_title else _with_changes(scene.title, scene)
 
 
 def name_of(scene: Scene) -> str:
-    """Return the name of a scene, with its changes behind it as in ``title_of``."""
+    """Return the name of a scene, followed by its changes as in ``title_of``."""
     return _with_changes(scene.name, scene)
 
 

@@ -1,4 +1,4 @@
-"""Options of a run that are no part of the mechanism: engines, recording plan, service life."""
+"""Options of a run that are not part of the mechanism: engines, recording plan, service life."""
 
 import math
 import re
@@ -65,10 +65,8 @@ class Recording(Checked):
     @property
     def phases(self) -> tuple[float, ...]:
         """Parts of a cycle at which its sections lie, rising, each above 0 up to 1, its end."""
-        first = self.section_angle / (2.0 * math.pi)
-        return tuple(
-            sorted(1.0 - (1.0 - first - k / self.sections) % 1.0 for k in range(self.sections))
-        )
+        first, count = self.section_angle / (2.0 * math.pi), self.sections
+        return tuple(sorted(1.0 - (1.0 - first - k / count) % 1.0 for k in range(count)))
 
 
 class Followed(NamedTuple):

@@ -22,9 +22,7 @@ from presswear.tools.serialize import check_fields, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
 OneMechanism = Press | SliderCrank | Linkage
-MECHANISMS: dict[str, type[Press | SliderCrank]] = {
-    kind.kind: kind for kind in (Press, SliderCrank)
-}
+MECHANISMS: dict[str, type[Press | SliderCrank]] = {one.kind: one for one in (Press, SliderCrank)}
 """The mechanisms that are made of a few quantities, by their kinds."""
 
 
@@ -73,9 +71,7 @@ class Scene:
         "joints with clearance; default: those of the mechanism",
         several=True,
     )
-    engine: str = choice(
-        "exudyn", ENGINES, "solver; exudyn: exudyn-tree if possible, else exudyn-joints"
-    )
+    engine: str = choice("exudyn", ENGINES, "exudyn: exudyn-tree if possible, else exudyn-joints")
     purpose: str = choice(
         "auto", PURPOSES, "purpose, sets the tolerances; auto: wear if joints wear, else trajectory"
     )

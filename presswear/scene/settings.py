@@ -125,7 +125,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     ----------
     settings : mapping
         Texts with units, as on the command line, or numbers, SI, by key. A named set or a part,
-        such as ``geometry``, is taken first, so that single values can be set on top.
+        such as ``geometry``, is applied first, so that single values can change it.
 
     Raises
     ------
@@ -243,9 +243,7 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
     """
     has_function = is_stored_function(first) or is_stored_function(second)
     if isinstance(first, Mapping) and isinstance(second, Mapping) and not has_function:
-        inner = {
-            name: key if key and name in ("name", "kind") else name for name in {**first, **second}
-        }
+        inner = {n: key if key and n in ("name", "kind") else n for n in {**first, **second}}
         pairs = ((first.get(name), second.get(name), label) for name, label in inner.items())
         return [difference for pair in pairs for difference in differences(*pair)]
 
@@ -322,7 +320,7 @@ def _change(setting: Setting, was: Any) -> Change:
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
-    """Yield the changes of the mechanism and of the surfaces, which are no settings."""
+    """Yield the changes of the mechanism and of the surfaces, which are not settings."""
     was, data = base.as_dict(), scene.as_dict()
     names = [key for key, *_ in differences(was["mechanism"], data["mechanism"])]
     names = [key for key in dict.fromkeys(names) if key not in keys]

@@ -174,7 +174,7 @@ def run_sweep(
     Rows that another program computed do not count.
     """
     sweep.plan.scene.check_trusted()
-    requested, keep_results = sweep.requested, sweep.keep == "results"
+    requested, keeps = sweep.requested, sweep.keep == "results"
     if requested.extra != digest_of(requested.optional, requested.functions):
         raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
     for name in (runner.ROWS, runner.RUNS):
@@ -190,9 +190,7 @@ def run_sweep(
         try:
             sweep.write(folder / FILE)
             os.replace(folder / FILE, sweep.path / FILE)
-            runner.run_rows(
-                sweep.path, scenes, requested, executor, slots, keep_results, on_progress
-            )
+            runner.run_rows(sweep.path, scenes, requested, executor, slots, keeps, on_progress)
         finally:
             lock.release()
     return sweep

@@ -127,9 +127,8 @@ def creeps(engine: Engine, slope: float) -> Checks:
 
 def sticks(engine: Engine) -> Checks:
     """Check that a block on the flat ends at the speed below which there is no friction."""
-    run = run_sound(
-        *references.block(0.0, references.GRAVITY, references.FRICTION, 0.01), engine, guarded(0.1)
-    )
+    flat = references.block(0.0, references.GRAVITY, references.FRICTION, 0.01)
+    run = run_sound(*flat, engine, guarded(0.1))
     error = float(run.end.velocity[0]) / references.FRICTION.lower - 1.0
     # The floor is a bowl of 10 km, which slows the block by 4e-5 in this time.
     yield Check("speed left / v_0, less 1", error, 1e-4)

@@ -216,9 +216,7 @@ def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
     assert np.isnan(state[-1])
 
 
-def test_exponent_does_not_depend_on_distance_and_interval(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_exponent_does_not_depend_on_distance_or_interval(monkeypatch: pytest.MonkeyPatch) -> None:
     reference = scene_exponent(SCENE, 40)
     monkeypatch.setattr(lyapunov, "DISTANCE", 1e-4)
     assert is_chaotic(reference)

@@ -16,7 +16,7 @@ from presswear.tools.numbers import readable
 
 QUICK = {
     **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6},
-    **{"speed": 60.0, "cycles_per_update": 1e6, "replicates": 1},
+    **{"speed": 60.0, "cycles_per_update": 1e6, "replicates": 1, "purpose": "wear"},
 }
 
 
@@ -86,9 +86,7 @@ def test_energy_made_by_contacts_adds_up(first: pw.Result, contact: str, frame: 
     assert mean.samples == 4
 
 
-def test_stored_scene_needs_no_source(
-    first: pw.Result, tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_scene_is_stored(first: pw.Result, tmp_path: Path, command: Callable[..., str]) -> None:
     """Started from the command line, then run from the stored scene, interrupted and resumed."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
     options = [f"--set {k}={v}{'rad/s' if k == 'speed' else ''}" for k, v in QUICK.items()]

@@ -357,20 +357,18 @@ def test_interrupted_life_resumes_bit_for_bit(
     assert folder_differences(whole[0], path) == []
 
 
-@pytest.mark.parametrize(
-    ("service", "word"), [("replaced", "replaced"), ("turned", "turned by half")]
-)
-def test_maintenance_adds_a_life(service: str, word: str, whole: tuple[Path, Any]) -> None:
+@pytest.mark.parametrize(("key", "word"), [("replaced", "replaced"), ("turned", "turned by half")])
+def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -> None:
     """It alone wears, and on one side: new or turned, the loaded side has lost nothing."""
     at = 0.6 * whole[1].strokes
-    settings: dict[str, Any] = {service: f"B@{at!r}"}
+    settings: dict[str, Any] = {key: f"B@{at!r}"}
     life = life_of_scene(scene_of(**settings))
     assert life.services == (f"bushing of B {word} after {at:.4g} strokes",)
     assert life.strokes == pytest.approx(at + whole[1].strokes, rel=0.05)
     strokes, depth = life.curves["strokes"], life.curves["B.depth"][:, 0]
     k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])
     assert strokes[k] == pytest.approx(at, rel=1e-9, abs=0.0)
-    assert depth[k + 1] == (0.0 if service == "replaced" else depth[k])
+    assert depth[k + 1] == (0.0 if key == "replaced" else depth[k])
 
 
 def test_limit_that_is_not_exceeded_ends_with_the_strokes(whole: tuple[Path, Any]) -> None:
@@ -399,9 +397,8 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
     scene = changed(pw.scenes.wear_times(), settings)
     coarse = evenly_worn(10, 1.04e6, A=5e-11, C=4.5e-11)
     both = coarse, evenly_worn(40, 1.04e6, A=4.7e-11, C=4.9e-11)
-    life = service_life.life_result(
-        scene, problem(*(Limit("depth", joint, 0.05e-3) for joint in "AC")), both
-    )
+    limits = (Limit("depth", joint, 0.05e-3) for joint in "AC")
+    life = service_life.life_result(scene, problem(*limits), both)
     first = life.first
     assert (first.key, life.limits[0].step) == ("C.depth", None)
     assert (first.strokes, first.sampling, first.step) == (life.strokes, life.sampling, life.step)

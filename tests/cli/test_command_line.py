@@ -179,9 +179,7 @@ def test_every_help_has_an_example(name: str, capsys: pytest.CaptureFixture[str]
     assert "example: presswear" in capsys.readouterr().out
 
 
-def test_an_interrupt_that_became_another_error_is_one(
-    monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_interrupt_that_became_error(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     def listed(arguments: object, console: object) -> int:
         try:
             signal.raise_signal(signal.SIGTERM)

@@ -130,9 +130,8 @@ def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> No
     assert found
     strokes, low, high, scatter, total_low, total_high = map(float, found.groups())
     assert scatter == 100.0 * pw.Materials().wear_scatter
-    factor = math.sqrt(
-        math.log(high / low) ** 2 / 4.0 + 1.96**2 * math.log1p((scatter / 100.0) ** 2)
-    )
+    deviation = math.sqrt(math.log1p((scatter / 100.0) ** 2))
+    factor = math.hypot(0.5 * math.log(high / low), 1.96 * deviation)
     assert [total_low, total_high] == pytest.approx(
         [strokes / math.exp(factor), strokes * math.exp(factor)], rel=0.01
     )

@@ -245,9 +245,7 @@ def test_events_of_two_joints_in_one_step_are_taken_in_their_order() -> None:
 
 
 @pytest.mark.parametrize(("integrator", "ends_there"), [("dop853", True), ("dopri5", False)])
-def test_steps_of_order_8_end_where_friction_has_a_corner(
-    integrator: Integrator, ends_there: bool
-) -> None:
+def test_steps_of_order_8_end_at_friction_corners(integrator: Integrator, ends_there: bool) -> None:
     """Nearly all other steps past one are sent back by their error, but not all."""
     scene = speed_high()
     engine = InHouse(integrator, 1e-10, free_step=6e-5)

@@ -62,9 +62,7 @@ Stepped = Callable[[float], Engine]
     ("engine", "duration", "counts", "order"),
     [(rk4, DURATION, (5000, 10000, 20000), 4.0), (trapezoidal, 0.1, (1000, 2000, 4000), 2.0)],
 )
-def test_order_on_an_oscillator(
-    engine: Stepped, duration: float, counts: tuple[int, ...], order: float
-) -> None:
+def test_orders(engine: Stepped, duration: float, counts: tuple[int, ...], order: float) -> None:
     steps = [duration / n for n in counts]
     errors = [oscillator_error(engine(step), duration)[0] for step in steps]
     assert order_of(steps, errors) == pytest.approx(order, abs=0.1)

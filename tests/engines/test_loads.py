@@ -154,9 +154,7 @@ def rebounded(place: float, speed: float, end: float) -> tuple[float, float]:
 
 
 @EVERY
-def test_a_mass_that_dents_a_sheet_rebounds_with_what_is_elastic(
-    engine: Engine, within: float
-) -> None:
+def test_a_mass_that_dents_a_sheet_rebounds_elastically(engine: Engine, within: float) -> None:
     linkage = guided(SHEET)
     ran = run(engine, linkage, -0.5, 2.0, 1.1)
     assert along(ran, linkage) == pytest.approx(rebounded(-0.5, 2.0, 1.1), abs=10.0 * within)

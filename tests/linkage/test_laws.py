@@ -49,9 +49,8 @@ def test_friction_law(speed: float, normal: float, coefficient: float, lower: fl
     force = friction_force(speed, normal, law)
     full = coefficient * normal
     part = np.interp(abs(speed), [lower, 1e-3], [0.0, 1.0])
-    assert force == pytest.approx(
-        -math.copysign(part * full, speed), rel=0.0, abs=1e-14 * full + 1e-300
-    )
+    expected = -math.copysign(part * full, speed)
+    assert force == pytest.approx(expected, rel=0.0, abs=1e-14 * full + 1e-300)
     assert force == -friction_force(-speed, normal, law)
     assert force * speed <= 0.0
     assert abs(force) == full if abs(speed) >= 1e-3 else abs(force) <= full

@@ -100,9 +100,8 @@ def test_the_press_is_the_papers() -> None:
 def test_engines_follow_the_closed_form(engine: str, bounds: list[float]) -> None:
     """Displacement, velocity and acceleration of the slider over two turns."""
     scene = replace(slider_crank(), joints="none", engine=engine)
-    run = scene.solver.for_cycle(CRANK.period).simulate(
-        scene.linkage(), start_of(scene), Plan(CRANK.period, 2)
-    )
+    solver = scene.solver.for_cycle(CRANK.period)
+    run = solver.simulate(scene.linkage(), start_of(scene), Plan(CRANK.period, 2))
     assert run.status == "completed"
     rows = run.recorder.rows
     assert len(rows) > 100

@@ -62,9 +62,7 @@ def kelvin_voigt_restitution(part: float) -> float:
     ("law", "nominal", "expected"),
     [(law, *one) for law, values in references.DELIVERED.items() for one in values.items()],
 )
-def test_factors_and_restitution_are_those_in_print(
-    law: str, nominal: float, expected: float
-) -> None:
+def test_factors_and_restitution_as_printed(law: str, nominal: float, expected: float) -> None:
     printed = {
         "lankarani-nikravesh": 0.75 * (1.0 - nominal**2),
         "hunt-crossley": 1.5 * (1.0 - nominal),
@@ -95,9 +93,7 @@ def test_restitution_and_depth_hold_for_any_exponent(exponent: float) -> None:
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 @pytest.mark.parametrize("nominal", [0.0, 0.05, 0.3, 0.9])
 @pytest.mark.parametrize("name", [name for name in DAMPINGS if name != KELVIN_VOIGT])
-def test_laws_deliver_the_closed_form(
-    name: str, nominal: float, engine: Engine, bound: float
-) -> None:
+def test_laws_have_the_closed_form(name: str, nominal: float, engine: Engine, bound: float) -> None:
     """(1 + e) chi = ln[(1 + chi) / (1 - chi e)], whatever the elastic force."""
     nominal = max(nominal, DAMPINGS[name].least)
     damping = DAMPINGS[name].factor(nominal)
@@ -107,9 +103,7 @@ def test_laws_deliver_the_closed_form(
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 @pytest.mark.parametrize("part", [0.0, 0.1, 0.5, 1.0, 2.0])
-def test_kelvin_and_voigt_deliver_the_closed_form(
-    part: float, engine: Engine, bound: float
-) -> None:
+def test_kelvin_and_voigt_have_the_closed_form(part: float, engine: Engine, bound: float) -> None:
     stiffness = 1e7
     law = NormalLaw(stiffness, 1.0, viscosity=2.0 * part * math.sqrt(stiffness * MASS))
     run = impact(law, engine)

@@ -72,9 +72,7 @@ ENGINES: list[tuple[Engine, float]] = [
 
 @pytest.mark.parametrize(("law", "nominal"), [("lankarani-nikravesh", 1.0), ("flores", 0.5)])
 @pytest.mark.parametrize(("engine", "bound"), ENGINES, ids=lambda value: getattr(value, "word", ""))
-def test_peak_of_an_impact_is_the_closed_form(
-    engine: Engine, bound: float, law: str, nominal: float
-) -> None:
+def test_peak_of_impact_is_exact(engine: Engine, bound: float, law: str, nominal: float) -> None:
     impact = Impact(nominal, law=law, speed=0.31)
     run = simulated(impact, engine)
     found = peaks(run)

@@ -245,9 +245,7 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
 
 
 @pytest.mark.parametrize(("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)])
-def test_slider_crank_is_lowest_where_crank_and_rod_are_in_line(
-    direction: float, part: float, sign: float
-) -> None:
+def test_slider_crank_is_lowest_in_line(direction: float, part: float, sign: float) -> None:
     """In the opposite direction the bottom falls on the boundary of two cycles."""
     mechanism = SliderCrank()
     linkage = mechanism.linkage().changed(output=OutputPoint("slider", direction))

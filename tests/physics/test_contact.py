@@ -132,9 +132,7 @@ def _knot_is_near(pair: Pair, span: float) -> bool:
 
 
 @given(pairs(st.floats(-5e-4, 1e-4), 0.1, 3.0), rates(1e2, 1e3))
-def test_penetration_acceleration_is_the_derivative_of_the_rate(
-    pair: Pair, acceleration: Array
-) -> None:
+def test_penetration_acceleration_is_a_derivative(pair: Pair, acceleration: Array) -> None:
     eccentricity = pair.contact().eccentricity
     # Centres move at up to 1.5 m/s against each other: a small part of the time in which
     # the pin would cross the joint.
@@ -182,9 +180,7 @@ def test_first_step_of_a_contact_uses_its_own_rate() -> None:
 
 
 @given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))
-def test_a_bearing_on_the_frame_is_a_bearing_on_a_body_at_rest(
-    penetration: float, direction: float, v: Array
-) -> None:
+def test_a_bearing_on_the_frame_is_at_rest(penetration: float, direction: float, v: Array) -> None:
     fixed = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
     free = placed(replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0)), penetration, direction)
     free.q[2] = 0.0

@@ -66,9 +66,7 @@ amplitudes = st.floats(-0.25, 0.25)
 
 @settings(max_examples=20)
 @given(st.lists(st.tuples(amplitudes, amplitudes), min_size=1, max_size=3), st.integers(0, 2))
-def test_the_crank_is_turned_as_the_law_of_cosines_says(
-    waves: list[tuple[float, float]], run_up: int
-) -> None:
+def test_crank_follows_the_law_of_cosines(waves: list[tuple[float, float]], run_up: int) -> None:
     """cos a = (x^2 + r^2 - l^2) / (2 r x) for a slider at x that swings about a = 90 deg."""
     scale = 0.3 * R
     harmonics = [(scale * a / (k + 1), scale * b / (k + 1)) for k, (a, b) in enumerate(waves)]

@@ -107,9 +107,7 @@ def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series() -> 
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_in_one_sense_a_load_grows_with_the_speed_and_never_drives(
-    sense: Sense, sign: float
-) -> None:
+def test_in_one_sense_a_load_grows_with_speed_and_never_drives(sense: Sense, sign: float) -> None:
     law = OverPosition([(0.0, -sign * 4.0)], sense=sense, outside="hold")
     packed = packed_of(law, turning=True)
     place_loads(packed, np.zeros(3), np.zeros(3))

@@ -102,9 +102,7 @@ STEADY = FOUR_BAR.changed(drives=[SERVO])
         ("exudyn-joints", "B", 1e-5),
     ],
 )
-def test_every_engine_follows_an_uneven_drive(
-    name: str, engine: str, joints: str, bound: float
-) -> None:
+def test_engines_follow_an_uneven_drive(name: str, engine: str, joints: str, bound: float) -> None:
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
     if (name, engine, joints) == ("table, run-up", "exudyn-joints", "B"):
         pytest.skip("three cycles of contact at equal steps take long")

@@ -44,9 +44,7 @@ LINE = replace(JOINT, bearing=Attachment(GROUND, 0.0, 0.0), pin=Attachment("pin"
 
 
 @given(st.floats(0.01, 0.9), st.floats(0.02, 0.09), st.floats(-1.0, 3.0), st.floats(1e-7, 1.0))
-def test_crossing_is_the_first_root_of_a_cubic(
-    root: float, length: float, lean: float, h: float
-) -> None:
+def test_crossing_is_the_first_root(root: float, length: float, lean: float, h: float) -> None:
     """A contact that starts and ends within the step."""
     # Zero where s is root, root + length or -6 / lean, which lies outside.
     cubic = -np.poly1d([root, root + length], r=True) * np.poly1d([0.25 * lean, 1.5])

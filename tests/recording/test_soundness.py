@@ -140,9 +140,7 @@ def test_missing_energy_of_a_vibrating_pin() -> None:
     ("depth", "contact", "is_steep"),
     [(0.0, "radial", False), (1e-4, "radial", True), (1e-4, "foundation", False)],
 )
-def test_steep_worn_surfaces_of_the_radial_contact_are_named(
-    depth: float, contact: str, is_steep: bool
-) -> None:
+def test_steep_radial_surfaces_are_named(depth: float, contact: str, is_steep: bool) -> None:
     scene = changed(SCENE, {"contact": contact})
     notched = Surface(np.where(np.arange(360) % 30 == 0, depth, 0.0))
     linkage = scene.linkage(dict.fromkeys("AC", (notched, Surface())))

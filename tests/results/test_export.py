@@ -169,9 +169,8 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     table = life_table(result)
     low, high = (f"A_depth_{end}" for end in ("low", "high"))
     assert list(table)[:4] == ["strokes", "A_depth", low, high]
-    np.testing.assert_array_equal(
-        np.column_stack([table["A_depth"], table[low], table[high]]), depth
-    )
+    columns = [table["A_depth"], table[low], table[high]]
+    np.testing.assert_array_equal(np.transpose(columns), depth)
     assert table["bdc_drift_high"].tolist() == [2e-8, 4e-4]
     write_table(tmp_path / "life.csv", table)
     assert f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()

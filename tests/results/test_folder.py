@@ -113,9 +113,7 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
         ({"packages": {}}, "exudyn is missing there"),
     ],
 )
-def test_another_scene_or_program_is_refused(
-    change: dict[str, Any] | None, words: str, halted: Path
-) -> None:
+def test_other_program_is_refused(change: dict[str, Any] | None, words: str, halted: Path) -> None:
     scene = SCENE
     if change is None:
         scene = replace(SCENE, cycles=3, bearings=replace(SCENE.bearings, friction=0.3))
@@ -129,9 +127,7 @@ def test_another_scene_or_program_is_refused(
     assert {file.name: file.read_bytes() for file in halted.iterdir()} == before
 
 
-def test_a_checkpoint_that_is_damaged_or_of_another_run_is_named_and_left(
-    halted: Path, tmp_path: Path
-) -> None:
+def test_a_wrong_checkpoint_is_named_and_left(halted: Path, tmp_path: Path) -> None:
     with pytest.raises(Stop):
         run(tmp_path / "other", stop=3)
     file, other = (next(path.glob("checkpoint-*.npz")) for path in (halted, tmp_path / "other"))
@@ -156,9 +152,7 @@ def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
             pw.load(path)
 
 
-def test_a_run_in_a_folder_is_not_disturbed_and_no_file_of_others_is_touched(
-    tmp_path: Path,
-) -> None:
+def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(tmp_path: Path) -> None:
     first = ResultFolder(tmp_path / "out", SCENE)
     for resume in (False, True):
         with pytest.raises(pw.InputError, match="is writing to it" if resume else "not empty"):
@@ -282,9 +276,7 @@ def test_a_document_is_read_and_written_unchanged(document: str, tmp_path: Path)
         ("schema", 9, f"has schema 9; this version reads {SCHEMA}"),
     ],
 )
-def test_a_wrong_part_is_named(
-    document: str, tmp_path: Path, place: str, value: object, says: str
-) -> None:
+def test_wrong_parts(document: str, tmp_path: Path, place: str, value: object, says: str) -> None:
     changed = json.loads(document)
     owner: Any = changed
     *keys, last = place.split()

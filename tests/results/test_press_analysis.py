@@ -195,9 +195,7 @@ STROKE = SettledStroke(start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.4
     ("angle", "back", "delay"),
     [(0.3, 0.0, 0.0), (2.0, 70.0, 0.0), (4.0, 250.0, 0.011), (6.0, 0.1, 0.0175), (1.0, 90.0, 0.03)],
 )
-def test_a_reversal_is_found_along_the_force_that_worked(
-    angle: float, back: float, delay: float
-) -> None:
+def test_a_reversal_is_along_the_force_that_worked(angle: float, back: float, delay: float) -> None:
     """Half a sine one way up to the fracture, and one of 4 ms the other way after a delay."""
     time, pressed = np.linspace(1.0, 2.0, 20_001), 100.0
 
@@ -269,9 +267,8 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     found = drives_of(scene, stage)["crank"]
     curve = curves_of(scene, stage.time, stage.arrays["drive_torque"])["crank"]
     motion = scene.ideal.at(stage.time)
-    angle, speed, faster = (
-        level[:, 2] for level in (motion.position, motion.velocity, motion.acceleration)
-    )
+    levels = motion.position, motion.velocity, motion.acceleration
+    angle, speed, faster = (level[:, 2] for level in levels)
     inertia = 2.0 * 0.4**2 / 3.0
     torque = 2.0 * 9.81 * 0.2 * np.cos(angle) + inertia * faster
     np.testing.assert_allclose(curve.torque, torque, atol=1e-6)
@@ -299,9 +296,7 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
 def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(engine: str) -> None:
     duties = []
     for rows in (100, 3000):
-        scene: Any = pw.Scene(
-            mechanism=FOUR_BAR, joints="B", wear_updates=0, cycles=1, engine=engine
-        )
+        scene: Any = pw.Scene(FOUR_BAR, joints="B", wear_updates=0, cycles=1, engine=engine)
         scene = changed(scene, {"drive_torque": "on", "rows_per_cycle": str(rows)})
         stage = pw.run(scene).stages[0]
         own = {name: found.duty for name, found in drives_of(scene, stage).items()}
@@ -408,9 +403,7 @@ def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
     assert rise[0] > 2e-4
 
 
-SCENE = pw.scenes.press_blanking(
-    wear_updates=0, replicates=1, cycles=1, engine="dae", clearance="0.5 mm"
-)
+SCENE = pw.scenes.press_blanking(wear_updates=0, cycles=1, engine="dae", clearance="0.5 mm")
 EQUAL = (
     "joint C: the penetration of 500 µm is 1.00 of the clearance, and the contact extends over 120 "
     "degrees, too wide for a law of a small contact"
@@ -429,9 +422,7 @@ FORCES = (
         ({"exponent": 1.4}, EQUAL),
     ],
 )
-def test_a_pin_as_deep_as_its_clearance_touches_a_third_of_the_turn(
-    law: dict[str, Any], text: str
-) -> None:
+def test_a_deep_pin_touches_a_third_of_the_turn(law: dict[str, Any], text: str) -> None:
     """Half the arc is 60 degrees; the foundation's force is 3/4 sqrt(c / 2) (e s - c sin s)."""
     scene = replace(SCENE, bearings=replace(SCENE.bearings, **law))
     stage = pw.StageResult(0, "completed", "", None, 1.0, (), 0.0, 0.0, {}, STATISTICS)

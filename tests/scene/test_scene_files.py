@@ -173,7 +173,5 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> No
 
 def test_a_process_out_of_reach_is_refused() -> None:
     high = pw.Drawing(height=7e-3, bottom="highest")
-    with pytest.raises(
-        pw.InputError, match=r"above the highest .* least 0\.008 m, .* below 0\.1 m"
-    ):
+    with pytest.raises(pw.InputError, match=r"above the highest .* least 0\.008 m, .* 0\.1 m"):
         replace(SLIDER_CRANK, process=high).check()

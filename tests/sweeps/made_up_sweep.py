@@ -14,10 +14,8 @@ ISHIGAMI_VARIANCE = 7.0**2 / 8.0 + 0.1 * np.pi**4 / 5.0 + 0.1**2 * np.pi**8 / 18
 
 
 def ishigami(cube: Array) -> Array:
-    x = np.pi * (2.0 * cube - 1.0)
-    return np.asarray(
-        np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    )
+    x, y, z = np.pi * (2.0 * cube.T - 1.0)
+    return np.asarray(np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x))
 
 
 def table_of(

@@ -52,9 +52,8 @@ def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> Non
 
 
 def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
-    assert not any(
-        key.startswith("total_clearance") for key in responses.responses_of(result, USUAL)
-    )
+    usual = responses.responses_of(result, USUAL)
+    assert not any(key.startswith("total_clearance") for key in usual)
     requested = responses.request(SCENE, ["total_clearance"])
     assert requested.extra != USUAL.extra
     value = responses.responses_of(result, requested)["total_clearance@1"].value

@@ -123,9 +123,8 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     assert "sweep.json" in command(f"report {folder}", 2)
 
 
-SAMPLED = Plan(
-    SCENE, ("engine=dae,exudyn",), "sobol:64", ("clearance=0.2mm:1mm", "friction=0:0.1"), 2
-)
+RANGES = ("clearance=0.2mm:1mm", "friction=0:0.1")
+SAMPLED = Plan(SCENE, ("engine=dae,exudyn",), "sobol:64", RANGES, 2)
 
 
 def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None:

@@ -111,9 +111,7 @@ def test_a_small_change_of_one_engine_is_noticed(
     assert shown.count("MISS") == len(missed)
 
 
-def test_without_clearance_the_duration_is_compared(
-    tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_without_clearance_all_is_compared(tmp_path: Path, command: Callable[..., str]) -> None:
     shown = command(f"crosscheck ideal --duration 0.05 --out {tmp_path / 'ideal'}")
     document = document_of(tmp_path / "ideal")
     assert (document["horizon_s"], document["touchdowns"]) == (0.05, [])

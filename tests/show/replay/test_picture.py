@@ -143,10 +143,8 @@ def test_two_clips_have_one_scale() -> None:
 
 
 def test_only_the_joints_of_the_present_stage_are_visible() -> None:
-    unworn = pw.scenes.scene_named("wear-times").linkage()
-    clip = replace(
-        CLIP, chapters=(*CLIP.chapters, Chapter("after", unworn)), firsts=(0, FRAMES // 2)
-    )
+    new = pw.scenes.scene_named("wear-times").linkage()
+    clip = replace(CLIP, chapters=(*CLIP.chapters, Chapter("after", new)), firsts=(0, FRAMES // 2))
     picture = Picture([clip], (480, 320))
     for frame, stage in ((5, "first wear"), (FRAMES - 1, "after")):
         picture.show([clip.snapshot(frame, frame)], 0.5, "")

@@ -97,9 +97,7 @@ def test_without_a_display_one_line_names_alternatives(folder: Path, name: str) 
             command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
         )
         assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-        assert all(
-            word in done.stderr for word in ("no window can be opened", "--movie", "--still")
-        )
+        assert all(word in done.stderr for word in ("no window can", "--movie", "--still"))
 
 
 @needs_xdotool
