@@ -54,52 +54,32 @@ def _stage(scene: pw.Scene, index: int, status: Any, message: str) -> stages.Sta
         for side in SIDES:
             arrays[f"{joint}_depth_{side}"] = index * one
             arrays[f"{joint}_wear_{side}"] = one
-    joint_statistics = stages.JointStatistics(
-        peak_force=100.0 + index,
-        peak_force_per_cycle=each,
-        contacts=1234,
-        contacts_per_cycle=each,
-        unresolved_contacts=0,
-        min_steps_per_contact=50,
-        contact_time_fraction=0.5,
-        load_distance_per_cycle=pw.Estimate(80.0, samples=2),
-        wear_volume=pw.Estimate(3e-9),
-        wear_volume_step_error=None,
-        wear_map_error=0.1,
-        wear_depth_max_by_replicate=(5e-6,),
-        wear_peaks=dict.fromkeys((*SIDES, "both"), peak),
-    )
+    numbers: dict[str, Any] = {
+        **{"peak_force": 100.0 + index, "peak_force_per_cycle": each, "contacts_per_cycle": each},
+        **{"contacts": 1234, "unresolved_contacts": 0, "min_steps_per_contact": 50},
+        **{"contact_time_fraction": 0.5, "load_distance_per_cycle": pw.Estimate(80.0, samples=2)},
+        **{"wear_volume": pw.Estimate(3e-9), "wear_volume_step_error": None, "wear_map_error": 0.1},
+        **{"wear_depth_max_by_replicate": (5e-6,)},
+    }
+    peaks = dict.fromkeys((*SIDES, "both"), peak)
+    joint_statistics = stages.JointStatistics(**numbers, wear_peaks=peaks)
     each = pw.Estimate.symmetric(0.107, 0.001, 2)
     output = stages.OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
-    bdc = stages.BottomStatistics(
-        strokes=2,
-        ideal_height=-0.5871,
-        ideal_time=0.5,
-        ideal_dwell=0.0,
-        height=pw.Estimate.symmetric(-0.58785, 2e-5, 2),
-        error=pw.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2),
-        range_of_all=1e-4,
-        range=pw.Estimate(1e-4),
-        range_strokes=2,
-        standard_deviation=pw.Estimate(4e-5, 3e-5, 6e-5),
-        delay=pw.Estimate(-3e-3, samples=2),
-        delay_angle=pw.Estimate.symmetric(-0.0314159, 0.0174533, 2),
-    )
-    joints = dict.fromkeys(scene.clearance_joints, joint_statistics)
-    return stages.StageResult(
-        index,
-        status,
-        message,
-        finding=None,
-        amplification=2e6,
-        wear_steps=(),
-        simulated_s=float(time[-1]),
-        wall_s=1.0,
-        diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
-        statistics=stages.StageStatistics(2, output=output, bdc=bdc, joints=joints),
-        arrays=arrays,
-        joint_names=scene.clearance_joints,
-    )
+    error = pw.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2)
+    numbers = {
+        **{"strokes": 2, "ideal_height": -0.5871, "ideal_time": 0.5, "ideal_dwell": 0.0},
+        **{"height": pw.Estimate.symmetric(-0.58785, 2e-5, 2), "error": error},
+        **{"range_of_all": 1e-4, "range": pw.Estimate(1e-4), "range_strokes": 2},
+        "standard_deviation": pw.Estimate(4e-5, 3e-5, 6e-5),
+        "delay": pw.Estimate(-3e-3, samples=2),
+        "delay_angle": pw.Estimate.symmetric(-0.0314159, 0.0174533, 2),
+    }
+    bdc, names = stages.BottomStatistics(**numbers), scene.clearance_joints
+    joints, solver = dict.fromkeys(names, joint_statistics), "6 bodies, 2 drives"
+    statistics = stages.StageStatistics(2, output=output, bdc=bdc, joints=joints)
+    ended: Any = (index, status, message, None, 2e6, (), float(time[-1]), 1.0)
+    last: Any = ({"model": solver, "steps": 4000}, statistics, arrays, names)
+    return stages.StageResult(*ended, *last)
 
 
 def altered(result: pw.Result, index: int, **changes: Any) -> pw.Result:
@@ -129,9 +109,8 @@ IDEAL = replace(BOTH, joints="none", wear_updates=0)
 
 STROKES = np.array([4.0, 2e6, 4e6, 6e6])
 LIFE = 5e6
-ASKED = pw.Life(
-    until="depth > 50 um, bdc_drift > 2 mm", replaced="A@2e6", turned="C@7e6", at_most=8e6
-)
+UNTIL = "depth > 50 um, bdc_drift > 2 mm"
+ASKED = pw.Life(UNTIL, replaced="A@2e6", turned="C@7e6", at_most=8e6)
 
 
 def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> LifeResult:
