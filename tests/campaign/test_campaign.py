@@ -104,7 +104,6 @@ Ran = tuple[Path, list[tuple[str, float, str]]]
 
 
 def scenes(**settings: Any) -> dict[str, pw.Scene]:
-    """Return two scenes of one cycle, and one that fails at once."""
     common = {"engine": "dae", "wear_updates": 1, "cycles": 1, "purpose": "trajectory"} | settings
     return {
         "one": pw.scenes.wear_times(**common),
@@ -115,7 +114,6 @@ def scenes(**settings: Any) -> dict[str, pw.Scene]:
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
-    """Run two processes at a time."""
     folder, reported = tmp_path_factory.mktemp("scenes"), []
     pw.run_scenes(scenes(), folder, jobs=2, on_progress=lambda *report: reported.append(report))
     return folder, reported

@@ -55,7 +55,6 @@ class KnownWear:
     def __call__(
         self, number: int, before: service_life.Blocks, plan: service_life.BlockPlan | Service
     ) -> service_life.LoadBlock:
-        """Run a block, or replace the bushing."""
         if isinstance(plan, Service):
             self.depth = np.zeros(8)
             levels, interval = {"A.depth": self.depth}, before[-1].interval + 1
@@ -262,7 +261,6 @@ def life_of_scene(scene: pw.Scene) -> Any:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
-    """Run a life without an interrupt, in one process."""
     path = tmp_path_factory.mktemp("life") / "whole"
     return path, pw.run(scene_of(), path, jobs=1).life
 

@@ -20,8 +20,6 @@ SCENE = replace(wear_times(), engine="dae", wear_updates=2)
 
 
 class Clock:
-    """Clock that is set by the test."""
-
     now = 100.0
 
     def perf_counter(self) -> float:

@@ -34,7 +34,6 @@ def test_commands_are_found() -> None:
     "line", [pytest.param(line, id=f"{page.stem}: {line[:40]}") for page, line in COMMAND_LINES]
 )
 def test_command_line_is_valid(line: str) -> None:
-    """The parser accepts it, and the scene accepts its settings."""
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
     arguments = parser_for(words).parse_args(words)
     scene, settings = getattr(arguments, "scene", None), getattr(arguments, "set", None)
@@ -82,7 +81,6 @@ def test_tutorial_links_to_its_notebook(page: Path) -> None:
 
 
 def functions_named(page: Path) -> set[str]:
-    """Return the dotted names below presswear in a page."""
     return set(re.findall(r"`((?:[a-z_]+\.)+[A-Za-z_0-9]+)`", page.read_text()))
 
 

@@ -27,7 +27,6 @@ FACTORS = {
 
 
 def closed_form(law: str, x: Array) -> Array:
-    """The laws as handbooks write them."""
     if law == "cycloidal":
         return np.asarray(x - np.sin(TURN * x) / TURN)
     if law == "3-4-5":

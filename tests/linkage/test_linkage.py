@@ -93,7 +93,6 @@ EVERY = [
 
 
 def table_of(linkage: Linkage) -> dict[str, Any]:
-    """Return a linkage as it is read from a file."""
     return tomllib.loads(toml_of(linkage))["mechanism"]
 
 

@@ -179,7 +179,6 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
 
 
 def named(*names: str) -> pw.Linkage:
-    """Return the four-bar with its last joints renamed."""
     kept, last = FOUR_BAR.joints[: -len(names)], FOUR_BAR.joints[-len(names) :]
     renamed = [replace(joint, name=name) for joint, name in zip(last, names, strict=True)]
     return FOUR_BAR.changed(joints=(*kept, *renamed))

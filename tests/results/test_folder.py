@@ -63,7 +63,6 @@ def run(path: Path, resume: bool = False, stop: int = 0) -> None:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run that was left alone."""
     path = tmp_path_factory.mktemp("whole") / "out"
     run(path)
     return path
@@ -305,7 +304,6 @@ RESULT, SWEEP = "ideal", "clearances"
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with a result and a sweep."""
     folder = tmp_path_factory.mktemp("stored")
     pw.run(pw.scenes.ideal(engine="dae"), folder / RESULT)
     scene = pw.scenes.slider_crank(engine="dae", cycles=1, wear_updates=0)

@@ -60,7 +60,6 @@ BOTTOM = float(slider(np.array(LOWEST))[0, 0])
 
 
 def force_at(depth: Array, velocity: Array) -> Array:
-    """Force of the sheet and its cushion, N."""
     places, forces = np.array(SHEET.curve).T
     held = SHEET.cushion * np.clip(depth / places[1], 0.0, 1.0)
     return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
@@ -254,7 +253,6 @@ PENDULUM = pw.assemble(
 
 
 def turned(linkage: pw.Linkage, cycles: int, engine: str = "dae") -> pw.Scene:
-    """Return a scene without clearance that stores torques."""
     scene = pw.Scene(linkage, joints="none", wear_updates=0, cycles=cycles, engine=engine)
     return changed(scene, {"drive_torque": "on"})
 

@@ -176,7 +176,6 @@ def _use_or_refuse(key: str, text: str) -> None:
 
 
 def _use(scene: pw.Scene) -> None:
-    """Check that a scene is finite and can be stored."""
     for joint in scene.linkage().clearances:
         for value in (joint.normal.stiffness, joint.pin_radius, joint.width):
             assert math.isfinite(value)

@@ -26,7 +26,6 @@ def on(bearing: Any = None, pin: Any = None, **changes: Any) -> Scene:
 
 
 def smooth(angle: Any) -> Any:
-    """Return a smooth profile, m."""
     return 1e-5 * (1.0 + np.cos(angle - 0.4))
 
 

@@ -83,7 +83,6 @@ def _stage(scene: pw.Scene, index: int, status: Any, message: str) -> stages.Sta
 
 
 def altered(result: pw.Result, index: int, **changes: Any) -> pw.Result:
-    """A result with one stage changed."""
     changed = replace(result.stages[index], **changes)
     return replace(result, stages=(*result.stages[:index], changed, *result.stages[index + 1 :]))
 

@@ -155,8 +155,6 @@ class Large:
 
 @dataclass(frozen=True)
 class ReturnsLarge:
-    """Return a large result."""
-
     delay: float
 
     def __call__(self, report: Report) -> Any:
@@ -220,7 +218,6 @@ def forever() -> None:
 
 
 def started(tmp_path: Path, text: str) -> "subprocess.Popen[str]":
-    """Start a script in a session of its own."""
     (tmp_path / "script.py").write_text(text)
     places = Path(presswear.__path__[0]).parent, Path(__file__).parent
     path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))

@@ -183,7 +183,7 @@ if __name__ == "__main__":
 
 @pytest.mark.parametrize("count", [1, 4])
 def test_a_killed_film_leaves_no_process(tmp_path: Path, count: int) -> None:
-    """Killed while output.pictures are drawn, and while workers wait for the next."""
+    """Killed while pictures are drawn, and while workers wait for the next."""
     script = tmp_path / "film.py"
     script.write_text(KILLED.format(count=count))
     paths = os.pathsep.join([str(Path(__file__).parent), *sys.path])

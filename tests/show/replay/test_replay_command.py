@@ -23,7 +23,6 @@ needs_xdotool = pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdot
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of two cycles and one wear."""
     path = tmp_path_factory.mktemp("replay") / "short"
     pw.run(pw.scenes.wear_times(cycles=2, wear_updates=1, engine="dae"), path)
     return path
