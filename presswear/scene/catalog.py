@@ -49,13 +49,8 @@ def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
     return make
 
 
-ideal = _named(
-    "ideal",
-    "The press without clearance, against the closed form",
-    joints="none",
-    wear_updates=0,
-    cycles=2,
-)
+_CLOSED_FORM = "The press without clearance, against the closed form"
+ideal = _named("ideal", _CLOSED_FORM, joints="none", wear_updates=0, cycles=2)
 
 
 def _paper(
@@ -74,30 +69,15 @@ friction = _paper("friction", _FRICTION, 6.0, 0.6e-3, 0.05)
 friction_high = _paper("friction-0.1", "Friction 0.1, else as friction", 6.0, 0.6e-3, 0.1)
 speed = _paper("speed", "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)", 4.0, 0.8e-3, 0.03)
 speed_high = _paper("speed-8pi", "Cranks at 8 pi rad/s, else as speed", 8.0, 0.8e-3, 0.03)
-clearance_a = _named(
-    "clearance-a",
-    "The press with clearance at A alone",
-    wear_times,
-    joints="A",
-    wear_updates=0,
-    cycles=5,
-)
+_AT_A = "The press with clearance at A alone"
+clearance_a = _named("clearance-a", _AT_A, wear_times, joints="A", wear_updates=0, cycles=5)
 clearance_c = _named("clearance-c", "The press with clearance at C alone", clearance_a, joints="C")
 
 # 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in all.
-press_blanking = _named(
-    "press-blanking",
-    "The press cuts a sheet: clearance at A and C, worn once",
-    wear_times,
-    process=Blanking(),
-    wear_updates=1,
-)
-press_drawing = _named(
-    "press-drawing",
-    "The press draws a cup over a cushion, worn once",
-    press_blanking,
-    process=Drawing(cushion=20.0),
-)
+_CUTS = "The press cuts a sheet: clearance at A and C, worn once"
+_DRAWS = "The press draws a cup over a cushion, worn once"
+press_blanking = _named("press-blanking", _CUTS, wear_times, process=Blanking(), wear_updates=1)
+press_drawing = _named("press-drawing", _DRAWS, press_blanking, process=Drawing(cushion=20.0))
 
 
 def _servo_press(name: str, title: str, servo: Any) -> Make:
@@ -114,12 +94,7 @@ slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
     mechanism=SliderCrank(),
-    bearings=Bearing(
-        clearance=0.5e-3,
-        bearing_radius=0.010,
-        materials=Materials(youngs_modulus=207e9),
-        friction=0.0,
-    ),
+    bearings=Bearing(0.5e-3, 0.010, materials=Materials(youngs_modulus=207e9), friction=0.0),
     conventions=CONVENTIONS["refined"],
     joints="B",
     wear_updates=0,

@@ -58,15 +58,9 @@ COLOURS = "cividis"  # distinguishable with colour blindness and in grey print
 CELLS = 60  # cells of a map along each axis
 BAR = 0.36  # height of a bar, part of the row of a parameter
 NAME_WIDTH = 2.2  # width of the names of parameters, inches
-COLUMN_ROWS = (
-    Row("name", "column.key"),
-    Row("meaning", "column.text"),
-    Row("values", "count"),
-    Row("lowest", "low"),
-    Row("median", "median"),
-    Row("highest", "high"),
-    Row("remark", "remark"),
-)
+COLUMN_ROWS = [Row("name", "column.key"), Row("meaning", "column.text"), Row("values", "count")]
+COLUMN_ROWS += [Row("lowest", "low"), Row("median", "median"), Row("highest", "high")]
+COLUMN_ROWS += [Row("remark", "remark")]
 ERROR_ROWS = (Row("error", "error"), Row("runs", "count"), Row("first run", "first"))
 
 

@@ -28,16 +28,9 @@ T = TypeVar("T")
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
 NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
 _NAMES = ("name", "body")  # first fields by which messages tell the owner
-_WORDS: dict[Any, str] = {
-    float: "finite number",
-    int: "whole number",
-    str: "text",
-    bool: "True or False",
-    NoneType: "None",
-    tuple: "list",
-    Sequence: "list",
-    Mapping: "mapping",
-}
+_WORDS: dict[Any, str] = {float: "finite number", int: "whole number", str: "text"}
+_WORDS |= {bool: "True or False", NoneType: "None"}
+_WORDS |= {tuple: "list", Sequence: "list", Mapping: "mapping"}
 
 
 def check_fields(owner: Any) -> None:
