@@ -168,11 +168,11 @@ def _print_methods(console: Console, points: Any) -> None:
     for problem in {id(point.problem): point.problem for point in points}.values():
         quantity = next(iter(problem.quantities))
         rows = [
-            [p.method.label, f"{1e3 * p.timing.wall:.3g}", f"{p.errors[quantity]:.1e}"]
+            [p.method.label, f"{1e3 * p.timing.cpu:.3g}", f"{p.errors[quantity]:.1e}"]
             for p in points
             if p.problem is problem and p.timing is not None
         ]
-        numbers = ("wall ms", f"error of {quantity}")
+        numbers = ("CPU ms", f"error of {quantity}")
         look = {"title": problem.name, "title_justify": "left"}
         print_table(console, ("method",), numbers, rows, **look)
     for point in points:
@@ -185,9 +185,9 @@ def _print_features(console: Console, costs: Any) -> None:
     rows = []
     for cost in costs:
         times = f"{cost.timing.per_second:.3f}", f"{1e6 * cost.timing.per_step:.2f}"
-        ratios = f"{cost.step_ratio:.2f}", f"{cost.wall_ratio:.2f}"
+        ratios = f"{cost.step_ratio:.2f}", f"{cost.cpu_ratio:.2f}"
         rows.append([f"{cost.feature}: {cost.state}", cost.engine, *times, *ratios])
     numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
     print_table(console, ("feature", "engine"), numbers, rows)
-    meaning = "s/s is wall time per simulated second; ratios are to the row without the feature"
+    meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"
     console.print(meaning, highlight=False)

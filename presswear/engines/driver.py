@@ -1,5 +1,6 @@
 """One driver for all engines: cycle by cycle, from a state that can be written down."""
 
+import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -57,7 +58,9 @@ def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, pl
             array[...] = plan.resume[name]
         set_numbers(running.sums, plan.resume["sums"])
         recorder.load(part(plan.resume, "recorder"))
+    started = clock.process_time()
     status, finding = _cycles(linkage, recorder, plan, running)
+    cpu = clock.process_time() - started
     time, position, velocity = running.state()
     run = Run(
         status=status,
@@ -66,6 +69,7 @@ def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, pl
         end=Start(position, velocity),
         time=time,
         diagnostics={**running.diagnostics(), **_balance(running).as_dict()},
+        cpu=cpu,
     )
     running.close()
     return run

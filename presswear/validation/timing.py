@@ -1,8 +1,9 @@
-"""Wall times of runs, and of a scene with and without each feature of its model.
+"""CPU times of runs, and of a scene with and without each feature of its model.
 
-Runs are interleaved, so that a slow minute of the machine affects all alike. Only the solution is
-timed; compiling, loading and building the model are not. The motion differs between runs with and
-without a feature, and so does the number of steps; the time of a step is the fair measure.
+CPU time hardly depends on what else the machine does; runs are interleaved all the same. Only the
+solution is timed; compiling, loading and building the model are not. The motion differs between
+runs with and without a feature, and so does the number of steps; the time of a step is the fair
+measure.
 """
 
 import csv
@@ -50,28 +51,28 @@ class Timing:
     steps: int
     rejected: int  # steps that were repeated with a shorter length
     evaluations: int | None  # of the accelerations, if the engine counts them
-    walls: tuple[float, ...]  # wall times of the solution, s
+    times: tuple[float, ...]  # CPU times of the solution, s
 
     @property
-    def wall(self) -> float:
-        """Least wall time, s: other programs only make runs longer."""
-        return min(self.walls)
+    def cpu(self) -> float:
+        """Least CPU time, s: other programs only make runs longer."""
+        return min(self.times)
 
     @property
     def per_second(self) -> float:
-        """Wall time per simulated second, s/s."""
-        return self.wall / self.simulated
+        """CPU time per simulated second, s/s."""
+        return self.cpu / self.simulated
 
     @property
     def per_step(self) -> float:
-        """Wall time per attempted step, s."""
-        return self.wall / max(self.steps + self.rejected, 1)
+        """CPU time per attempted step, s."""
+        return self.cpu / max(self.steps + self.rejected, 1)
 
     def columns(self) -> dict[str, object]:
         """Return the columns of a table."""
-        walls = {"wall_s": self.wall, "wall_median_s": median(self.walls)}
+        times = {"cpu_s": self.cpu, "cpu_median_s": median(self.times)}
         counts = {"steps": self.steps, "rejected_steps": self.rejected}
-        return {**counts, "evaluations": self.evaluations, **walls, "wall_max_s": max(self.walls)}
+        return {**counts, "evaluations": self.evaluations, **times, "cpu_max_s": max(self.times)}
 
 
 def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[Timing]:
@@ -91,15 +92,15 @@ def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[
                 int(numbers["steps"]),
                 int(numbers["steps_sent_back"]),
                 None if evaluations is None else int(evaluations),
-                (float(numbers["wall_solve_s"]),),
+                (run.cpu,),
             )
             if repeat == 0:
                 timings.append(timing)
                 continue
             first = timings[i]
-            if replace(timing, walls=first.walls) != first:
+            if replace(timing, times=first.times) != first:
                 raise RunFailed(f"{timed.name}: a repeated run took other steps")
-            timings[i] = replace(first, walls=(*first.walls, *timing.walls))
+            timings[i] = replace(first, times=(*first.times, *timing.times))
     return timings
 
 
@@ -149,12 +150,12 @@ class FeatureCost:
 
     @property
     def step_ratio(self) -> float:
-        """Wall time per attempted step over that of the run without the feature."""
+        """CPU time per attempted step over that of the run without the feature."""
         return self.timing.per_step / self.without.per_step
 
     @property
-    def wall_ratio(self) -> float:
-        """Wall time per simulated second over that of the run without the feature."""
+    def cpu_ratio(self) -> float:
+        """CPU time per simulated second over that of the run without the feature."""
         return self.timing.per_second / self.without.per_second
 
 
@@ -227,7 +228,7 @@ def table(costs: Sequence[FeatureCost]) -> list[dict[str, object]]:
             "simulated_s": cost.timing.simulated,
             **cost.timing.columns(),
             "ratio_per_step": cost.step_ratio,
-            "ratio_per_simulated_second": cost.wall_ratio,
+            "ratio_per_simulated_second": cost.cpu_ratio,
         }
         for cost in costs
     ]

@@ -1,8 +1,9 @@
-"""Error against wall time of every engine and integrator on four reference problems.
+"""Error against CPU time of every engine and integrator on five reference problems.
 
 The problems are the ideal mechanism of a scene, Andrews' squeezer, one free impact, and the scene
-with clearance. Trajectories of the last are compared up to the time at which two starts 1e-9 m
-apart have separated a thousandfold; beyond it, a trajectory has no meaning.
+with clearance, twice. Its trajectories are compared up to the time at which two starts 1e-9 m
+apart have separated a thousandfold; beyond it, a trajectory has no meaning, and the work per cycle
+that wears the joints is compared.
 """
 
 import math
@@ -31,6 +32,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import Motion, followed
 from presswear.physics.prescribed import Tree, tree_of
+from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
@@ -48,6 +50,8 @@ SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the ord
 SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
 CYCLES = 1.25  # of the ideal mechanism; over whole cycles errors of periodic motion cancel
 GAP = 1e-5  # m, free flight before the impact
+# Least and largest settings that are compared for wear, a statistic
+WEAR_SETTINGS = {STEP: (1e-5, 1e-5), IMPACT: (1.0, 50.0), TOLERANCE: (1e-8, 1.0)}
 PARTS = 10  # parts of a run with clearance; its recorded series is so much finer
 
 
@@ -64,6 +68,8 @@ class Extent:
     rk4_impact_steps: Sequence[float]  # s, with contacts
     tolerances: Sequence[float]  # of DOP853 and DOPRI5 in dae
     tree_tolerances: Sequence[float]
+    wear_cycles: int  # cycles whose wear is compared
+    reference_cycles: int  # cycles of the reference for wear
 
 
 _FILE = files("presswear.validation").joinpath("work_precision.toml")
@@ -178,10 +184,9 @@ def contact_methods(
 ) -> tuple[Method, ...]:
     """Return all methods for motion with contacts.
 
-    ``longest`` is the longest step of DOP853 and DOPRI5 in ``dae``, s. ``has_tree`` tells whether
-    the linkage is an open tree.
+    ``numerics`` are resolved; ``longest`` is the longest step of DOP853 and DOPRI5 in ``dae``, s.
+    ``has_tree`` tells whether the linkage is an open tree.
     """
-    numerics = numerics.resolved("trajectory")
     methods = joints_over_impacts(extent.impact_steps, numerics, period)
     for step in extent.equal_steps:
         # The longest step allowed is shorter than any step of a contact, so that steps are equal.
@@ -258,6 +263,7 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
     contact_time, uncertainty = impact.duration()
     kinetic = 0.5 * linkage.bodies[1].mass * impact.speed**2
     duration = GAP / impact.speed + 2.2 * impact.elastic_duration
+    numerics = scene.numerics.resolved("trajectory")
 
     def errors(run: Run) -> Sequence[float]:
         contacts = cases.contacts_of(run)
@@ -286,7 +292,7 @@ def single_impact(scene: Scene, extent: Extent) -> Problem:
         replace(linkage, joints=guides),
         start,
         Plan(duration, 1, 1, torques=False),
-        contact_methods(extent, scene.numerics, scene.mechanism.period, duration, has_tree=True),
+        contact_methods(extent, numerics, scene.mechanism.period, duration, has_tree=True),
         errors,
     )
 
@@ -328,9 +334,48 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
 
     # Energy is conserved exactly, so that the residual needs no reference.
     quantities = dict(zip(names, [*errors(check)[:-1], 0.0], strict=True))
-    methods = contact_methods(extent, scene.numerics, period, period / LEAST_STEPS, has_tree)
+    numerics = scene.numerics.resolved("trajectory")
+    methods = contact_methods(extent, numerics, period, period / LEAST_STEPS, has_tree)
     name = f"scene {scene.name}, {end:.3g} s"
     return Problem(name, quantities, linkage, start, plan, methods, errors)
+
+
+def work_per_cycle(run: Run) -> Array:
+    """Return normal force times slip in each cycle after the start-up, (cycles, joints), N m."""
+    joints = range(run.recorder.records.memory.size)
+    columns = [run.recorder.each_cycle("load_distance", joint) for joint in joints]
+    return after_startup(np.column_stack(columns))
+
+
+def wear_cycles(scene: Scene, extent: Extent) -> Problem:
+    """Return cycles of the unworn linkage of a scene, for the work that wears its joints.
+
+    The work per cycle, normal force times slip, is compared with its mean over the many cycles of
+    a reference at 1e-8. Its uncertainty is the 95 % interval of the mean over the cycles of a run,
+    because the motion is chaotic.
+    """
+    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
+    plan = Plan(period, extent.wear_cycles, 1, torques=False)
+    long = replace(plan, cycles=extent.reference_cycles)
+    engine = InHouse("dopri5", 1e-8).for_cycle(period)
+    reference = work_per_cycle(finite(engine.simulate(linkage, start, long)))
+    mean, scatter = reference.mean(axis=0), reference.std(axis=0, ddof=1)
+    counted = max(extent.wear_cycles - STARTUP_CYCLES, 1)
+    uncertainty = 1.96 * scatter / mean * math.sqrt(1.0 / counted + 1.0 / len(reference))
+    names = [f"work per cycle at {joint.name}, relative" for joint in linkage.clearances]
+    has_tree = isinstance(tree_of(linkage), Tree)
+    numerics, longest = scene.numerics.resolved("wear"), period / LEAST_STEPS
+    methods = contact_methods(replace(extent, equal_steps=()), numerics, period, longest, has_tree)
+    limits = [(method, *WEAR_SETTINGS[method.parameter]) for method in methods]
+    return Problem(
+        f"scene {scene.name}, {extent.wear_cycles} cycles",
+        dict(zip(names, map(float, uncertainty), strict=True)),
+        linkage,
+        start,
+        plan,
+        tuple(method for method, low, high in limits if low <= method.value <= high),
+        lambda run: np.abs(work_per_cycle(run).mean(axis=0) / mean - 1.0),
+    )
 
 
 def finite(run: Run) -> Run:
@@ -358,7 +403,7 @@ def first_run(problem: Problem, method: Method) -> Point:
 
 
 def measure(problem: Problem, repeats: int, report: cases.Progress) -> list[Point]:
-    """Run all methods of a problem once for their errors, then in turn for their wall times."""
+    """Run all methods of a problem once for their errors, then in turn for their CPU times."""
     points, weight = [], 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
     for i, method in enumerate(problem.methods):
         report(method.label, weight * i / len(problem.methods))
@@ -373,27 +418,29 @@ def measure(problem: Problem, repeats: int, report: cases.Progress) -> list[Poin
 
 
 def work_precision(scene: Scene, extent: Extent, report: cases.Progress) -> list[Point]:
-    """Measure errors and wall times of every engine and integrator.
+    """Measure errors and CPU times of every engine and integrator.
 
     `InputError` if the scene has no clearance, `RunFailed` if a reference solution fails.
     """
     if not scene.clearance_joints:
         raise InputError(f"scene {scene.name} has no clearance: choose a scene with clearance")
-    makers: tuple[tuple[float, Callable[[], Problem]], ...] = (
-        (0.12, lambda: ideal_mechanism(scene, extent)),
-        (0.14, lambda: andrews(extent)),
-        (0.02, lambda: single_impact(scene, extent)),
-        (0.72, lambda: with_clearance(scene, extent, lambda name, _: report(name, done))),
+    makers: tuple[tuple[float, int, Callable[[], Problem]], ...] = (
+        (0.12, extent.repeats, lambda: ideal_mechanism(scene, extent)),
+        (0.14, extent.repeats, lambda: andrews(extent)),
+        (0.02, extent.repeats, lambda: single_impact(scene, extent)),
+        (
+            *(0.42, extent.repeats),
+            lambda: with_clearance(scene, extent, lambda name, _: report(name, done)),
+        ),
+        (0.30, 1, lambda: wear_cycles(scene, extent)),
     )
     points: list[Point] = []
     done = 0.0
-    for share, make in makers:
+    for share, repeats, make in makers:
         report("reference", done)
         problem = make()
         prefix = f"{problem.name}: "
-        points += measure(
-            problem, extent.repeats, cases.part_of(report, done, share, prefix=prefix)
-        )
+        points += measure(problem, repeats, cases.part_of(report, done, share, prefix=prefix))
         done += share
     return points
 
@@ -424,7 +471,7 @@ _MARK: dict[str, Any] = {"color": REFERENCE, "markerfacecolor": "none", "linesty
 
 @matplotlib.rc_context(SETTINGS)
 def draw_work_precision(points: Sequence[Point]) -> Drawing:
-    """Draw the first two errors of each problem over the wall time."""
+    """Draw the first two errors of each problem over the CPU time."""
     problems = list({id(point.problem): point.problem for point in points}.values())
     families = list(dict.fromkeys(point.method.family for point in points))
     sheet = Sheet(figsize=(WIDTH, 1.0 + 2.4 * len(problems)), layout="constrained")
@@ -444,20 +491,20 @@ def draw_work_precision(points: Sequence[Point]) -> Drawing:
     sheet.legend(by_label.values(), by_label, loc="outside upper center", ncols=2)
     failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
     caption = (
-        "Least wall times without compiling; lower left is better. Grey: uncertainty of the "
+        "Least CPU times without compiling; lower left is better. Grey: uncertainty of the "
         f"reference.{f' Failed: {failed}.' if failed else ''}"
     )
-    return Drawing("benchmark.png", "Error against wall time", caption, sheet)
+    return Drawing("benchmark.png", "Error against CPU time", caption, sheet)
 
 
 def _draw_errors(
     axes: Axes, points: Sequence[Point], quantity: str, families: Sequence[str]
 ) -> None:
     """Draw one error of all methods of a problem; rings and stars mark default and paper."""
-    axes.set(xscale="log", yscale="log", xlabel="wall time (ms)", ylabel=quantity)
+    axes.set(xscale="log", yscale="log", xlabel="CPU time (ms)", ylabel=quantity)
     for family, marker, (colour, dashes) in zip(families, _MARKERS, _STYLES, strict=False):
         curve = [
-            (1e3 * p.timing.wall, max(p.errors[quantity], 1e-17), p.method)
+            (1e3 * p.timing.cpu, max(p.errors[quantity], 1e-17), p.method)
             for p in points
             if p.method.family == family and p.timing is not None
         ]

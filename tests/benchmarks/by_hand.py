@@ -23,7 +23,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
 
 Four = tuple[float, float, float, float]
-Outcome = tuple[Array, float]  # final state, and wall time of the integration alone, s
+Outcome = tuple[Array, float]  # final state, and CPU time of the integration alone, s
 
 SIZE = 8  # coordinates, rad and m, and their rates
 OPEN = -1.0  # closing speed of a joint without contact
@@ -41,7 +41,10 @@ PRESS = np.dtype([*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c"
 
 
 class Push(NamedTuple):
-    """Force on a bearing, N, its point, m, penetration, m, and its rate, m/s."""
+    """Force on a bearing, N, its point, m, penetration, m, its rate, m/s, and wear load, W.
+
+    The load is the normal force times the slip of equation 24 of the paper.
+    """
 
     x: float
     y: float
@@ -49,6 +52,7 @@ class Push(NamedTuple):
     at_y: float
     depth: float
     rate: float
+    load: float
 
 
 class Cranks(NamedTuple):
@@ -124,11 +128,11 @@ def push(
     distance = math.sqrt(ex * ex + ey * ey)
     depth = distance - joint.clearance
     if distance == 0.0:
-        return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0)
+        return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0, 0.0)
     nx, ny = ex / distance, ey / distance
     rate = vx * nx + vy * ny
     if depth <= 0.0:
-        return Push(0.0, 0.0, pin_x, pin_y, depth, rate)
+        return Push(0.0, 0.0, pin_x, pin_y, depth, rate, 0.0)
     closing = max(onset if onset >= 0.0 else rate, MIN_CLOSING)
     normal = joint.stiffness * depth * math.sqrt(depth) * (1.0 + joint.damping * rate / closing)
     normal = max(normal, 0.0)
@@ -140,6 +144,10 @@ def push(
         *(normal * nx - along * ny, normal * ny + along * nx),
         *(pin_x + arm * nx, pin_y + arm * ny),
         *(depth, rate),
+        normal
+        * (joint.bearing_radius - joint.clearance + depth)
+        * abs(vy * nx - vx * ny)
+        / distance,
     )
 
 
@@ -302,8 +310,8 @@ def contact_store() -> tuple[Array, Array]:
 
 
 def measured(run: Callable[[], Array]) -> Outcome:
-    started = clock.perf_counter()
-    return run(), clock.perf_counter() - started
+    started = clock.process_time()
+    return run(), clock.process_time() - started
 
 
 def state_of(linkage: Linkage, start: Start) -> Array:

@@ -28,6 +28,8 @@ SHORT = Extent(
     rk4_impact_steps=(2e-5, 1e-5),
     tolerances=(1e-6, 1e-9),
     tree_tolerances=(1e-5, 1e-7),
+    wear_cycles=1,
+    reference_cycles=4,
 )
 SCENE = pw.scenes.wear_times()
 TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
@@ -144,13 +146,24 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
     dae = replace(numerics.dae, free_step=period / 500.0)
     assert defaults == [numerics.joints.for_cycle(period), numerics.tree.for_cycle(period), dae]
     settings = {"steps_per_contact": 70, "tree_tolerance": 3e-7, "equal_step": 3e-5}
-    numerics = changed(SCENE, settings | {"integrator": "rk4"}).numerics
+    numerics = changed(SCENE, settings | {"integrator": "rk4"}).numerics.resolved("trajectory")
     methods = contact_methods(SHORT, numerics, 0.5, 1e-3, has_tree=True)
     assert {method.label for method in methods if method.is_default} == {
         "exudyn-joints, trapezoidal rule, steps in an impact 70",
         "exudyn-tree, DOPRI5, tolerance 3e-07",
         "dae, RK4, step 3e-05",
     }
+
+
+def test_the_work_per_cycle_of_the_reference_has_no_error() -> None:
+    problem = work_precision.wear_cycles(SCENE, replace(SHORT, wear_cycles=4, reference_cycles=4))
+    engine = pw.InHouse("dopri5", 1e-8).for_cycle(SCENE.mechanism.period)
+    run = engine.simulate(problem.linkage, problem.start, problem.plan)
+    assert list(problem.errors(run)) == [0.0, 0.0]
+    assert max(problem.quantities.values()) > 0.1
+    shorter = engine.simulate(problem.linkage, problem.start, replace(problem.plan, cycles=3))
+    assert min(problem.errors(shorter)) > 0.0
+    assert run.cpu > shorter.cpu > 0.0
 
 
 @pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
@@ -199,9 +212,9 @@ def test_the_command_writes_table_and_figure(
     first = points[0]
     assert first.timing is not None
     assert float(rows[0]["error"]) == first.errors["slider (m)"]
-    assert float(rows[0]["wall_s"]) == min(first.timing.walls)
+    assert float(rows[0]["cpu_s"]) == min(first.timing.times)
     assert int(rows[0]["steps"]) == first.timing.steps
-    assert all(row["error"] == row["wall_s"] == "" for row in rows if row["failure"])
+    assert all(row["error"] == row["cpu_s"] == "" for row in rows if row["failure"])
     assert "not empty" in command(f"benchmark --out {folder}", 2)
 
 
@@ -224,8 +237,8 @@ def test_every_feature_is_timed_on_and_off(costs: list[timing.FeatureCost]) -> N
         for cost in rows:
             off = next(each for each in rows if each.feature == cost.feature)
             assert cost.step_ratio == cost.timing.per_step / off.timing.per_step
-            assert cost.wall_ratio == cost.timing.per_second / off.timing.per_second
-            assert cost.timing.wall == min(cost.timing.walls)
+            assert cost.cpu_ratio == cost.timing.per_second / off.timing.per_second
+            assert cost.timing.cpu == min(cost.timing.times)
     tree = {(c.feature, c.state): c.timing.steps for c in costs if c.engine == "exudyn-tree"}
     # Neither wear account nor stored torques change the motion.
     for feature in timing.SWITCHES:
