@@ -11,13 +11,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import BEARING, PIN, ROWS, foundation_stiffness, packed_rows
 from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
-from presswear.physics.loads import (
-    Loads,
-    load_forces,
-    pack_loads,
-    pack_springs,
-    spring_forces,
-)
+from presswear.physics.loads import Loads, load_forces, pack_loads, pack_springs, spring_forces
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, copy_to, floats, inlined
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple
 
 from presswear.engines import settings
-from presswear.tools import quantities
 from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import Quantity, choice, count, free_text, parse_quantity, quantity
 from presswear.tools.serialize import Checked, check_fields
 
 
@@ -43,22 +43,22 @@ class Numerics:
 class Recording(Checked):
     """Recording plan of each stage; see the texts of the fields for units and ranges."""
 
-    recorded_cycles: int | None = quantities.count(
+    recorded_cycles: int | None = count(
         None, 1, 1000, "chosen", "first cycles that are stored; default: 5, or as the process needs"
     )
-    rows_per_cycle: int = quantities.count(
+    rows_per_cycle: int = count(
         2000, 100, 20_000, "chosen", "smallest number of rows in a cycle; contacts add rows"
     )
-    series: str = quantities.choice(
+    series: str = choice(
         "all", ("all", "output"), "series that are stored: all, or only those of the output point"
     )
-    digits: str = quantities.choice(
+    digits: str = choice(
         "double", ("double", "single"), "digits of the series of joints: 16, or 7 for smaller files"
     )
-    sections: int = quantities.count(
+    sections: int = count(
         0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"
     )
-    section_angle: float = quantities.quantity(
+    section_angle: float = quantity(
         0.0, "rad", 0.0, 2.0 * math.pi, "chosen", "angle of the cycle of the first section"
     )
 
@@ -127,7 +127,7 @@ class Service:
 
 
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
-_STROKES = quantities.Quantity("", 1.0, 1e15)
+_STROKES = Quantity("", 1.0, 1e15)
 
 
 @dataclass(frozen=True)
@@ -136,22 +136,18 @@ class Life(Checked):
 
     kind: ClassVar[str] = "limits"
 
-    until: str = quantities.free_text(
+    until: str = free_text(
         "depth > 0.05 mm",
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
         "limits, the first to be exceeded ends the life: of every joint, or JOINT.NAME; names are "
         + ", ".join(FOLLOWED),
     )
-    at_most: float = quantities.quantity(
+    at_most: float = quantity(
         5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
     )
-    replaced: str = quantities.free_text(
-        "", "'A@2e6, C@4e6'", "bushings to replace after so many strokes"
-    )
-    turned: str = quantities.free_text(
-        "", "'A@2e6'", "bushings to turn by half after so many strokes"
-    )
-    max_cycles: int = quantities.count(
+    replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
+    turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
+    max_cycles: int = count(
         10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
     )
 
@@ -174,8 +170,8 @@ class Life(Checked):
                 raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
             if joint is not None and joint not in joints:
                 raise unknown("joint with clearance in until", joint, joints)
-            positive = quantities.Quantity(unit, 0.0, math.inf, "", meaning, open_low=True)
-            value = quantities.parse_quantity(f"until: {name}", size, positive)
+            positive = Quantity(unit, 0.0, math.inf, "", meaning, open_low=True)
+            value = parse_quantity(f"until: {name}", size, positive)
             names = ("",) if not of_joint else (joint,) if joint else joints
             limits += [Limit(name, one, value) for one in names]
         return tuple(limits)
@@ -191,7 +187,7 @@ class Life(Checked):
                     raise InputError(f"{label}: JOINT@STROKES is expected, such as 'A@2e6'")
                 if joint not in joints:
                     raise unknown(f"joint with clearance in {key}", joint, joints)
-                at = float(quantities.parse_quantity(f"{key}: {joint}", strokes, _STROKES))
+                at = float(parse_quantity(f"{key}: {joint}", strokes, _STROKES))
                 if at >= self.at_most:
                     raise InputError(f"{label}: allowed is below at_most = {self.at_most:g}")
                 services.append(Service(joint, at, key == "turned"))
