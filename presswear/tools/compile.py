@@ -35,6 +35,7 @@ from numba.core.compiler import CompileResult
 from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
+from numba.np.numpy_support import numpy_version
 
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
@@ -54,7 +55,9 @@ def floats(*names: str) -> list[tuple[str, type]]:
 _PACKAGE = Path(__file__).parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
 _IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import ", re.MULTILINE)
-_MAX_FILES = 400  # in the cache, about 200 MB; the first use of all kernels stores some 50 files
+_MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
+_WHEEL_PROCESSOR = "x86-64-v3", ""  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
+_WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 
 
 @cache
@@ -65,38 +68,50 @@ def _sources_digest(path: Path) -> bytes:
     return hashlib.sha256(source.encode() + b"".join(map(_sources_digest, files))).digest()
 
 
+def _stored(file: Path) -> bytes | None:
+    """Return the content of a stored file; None where it is missing or damaged."""
+    try:
+        content = file.read_bytes()
+    except OSError:
+        return None
+    with suppress(OSError):
+        os.utime(file)  # files in use are not removed
+    return content[32:] if hashlib.sha256(content[32:]).digest() == content[:32] else None
+
+
 class _Cache(NullCache):
     """Machine code of a function of this package, one file for each signature."""
 
     def __init__(self, *key: object) -> None:
-        versions = sys.implementation.cache_tag, numba.__version__, np.__version__
+        versions = sys.implementation.cache_tag, numba.__version__, numpy_version
         self._key = key, versions, config.USING_SVML
 
-    def _file(self, signature: Any, context: Any) -> Path:
-        key = repr((self._key, signature, context.codegen().magic_tuple()))
-        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        return Path(base) / "presswear" / "kernels" / digest(key.encode())
+    def _files(self, signature: Any, context: Any) -> list[Path]:
+        """Return the file of the user and, if the processor can execute it, that of the wheel."""
+        triple, *processor = context.codegen().magic_tuple()
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        folders = {base / "presswear" / "kernels": processor}
+        if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
+            folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
+        return [
+            folder / digest(repr((self._key, signature, triple, *processor)).encode())
+            for folder, processor in folders.items()
+        ]
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it is damaged."""
-        file = self._file(signature, context)
-        try:
-            content = file.read_bytes()
-        except OSError:
-            return None
-        with suppress(OSError):
-            os.utime(file)  # files in use are not removed
-        if hashlib.sha256(content[32:]).digest() != content[:32]:
+        content = next(filter(None, map(_stored, self._files(signature, context))), None)
+        if content is None:
             return None
         try:
-            code = CompileResult._rebuild(context, *pickle.loads(content[32:]))
+            code = CompileResult._rebuild(context, *pickle.loads(content))
         except (AttributeError, ImportError):  # a named tuple of a module that is gone
             return None
         return code if code.signature.args == signature else None
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Store code, and remove files that were not used for long; without space do nothing."""
-        file = self._file(signature, result.target_context)
+        file, *_ = self._files(signature, result.target_context)
         content = dumps(result._reduce())
         part = file.with_suffix(f".{os.getpid()}")
         with suppress(OSError):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections import namedtuple
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -193,11 +194,10 @@ with compile.on_compiling(lambda: print("compiled", end=" ")):
     package = shutil.copytree(Path(presswear.__file__).parent, tmp_path / "site" / "presswear")
     environment = {**os.environ, "PYTHONPATH": str(package.parent)}
 
-    def printed() -> str:
+    def printed(**variables: str) -> str:
         command = [sys.executable, "-c", program]
-        return subprocess.run(
-            command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
-        ).stdout.strip()
+        run = partial(subprocess.run, capture_output=True, text=True, check=True)
+        return run(command, env=environment | variables, cwd=tmp_path).stdout.strip()
 
     place = package / "tools" / "compile.py"
     assert printed() == f"True {place}"
@@ -206,6 +206,13 @@ with compile.on_compiling(lambda: print("compiled", end=" ")):
     assert printed() == f"compiled compiled True {place}"
     assert printed() == f"True {place}"
     assert len(list(stored.iterdir())) == 2
+    # As .ci/wheel does.
+    shutil.rmtree(stored)
+    variables = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
+    assert printed(**variables) == f"compiled compiled True {place}"
+    stored.rename(package / "kernels")
+    assert printed() == f"True {place}"
+    assert not stored.exists()
 
 
 COUNTED = """
