@@ -12,7 +12,6 @@ Their callers do not depend on them and are not compiled again for them.
 
 import ctypes
 import gc
-import hashlib
 import inspect
 import os
 import pickle
@@ -61,22 +60,11 @@ _WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 
 
 @cache
-def _sources_digest(path: Path) -> bytes:
+def _sources_digest(path: Path) -> str:
     """Return a digest of a source file and of all files of the package that it imports."""
     source = path.read_text(encoding="utf-8")
     files = (_PACKAGE / f"{name.replace('.', '/')}.py" for name in _IMPORT.findall(source))
-    return hashlib.sha256(source.encode() + b"".join(map(_sources_digest, files))).digest()
-
-
-def _stored(file: Path) -> bytes | None:
-    """Return the content of a stored file; None where it is missing or damaged."""
-    try:
-        content = file.read_bytes()
-    except OSError:
-        return None
-    with suppress(OSError):
-        os.utime(file)  # files in use are not removed
-    return content[32:] if hashlib.sha256(content[32:]).digest() == content[:32] else None
+    return digest("".join([source, *map(_sources_digest, files)]).encode())
 
 
 class _Cache(NullCache):
@@ -100,23 +88,23 @@ class _Cache(NullCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it is damaged."""
-        content = next(filter(None, map(_stored, self._files(signature, context))), None)
-        if content is None:
-            return None
-        try:
-            code = CompileResult._rebuild(context, *pickle.loads(content))
-        except (AttributeError, ImportError):  # a named tuple of a module that is gone
-            return None
-        return code if code.signature.args == signature else None
+        for file in self._files(signature, context):
+            with suppress(OSError, AttributeError, ImportError):  # a named tuple may be gone
+                content = file.read_bytes()
+                if digest(content[64:]).encode() == content[:64]:
+                    code = CompileResult._rebuild(context, *pickle.loads(content[64:]))
+                    if code.signature.args == signature:
+                        return code
+        return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Store code, and remove files that were not used for long; without space do nothing."""
+        """Store code, and remove the oldest files; do nothing where no file can be written."""
         file, *_ = self._files(signature, result.target_context)
         content = dumps(result._reduce())
-        part = file.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
             file.parent.mkdir(parents=True, exist_ok=True)
-            write_bytes(part, hashlib.sha256(content).digest() + content)
+            part = file.with_suffix(f".{os.getpid()}")
+            write_bytes(part, digest(content).encode() + content)
             part.replace(file)
             files = sorted(file.parent.iterdir(), key=lambda file: file.stat().st_mtime)
             for file in files[:-_MAX_FILES]:
