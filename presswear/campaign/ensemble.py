@@ -21,7 +21,14 @@ from typing import Any
 
 import numpy as np
 
-from presswear.campaign.replicates import STEP_CHECK_CYCLES, RunSpec, RunState, WorkUnit, linkage_on
+from presswear.campaign.replicates import (
+    STEP_CHECK_CYCLES,
+    Part,
+    RunSpec,
+    RunState,
+    WorkUnit,
+    linkage_on,
+)
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
@@ -231,6 +238,7 @@ class _Rounds:
         runs, until = state.runs or (None,) * len(depth), state.until or first * sets
         self.state = replace(state, runs=runs, until=until)
         self._linkages = [linkage_on(runner.scene, surfaces) for surfaces in depth]
+        self._groups: dict[int, Sequence[int]] = {}  # runs of each work unit
         self._done = [0.0 if run is None else float(run.cycles) for run in runs]
         # Most often the first round is enough, which shows only at its end.
         self._needed, self._reached = [float(max(until))] * sets, [""] * sets
@@ -260,43 +268,48 @@ class _Rounds:
         return {STEP_CHECK: job}
 
     def units(self, indices: Iterable[int]) -> dict[int, Job]:
-        """Return the work units that runs lack until the end of their round."""
-        runner, last = self._runner, self._last()
+        """Return the work units that runs lack until the end of their round, by their first run.
+
+        Each process gets as many runs as the engine computes together, if there are as many.
+        """
+        runner, runs, last = self._runner, self.state.runs, self._last()
         frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)
+        unfinished = [k for k in indices if k <= last and not self._is_over(k)]
+        size = 1
+        if unfinished and not (frames or observers):
+            size = runner.scene.solver.lanes(self._linkages[unfinished[0]])
+        size = min(size, -(-len(unfinished) // runner.workers.count))
         units: dict[int, Job] = {}
-        for index in indices:
-            run = self.state.runs[index]
-            if index <= last and not self._is_over(index):
-                units[index] = WorkUnit(
-                    runner.scene,
-                    self._spec,
-                    self._depth[index],
-                    index + self._size * self._spec.number,
-                    self.state.until[index],
-                    None if run is None else run.arrays,
-                    runner.workers.lasts,
-                    frames,
-                    observers,
-                )
+        for first in range(0, len(unfinished), max(size, 1)):
+            group, parts = unfinished[first : first + size], {}
+            for k in group:
+                run, number = runs[k], k + self._size * self._spec.number
+                arrays = None if run is None else run.arrays
+                parts[k] = Part(self._depth[k], number, self.state.until[k], arrays)
+            duration = runner.workers.lasts
+            unit = WorkUnit(runner.scene, self._spec, parts, duration, frames, observers)
+            units[group[0]], self._groups[group[0]] = unit, group
         return units
 
-    def on_end(self, index: int, outcome: Any) -> dict[int, Job | None]:
+    def on_end(self, key: int, outcome: Any) -> dict[int, Job | None]:
         """Store the outcome of a job; return the next jobs, None for those not needed any more."""
-        if index == STEP_CHECK:
+        if key == STEP_CHECK:
             self.state = replace(self.state, step_errors=outcome)
             return {}
-        run: RunState = outcome
-        runs = (*self.state.runs[:index], run, *self.state.runs[index + 1 :])
+        ended: Mapping[int, RunState] = outcome
+        runs = tuple(ended.get(k, run) for k, run in enumerate(self.state.runs))
         self.state = replace(self.state, runs=runs, wall=clock.perf_counter() - self._started)
-        self._done[index] = float(run.cycles)
+        for k, run in ended.items():
+            self._done[k] = float(run.cycles)
         following: dict[int, Job | None] = {}
-        if run.status is None:
-            following |= self.units([index])
-        elif run.status == "failed":
-            following |= dict.fromkeys([*range(index + 1, len(runs)), STEP_CHECK])
-        else:
-            following |= {**self.units(self._next_round(index // self._size)), **self.check()}
+        following |= self.units(k for k, run in ended.items() if run.status is None)
+        if any(run.status == "failed" for run in ended.values()):
+            following |= dict.fromkeys([*range(self._last() + 1, len(runs)), STEP_CHECK])
+        elif not following:
+            for number in {k // self._size for k in ended}:
+                following |= self.units(self._next_round(number))
+            following |= self.check()
         self._keep(self.state)
         return following
 
@@ -328,7 +341,8 @@ class _Rounds:
         """Report the progress of the runs."""
         is_compiling, size = math.isnan(done), self._size
         if index != STEP_CHECK and not is_compiling:
-            self._done[index] = done
+            for k in self._groups[index]:
+                self._done[k] = done
         number = max(index, 0) // size
         needed, cycles = np.repeat(self._needed, size), self._done[number * size :][:size]
         low, high = int(min(cycles)), int(max(cycles))

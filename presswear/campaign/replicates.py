@@ -181,70 +181,96 @@ class RunState:
 
 
 @dataclass(frozen=True)
+class Part:
+    """Part of one run in a unit of work."""
+
+    depth: Array  # of the surfaces at the start of the run, (joints, 2, bins), m
+    replicate: int  # number of the replicate, see ``start_of``
+    until: int  # cycle of the run after which the part ends
+    arrays: State | None  # state to resume from; None: the run starts
+
+    @property
+    def cycles(self) -> int:
+        """Number of finished cycles."""
+        return 0 if self.arrays is None else len(self.arrays["recorder/cycles"])
+
+
+@dataclass(frozen=True)
 class WorkUnit:
-    """Part of a run that one process does at a time."""
+    """Parts of runs that one process computes together."""
 
     scene: Scene
     spec: RunSpec
-    depth: Array  # of the surfaces at the start of the run, (joints, 2, bins), m
-    replicate: int  # number of the replicate, see ``start_of``
-    until: int  # cycle of the run after which the unit ends
-    arrays: State | None  # state to resume from; None: the run starts
-    duration: float  # wall time after which the unit ends with the next cycle, s
+    parts: Mapping[int, Part]  # by the index of the run
+    duration: float  # wall time after which each part ends with the next cycle, s
     frames: int = 0  # film frames to show while it runs
     observers: tuple[Observer, ...] = ()  # notified by the engine, in this process
 
-    def __call__(self, report: Report) -> RunState:
-        """Run it; an interrupt raises ``Stopped`` with the state of the last finished cycle."""
-        linkage = linkage_on(self.scene, self.depth)
-        ending = _EndOfUnit(self, linkage.clearances)
+    def __call__(self, report: Report) -> dict[int, RunState]:
+        """Run it; an interrupt raises ``Stopped`` with the states of the last finished cycles."""
+        linkages = [linkage_on(self.scene, part.depth) for part in self.parts.values()]
+        done = {index: float(part.cycles) for index, part in self.parts.items()}
+        endings = {
+            index: _EndOfPart(self, part, linkage.clearances)
+            for (index, part), linkage in zip(self.parts.items(), linkages, strict=True)
+        }
 
-        def advanced(part: float, recorder: Recorder) -> None:
-            rows = recorder.last_frames(self.frames) if self.frames else None
-            report(part * self.spec.cycles, "", rows)
+        def plan_of(index: int) -> Plan:
+            def advanced(part: float, recorder: Recorder) -> None:
+                done[index] = part * self.spec.cycles
+                rows = recorder.last_frames(self.frames) if self.frames else None
+                report(sum(done.values()) / len(done), "", rows)
 
-        plan = replace(
-            self.spec.plan(self.scene),
-            observers=(ending, *self.observers),
-            report=advanced,
-            resume=self.arrays,
-        )
-        start = start_of(self.scene, self.replicate)
+            return replace(
+                self.spec.plan(self.scene),
+                observers=(endings[index], *self.observers),
+                report=advanced,
+                resume=self.parts[index].arrays,
+            )
+
+        starts = [start_of(self.scene, part.replicate) for part in self.parts.values()]
+        cases = list(zip(linkages, starts, map(plan_of, self.parts), strict=True))
         with on_compiling(lambda: report(math.nan, "compiling")):
             try:
-                run = self.scene.solver.simulate(linkage, start, plan)
+                runs = self.scene.solver.simulate_together(cases)
             except BaseException as error:
+                states = {k: RunState(end.arrays) for k, end in endings.items() if end.arrays}
                 # After a signal any error is treated as an interrupt.
-                is_interrupt = isinstance(error, KeyboardInterrupt) or is_stopped()
-                if ending.arrays is None or not is_interrupt:
+                if not states or not (isinstance(error, KeyboardInterrupt) or is_stopped()):
                     raise
-                raise Stopped(RunState(ending.arrays)) from None
-        arrays = ending.arrays
-        if run.status == "failed" or arrays is None:
-            arrays = named("recorder", run.recorder.save())
-        status = None if ending.is_interrupted and run.status != "failed" else run.status
-        return RunState(arrays, status, run.finding, run.end, run.time, run.diagnostics)
+                raise Stopped(states) from None
+        return {
+            index: ending.state_of(run)
+            for (index, ending), run in zip(endings.items(), runs, strict=True)
+        }
 
 
-class _EndOfUnit(Observer):
-    """Ends a work unit in time, and keeps the arrays to resume from."""
+class _EndOfPart(Observer):
+    """Ends a part of a run in time, and keeps the arrays to resume from."""
 
-    def __init__(self, unit: WorkUnit, joints: Sequence[ClearanceJoint]) -> None:
-        self._unit, self._joints = unit, joints
+    def __init__(self, unit: WorkUnit, part: Part, joints: Sequence[ClearanceJoint]) -> None:
+        self._unit, self._part, self._joints = unit, part, joints
         self._started = clock.perf_counter()
-        self._before = 0 if unit.arrays is None else len(unit.arrays["recorder/cycles"])
-        self.arrays, self.is_interrupted = unit.arrays, False
+        self.arrays, self.is_interrupted = part.arrays, False
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         cycles, unit = len(recorder.cycles), self._unit
-        if cycles > self._before:
+        if cycles > self._part.cycles:
             self.arrays = state()
         is_worn_out = unit.spec.wear and worn_out(self._joints, recorder.surface_depth)
-        if is_worn_out or cycles >= unit.until:
+        if is_worn_out or cycles >= self._part.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration
-        self.is_interrupted = is_due and cycles > self._before
+        self.is_interrupted = is_due and cycles > self._part.cycles
         return self.is_interrupted
+
+    def state_of(self, run: Run) -> RunState:
+        """Return the state in which the run ended."""
+        arrays = self.arrays
+        if run.status == "failed" or arrays is None:
+            arrays = named("recorder", run.recorder.save())
+        status = None if self.is_interrupted and run.status != "failed" else run.status
+        return RunState(arrays, status, run.finding, run.end, run.time, run.diagnostics)
 
 
 _CHECKED = {"load_distance": "load_distance_step_error", "force_max": "peak_force_step_error"}

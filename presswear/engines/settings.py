@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 from presswear.tools.quantities import choice, count, quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from presswear.engines.base import Plan, Run, Start
     from presswear.linkage.linkage import Linkage
 
@@ -89,9 +91,18 @@ class _Engine:
         InputError
             If the engine cannot run this linkage or begin at this start.
         """
+        return self.simulate_together([(linkage, start, plan)])[0]
+
+    def simulate_together(self, cases: "Sequence[tuple[Linkage, Start, Plan]]") -> "list[Run]":
+        """Run several replicates of one linkage, at most ``lanes``, as ``simulate`` runs one."""
         driver, engine = import_module("presswear.engines.driver"), import_module(self.module)
-        run: Run = driver.simulate(engine.prepare, linkage, start, self.resolved(), plan)
-        return run
+        together = getattr(engine, "together", None)
+        runs: list[Run] = driver.simulate(engine.prepare, self.resolved(), cases, together)
+        return runs
+
+    def lanes(self, linkage: "Linkage") -> int:
+        """Return the number of replicates of a linkage that are best computed together."""
+        return 1
 
 
 @dataclass(frozen=True)
@@ -182,6 +193,12 @@ class InHouse(_Engine):
     def finer(self, factor: float) -> "InHouse | None":
         """Return a copy with the tolerance divided by a factor; None if steps are equal."""
         return None if self.has_equal_steps else super().finer(factor)
+
+    def lanes(self, linkage: "Linkage") -> int:
+        """Return the number of replicates of a linkage that are best computed together."""
+        from presswear.engines.dae.pack import lanes_for  # slow to import
+
+        return 1 if self.has_equal_steps or self.takes_all_coordinates else lanes_for(linkage)
 
     @property
     def takes_all_coordinates(self) -> bool:

@@ -13,8 +13,10 @@ import numpy as np
 from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile, turned
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
+from presswear.physics.tree import cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
+from presswear.tools.lanes import where
 
 # A pin in its bearing at one instant, open or closed
 CONTACT = np.dtype(
@@ -68,10 +70,12 @@ def joint_end(
     ``place_links``.
     """
     if body < 0:
-        return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        nothing = where(False, q[0], 0.0)
+        x, y = local_x + nothing, local_y + nothing
+        return Pose(x, y, nothing, nothing, nothing, nothing, nothing, nothing)
     angle, spin = q[body + 2], v[body + 2]
     if axes is None:
-        cosine, sine = math.cos(angle), math.sin(angle)
+        cosine, sine = cos_sin(angle)
     else:
         cosine, sine = axes[body], axes[body + 1]
     lever_x, lever_y = cosine * local_x - sine * local_y, sine * local_x + cosine * local_y
@@ -100,13 +104,22 @@ def note_contact(
     packed: Packed, k: int, q: Array, v: Array, contact: Records, axes: Array | None = None
 ) -> None:
     """Fill the contact of joint ``k`` in a state but for its forces; see ``note_forces``."""
-    joint = packed.joints[k]
+    note_ends(packed.joints[k], q, v, contact, axes)
+    note_surfaces(packed, k, contact)
+
+
+@inlined
+def note_ends(
+    joint: Records, q: Array, v: Array, contact: Records, axes: Array | None = None
+) -> None:
+    """Fill the place and motion of the pin in its bearing."""
     bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v, axes)
     pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v, axes)
     ex, ey = pin.x - bearing.x, pin.y - bearing.y
     vx, vy = pin.vx - bearing.vx, pin.vy - bearing.vy
     eccentricity = math.sqrt(ex * ex + ey * ey)
-    turning = (ex * vy - ey * vx) / (eccentricity * eccentricity) if eccentricity > 0.0 else 0.0
+    turning = (ex * vy - ey * vx) / (eccentricity * eccentricity)
+    turning = where(eccentricity > 0.0, turning, 0.0)
     contact.eccentricity, contact.turning = eccentricity, turning
     contact.eccentricity_x, contact.eccentricity_y = ex, ey
     contact.velocity_x, contact.velocity_y = vx, vy
@@ -114,35 +127,47 @@ def note_contact(
     contact.bearing_lever_x, contact.bearing_lever_y = bearing.lever_x, bearing.lever_y
     contact.pin_angle, contact.pin_spin = pin.angle, pin.spin
     contact.pin_lever_x, contact.pin_lever_y = pin.lever_x, pin.lever_y
+
+
+@inlined
+def note_surfaces(packed: Packed, k: int, contact: Records) -> None:
+    """Fill the contact of the surfaces of joint ``k`` from the place of the pin."""
+    joint = packed.joints[k]
     if joint.foundation > 0.0 and joint.surface_bins > 0:
         note_foundation(joint, packed.surfaces[k], contact)
     else:
         note_radial(joint, packed.surfaces[k], contact)
+    note_sliding(contact)
+
+
+@inlined
+def note_sliding(contact: Records) -> None:
+    """Fill the sliding speed at the contact point."""
     contact.sliding = (
-        vy * contact.normal_x
-        - vx * contact.normal_y
-        + pin.spin * contact.pin_arm
-        - bearing.spin * contact.bearing_arm
+        contact.velocity_y * contact.normal_x
+        - contact.velocity_x * contact.normal_y
+        + contact.pin_spin * contact.pin_arm
+        - contact.bearing_spin * contact.bearing_arm
     )
 
 
 @inlined
-def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
+def note_radial(joint: Records, surfaces: Array | None, contact: Records) -> None:
     """Fill in the contact of the pin with the point of the surface that faces it.
 
     The rate of penetration follows the worn profile: delta_dot = e_dot . n minus the change of both
-    depths under the moving contact.
+    depths under the moving contact. Without ``surfaces`` they are round.
     """
     eccentricity = contact.eccentricity
     # A pin exactly in the centre touches nothing: any direction serves.
-    nx = contact.eccentricity_x / eccentricity if eccentricity > 0.0 else 1.0
-    ny = contact.eccentricity_y / eccentricity if eccentricity > 0.0 else 0.0
+    nx = where(eccentricity > 0.0, contact.eccentricity_x / eccentricity, 1.0)
+    ny = where(eccentricity > 0.0, contact.eccentricity_y / eccentricity, 0.0)
     penetration = eccentricity - joint.clearance
     approach = contact.velocity_x * nx + contact.velocity_y * ny
     rate = approach
     pin_radius, bearing_radius = joint.pin_radius, joint.bearing_radius
     count, turns, turning = joint.surface_bins, joint.map_turns, contact.turning
-    if count > 0:
+    if surfaces is not None and count > 0:
         direction = math.atan2(ny, nx)
         place = direction - turns * contact.bearing_angle
         depth, slope, _ = profile(surfaces, BEARING, count, place)

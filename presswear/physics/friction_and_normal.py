@@ -24,6 +24,7 @@ from presswear.tools.compile import (
     floats,
     inlined,
 )
+from presswear.tools.lanes import anywhere, where
 
 INLINE = 0  # address of a law that stands in the kernels
 FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, beside it, user law
@@ -64,12 +65,12 @@ ONSET_SPEED_FLOOR = 1e-6
 @inlined
 def elastic_force(penetration: float, stiffness: float, exponent: float) -> float:
     """Return the elastic contact force K delta^n, N; zero when open."""
-    if penetration <= 0.0:
-        return 0.0
     # n = 3/2 is by far the most common; a square root is cheaper than a power.
     if exponent == 1.5:
-        return stiffness * penetration * math.sqrt(penetration)
-    return stiffness * penetration**exponent
+        force = stiffness * penetration * math.sqrt(penetration)
+    else:
+        force = stiffness * penetration**exponent
+    return where(penetration <= 0.0, 0.0, force)
 
 
 @compiled
@@ -124,26 +125,25 @@ def elastic_at(law: Records, penetration: float) -> float:
     """Return the elastic force, N, at a penetration, m, by a record of NORMAL."""
     if law.address == INLINE:
         return elastic_force(penetration, law.stiffness, law.exponent)
-    if penetration <= 0.0:
-        return 0.0
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
-    return call(law.address, (penetration, 0.0, 1.0, *rest))
+    return where(penetration <= 0.0, 0.0, call(law.address, (penetration, 0.0, 1.0, *rest)))
 
 
 @inlined
 def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     """Return the elastic force, N, and its energy, J, at a penetration, m."""
+    energy = where(False, penetration, 0.0)
+    if not anywhere(penetration > 0.0):
+        return energy, energy
     elastic = elastic_at(law, penetration)
+    reach = max(penetration, 0.0)
     if law.address == INLINE:
-        return elastic, elastic * penetration / (law.exponent + 1.0)
-    if penetration <= 0.0:
-        return 0.0, 0.0
-    energy = 0.0
+        return elastic, elastic * reach / (law.exponent + 1.0)
     for i in range(len(ABSCISSAE)):
         # In the root of the penetration, which nearly all laws are smooth in.
         x = 0.5 * (1.0 + ABSCISSAE[i])
         energy += WEIGHTS[i] * x * elastic_at(law, penetration * x * x)
-    return elastic, energy * penetration
+    return elastic, energy * reach
 
 
 @inlined
@@ -157,13 +157,13 @@ def normal_force(
     """
     if law.kind == FACTOR:  # equation 8
         force = elastic * (1.0 + law.damping * rate / onset_speed)
-        return force if force > 0.0 else 0.0
+        return where(force > 0.0, force, 0.0)
     if law.kind == VISCOUS:  # Kelvin and Voigt; ``damping`` is D, N s/m
         return max(elastic + law.damping * rate, 0.0)
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
     force = call(law.address, (penetration, rate, onset_speed, *rest))
     # What is no number stays none, and ends the run.
-    return 0.0 if force < 0.0 else force
+    return where(force < 0.0, 0.0, force)
 
 
 @compiled
@@ -207,9 +207,9 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     The dynamic correction c_d rises from 0 at the lower speed to 1 at the upper.
     """
     if law.force == INLINE:
-        speed, ramp = abs(sliding), 1.0
-        if speed < law.upper:
-            ramp = max((speed - law.lower) / (law.upper - law.lower), 0.0)
+        speed = abs(sliding)
+        ramp = max((speed - law.lower) / (law.upper - law.lower), 0.0)
+        ramp = where(speed < law.upper, ramp, 1.0)
         return -math.copysign(law.coefficient * ramp * normal, sliding)
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
 
@@ -229,10 +229,10 @@ def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) 
     Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that touch nothing bear
     no force: sigma_0 z + sigma_1 z' = 0.
     """
-    if not is_closed:
-        return -law.bristle_stiffness / law.bristle_damping * bristle
+    free = -law.bristle_stiffness / law.bristle_damping * bristle
     held = stribeck_coefficient(sliding, law)
-    return sliding - law.bristle_stiffness * abs(sliding) * bristle / held
+    bent = sliding - law.bristle_stiffness * abs(sliding) * bristle / held
+    return where(is_closed, bent, free)
 
 
 @compiled

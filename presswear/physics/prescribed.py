@@ -28,6 +28,7 @@ from presswear.physics.tree import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats, inlined, lazily_compiled
+from presswear.tools.lanes import where
 
 # A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
 CLOSING = np.dtype(
@@ -54,7 +55,7 @@ class Prescribed(NamedTuple):
     """Prescribed bodies, parents before children."""
 
     parts: Records  # of LINK; one hinged to the frame has its inertia about the hinge, and no mass
-    closings: Records
+    closings: Records  # of CLOSING; None where several replicates run together
     motions: Records  # of all drives
     # Their last motion, from which the next is found, and working space, see PLACE and what
     # follows: (HEAD + 4 closings, parts or 2)
@@ -95,13 +96,23 @@ def place_prescribed(
             work[PLACE, i] = motion.angle + turned
         else:
             work[PLACE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[FASTER, i])
-    is_closed = closings.shape[0] == 0
+    place_links(parts, work[PLACE], work[RATE], q, v, axes)
+    accelerate_links(parts, work[FASTER], v, axes, a)
+    _close_loops(prescribed, closings, q, v, a, axes)
+
+
+@inlined
+def _close_loops(
+    prescribed: Prescribed, closings: Records | None, q: Array, v: Array, a: Array, axes: Array
+) -> None:
+    """Find the place, rates and accelerations at which the loops of prescribed bodies close."""
+    if closings is None:
+        return
+    if closings.shape[0] == 0:
+        return
+    parts, _, _, work = prescribed
     before, last, moved = work[LAST, DETERMINANT], math.inf, 0.0
     for _ in range(MOST_NEWTON):
-        place_links(parts, work[PLACE], work[RATE], q, v, axes)
-        accelerate_links(parts, work[FASTER], v, axes, a)
-        if is_closed:
-            return
         step = _newton_step(prescribed, q, axes)
         # Near a dead point round-off does not shrink to that.
         is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
@@ -113,6 +124,10 @@ def place_prescribed(
             if before * work[LAST, DETERMINANT] < 0.0:
                 break
             _follow(prescribed)
+        place_links(parts, work[PLACE], work[RATE], q, v, axes)
+        accelerate_links(parts, work[FASTER], v, axes, a)
+        if is_closed:
+            return
     for i in range(parts.shape[0]):
         work[PLACE, i] = q[parts[i].body] = math.nan
 
@@ -233,7 +248,7 @@ def drive_torques(
     drives of other bodies stay.
     """
     parts, closings, _, work = prescribed
-    borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
+    borne = work[BORNE]
     for i in range(parts.shape[0] - 1, -1, -1):
         part = parts[i]
         b = part.body
@@ -252,16 +267,23 @@ def drive_torques(
     for i in range(parts.shape[0]):
         if parts[i].drive < 0:
             continue
-        needed = borne[i]
+        torque[parts[i].drive] = -borne[i] - _turned_share(prescribed, closings, i)
+
+
+@inlined
+def _turned_share(prescribed: Prescribed, closings: Records | None, i: int) -> float:
+    """Return the moment, N m, that part ``i`` bears of the parts without a drive that it turns."""
+    share = where(False, prescribed.work[BORNE, i], 0.0)
+    if closings is not None:
+        right, turns = prescribed.work[RIGHT], prescribed.work[TURNS]
+        for r in range(2 * closings.shape[0]):
+            right[r] = prescribed.work[HEAD + r, i]
         if closings.shape[0] > 0:
-            # With the share of the parts without a drive that it turns.
-            for r in range(2 * closings.shape[0]):
-                right[r] = work[HEAD + r, i]
             turns[:] = 0.0
             _solve(prescribed, TURNS)
-            for k in range(parts.shape[0]):
-                needed += borne[k] * turns[k]
-        torque[parts[i].drive] = -needed
+            for k in range(prescribed.parts.shape[0]):
+                share += prescribed.work[BORNE, k] * turns[k]
+    return share
 
 
 @inlined

@@ -125,6 +125,9 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
     A contact that has ended again within the step is found where the cubic shows it.
     """
     a, b, rise = r0 * h, r1 * h, p1 - p0
+    # Above both ends a cubic is by 4/27 of its slopes there at most.
+    if max(p0, p1) + 4.0 / 27.0 * (abs(a) + abs(b)) < 0.0:
+        return 2.0
     quadratic = 3.0 * (a + b - 2.0 * rise)
     linear = 2.0 * (3.0 * rise - 2.0 * a - b)
     # Between its turning points (roots of quadratic s^2 + linear s + a) the cubic is

@@ -39,6 +39,7 @@ from numba.np.numpy_support import numpy_version
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.files import digest, write_bytes
+from presswear.tools.lanes import COUNTS, Lanes, lane_by_lane
 from presswear.tools.user_function import UserFunction
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -211,8 +212,18 @@ class _LazyKernel(Kernel):
         callback = ctypes.cast(self._callback, ctypes.c_void_p).value
         binding.add_symbol(f"{self._name}.compile", callback)
         signature = typing.signature(result, *parameters)
-        self._type = types.Function(typing.make_concrete_template(self._name, self, [signature]))
         lower_builtin(self, *parameters)(self._generate_call)
+        signatures = [signature]
+        if types.float64 in parameters and result != types.none:
+            # Of numbers of lanes it is called lane by lane.
+            self._scalar = signature
+            for lanes in map(Lanes, COUNTS):
+                wide = [lanes if kind == types.float64 else kind for kind in parameters]
+                is_tuple = isinstance(result, types.BaseTuple)
+                of_lanes = types.UniTuple(lanes, len(result)) if is_tuple else lanes
+                signatures.append(typing.signature(of_lanes, *wide))
+                lower_builtin(self, *wide)(self._generate_lanes)
+        self._type = types.Function(typing.make_concrete_template(self._name, self, signatures))
 
     @property
     def _numba_type_(self) -> Any:
@@ -249,6 +260,24 @@ class _LazyKernel(Kernel):
         # Kernels do not raise: the status is ignored.
         _, value = convention.call_function(builder, address, result, signature.args, arguments)
         return value
+
+    def _generate_lanes(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        result = signature.return_type
+        kinds = tuple(result) if isinstance(result, types.BaseTuple) else (result,)
+        vectors = [ir.Constant(context.get_value_type(kind), ir.Undefined) for kind in kinds]
+        for i in range(kinds[0].count):
+            place = ir.Constant(ir.IntType(32), i)
+            numbers = [
+                builder.extract_element(value, place) if isinstance(kind, Lanes) else value
+                for value, kind in zip(arguments, signature.args, strict=True)
+            ]
+            value = self._generate_call(context, builder, self._scalar, numbers)
+            parts = [value] if kinds == (result,) else cgutils.unpack_tuple(builder, value)
+            vectors = [
+                builder.insert_element(vector, part, place)
+                for vector, part in zip(vectors, parts, strict=True)
+            ]
+        return vectors[0] if kinds == (result,) else context.make_tuple(builder, result, vectors)
 
 
 def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
@@ -287,13 +316,20 @@ def specialised(kernel: F, *arguments: Any) -> F:
 
 @intrinsic
 def _call(typing: Any, address: Any, arguments: Any) -> Any:
+    lanes = [kind for kind in arguments.types if isinstance(kind, Lanes)]
+    count, double = len(arguments), ir.DoubleType()
+
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        count, double = len(signature.args[1]), ir.DoubleType()
         kind = ir.FunctionType(double, [double] * count)
         function = builder.inttoptr(values[0], kind.as_pointer())
-        return builder.call(function, cgutils.unpack_tuple(builder, values[1], count))
 
-    return types.float64(types.int64, arguments), generate
+        def each(builder: Any, *numbers: Any) -> Any:
+            return builder.call(function, numbers)
+
+        numbers = cgutils.unpack_tuple(builder, values[1], count)
+        return (lane_by_lane(each) if lanes else each)(builder, *numbers)
+
+    return (lanes[0] if lanes else types.float64)(types.int64, arguments), generate
 
 
 # In a kernel: call a function of numbers by its address, with a tuple of its arguments.
@@ -370,12 +406,13 @@ class PackedArguments(int):
     """
 
     arguments: tuple[Any, ...]
+    kind: Any  # of the pointer; numba takes milliseconds to find it
     memory: Any
 
 
 @typeof_impl.register(PackedArguments)
 def _type_of(packed: PackedArguments, context: Any) -> Any:
-    return types.CPointer(numba.typeof(packed.arguments))
+    return packed.kind
 
 
 @unbox(types.CPointer)
@@ -412,16 +449,21 @@ def _load(typing: Any, packed: Any) -> Any:
 unpack = cast(Callable[[PackedArguments], Any], _load)
 
 
-def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> Callable[[float], T]:
-    """Return a kernel of packed arguments and a number as a function of the number.
+def pack_arguments(*arguments: Any) -> PackedArguments:
+    """Return arguments for kernels that unpack them.
 
-    The arguments are arrays, records, or named tuples of such. Arrays may change their values but
-    not their memory.
+    They are arrays, records, or named tuples of such. Arrays may change their values but not their
+    memory.
     """
-    context = cpu_target.target_context
-    size = context.get_abi_sizeof(context.get_value_type(numba.typeof(arguments)))
-    memory = np.zeros(size, np.uint8)
+    context, kind = cpu_target.target_context, numba.typeof(arguments)
+    memory = np.zeros(context.get_abi_sizeof(context.get_value_type(kind)), np.uint8)
     packed = PackedArguments(memory.ctypes.data)
-    packed.arguments, packed.memory = arguments, memory
-    _fill(packed, arguments)
+    packed.arguments, packed.kind, packed.memory = arguments, types.CPointer(kind), memory
+    specialised(_fill, packed, arguments)(packed, arguments)
+    return packed
+
+
+def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> "partial[T]":
+    """Return a kernel of packed arguments and a number as a function of the number."""
+    packed = pack_arguments(*arguments)
     return partial(specialised(kernel, packed, 0.0), packed)

@@ -78,7 +78,7 @@ class Workers:
         self, count: int = 1, imports: Sequence[str] = (), lasts: float = math.inf
     ) -> None:
         # A process that ends with its parent may have no children.
-        self._count = 1 if multiprocessing.current_process().daemon else count
+        self.count = 1 if multiprocessing.current_process().daemon else count
         self.lasts, self._imports = lasts, tuple(imports)
         self._executor: ProcessPoolExecutor | None = None
 
@@ -97,7 +97,7 @@ class Workers:
             If a worker was killed.
         """
         waiting = dict(jobs)
-        if self._count > 1:
+        if self.count > 1:
             self._run_in_workers(waiting, on_result, on_progress)
         while waiting:
             key = next(iter(waiting))
@@ -138,7 +138,7 @@ class Workers:
                         on_progress(key, part, "", None)
         except BaseException as error:
             if isinstance(error, KeyboardInterrupt) or is_stopped():
-                self._request(range(self._count), HALT)
+                self._request(range(self.count), HALT)
                 wait(running)
                 for future, (_, key) in running.items():
                     if key not in dropped and future.exception() is None:
@@ -154,11 +154,11 @@ class Workers:
         """Submit waiting jobs to free workers, the first one alone."""
         executor = self._executor or self._start()
         busy = {place for place, _ in running.values()}
-        free = [place for place in range(self._count) if place not in busy]
+        free = [place for place in range(self.count) if place not in busy]
         if not self._is_warm:
             free = free[: 1 - len(busy)]
         for place, key in zip(free, list(waiting), strict=False):
-            self._shared[place], self._shared[self._count + place] = -math.inf, 0.0
+            self._shared[place], self._shared[self.count + place] = -math.inf, 0.0
             with starting_processes():
                 running[executor.submit(_run_job, place, waiting.pop(key))] = place, key
 
@@ -172,21 +172,21 @@ class Workers:
             context.set_forkserver_preload(list(self._imports))
         self._is_warm = False
         self._folder = tempfile.mkdtemp(prefix="presswear-")
-        self._shared = context.RawArray("d", 2 * self._count)  # progress, then requests
+        self._shared = context.RawArray("d", 2 * self.count)  # progress, then requests
         arguments = self._shared, self._folder, self._imports
-        self._executor = ProcessPoolExecutor(self._count, context, _prepare, arguments)
+        self._executor = ProcessPoolExecutor(self.count, context, _prepare, arguments)
         with starting_processes():
-            for _ in range(self._count):  # start all workers now, so that they import together
+            for _ in range(self.count):  # start all workers now, so that they import together
                 self._executor.submit(os.getpid)
         return self._executor
 
     def _request(self, places: Iterable[int], request: float) -> None:
         for place in places:
-            self._shared[self._count + place] = request
+            self._shared[self.count + place] = request
 
     def _end(self, wait: bool) -> None:
         if self._executor is not None:
-            self._request(range(self._count), HALT)
+            self._request(range(self.count), HALT)
             self._executor.shutdown(wait, cancel_futures=True)
             shutil.rmtree(self._folder, ignore_errors=True)
             self._executor = None

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine
 from presswear.linkage.linkage import Linkage
+from presswear.physics.packed import depths_of
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
@@ -24,6 +25,7 @@ from presswear.tools.errors import InputError, RunFailed
 Progress = Callable[[str, float], None]  # called with a name and the completed fraction
 Status = Literal["pass", "MISS", "refused"]
 
+GRAZED = 0.01  # of the contacts on worn surfaces
 PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
 # Energy residual allowed, relative to the energy exchanged by the drives. At their default
 # tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press; losses in the contacts are
@@ -106,7 +108,10 @@ def run_sound(linkage: Linkage, start: Start, engine: Engine, plan: Plan) -> Run
 
 
 def sound(run: Run, plan: Plan) -> Run:
-    """Return a run; RunFailed unless it is complete, finite and has all contacts resolved."""
+    """Return a run; RunFailed unless it is complete, finite and has its contacts resolved.
+
+    On a worn surface a pin may graze a bump: one contact in a hundred may then be too short.
+    """
     recorder = finished(run).recorder
     records = recorder.records
     energies = [x for x in run.diagnostics.values() if isinstance(x, float)]
@@ -124,8 +129,8 @@ def sound(run: Run, plan: Plan) -> Run:
             raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
         raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    if unresolved := int(records.counters["unresolved"].sum()):
-        count = int(records.counters["contacts"].sum())
+    unresolved, count = (int(records.counters[n].sum()) for n in ("unresolved", "contacts"))
+    if unresolved > (GRAZED * count if depths_of(records.packed).any() else 0):
         raise RunFailed(f"{unresolved} of {count} contacts unresolved")
     return run
 

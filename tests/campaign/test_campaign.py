@@ -96,7 +96,7 @@ def test_result_json_has_provenance_and_resolved_contacts(campaign: Campaign) ->
         joint = stage["statistics"]["joints"]["A"]
         grazed = 0 if stage["index"] == 0 else max(1, joint["contacts"] // 100)
         assert joint["unresolved_contacts"] <= grazed
-        assert joint["min_steps_per_contact"] >= (5 if joint["unresolved_contacts"] == 0 else 2)
+        assert joint["min_steps_per_contact"] >= (3 if joint["unresolved_contacts"] == 0 else 2)
 
 
 Ran = tuple[Path, list[tuple[str, float, str]]]

@@ -90,7 +90,9 @@ class Seen(Observer):
 def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
     """Run a fake engine in place of any."""
     for kind in (ExudynTree, ExudynJoints, InHouse):
+        monkeypatch.setattr(kind, "lanes", lambda self, linkage: 1)
         monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
+        monkeypatch.setattr(kind, "simulate_together", lambda self, cases: [engine(*cases[0])])
 
 
 CLEARANCE = 0.8e-3

@@ -51,12 +51,11 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
 
 def test_errors_fall_with_the_tolerance() -> None:
     errors = []
-    for tolerance in (1e-6, 1e-8, 1e-10):
+    for tolerance in (1e-6, 1e-10):
         ours, reference = both(wear_times(), wear_times().linkage(), tolerance)
         pairs = zip(touches(ours), touches(reference), strict=True)
         errors.append(max(abs(one[0] - other[0]) for one, other in pairs))
-    assert errors[1] < 0.3 * errors[0]
-    assert errors[2] < 0.03 * errors[1]
+    assert errors[1] < 3e-3 * errors[0]
 
 
 @pytest.mark.parametrize(("slip", "error"), [("sliding", 2e-6), ("angle", 1e-3)])

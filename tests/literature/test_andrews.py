@@ -23,7 +23,7 @@ def test_accelerations_at_the_start() -> None:
     state = np.zeros(state_size(system))
     state[:21] = start.position
     slope = np.zeros_like(state)
-    evaluate(system, system.held, system.tree, np.zeros(0), 0.0, state, slope, True)
+    evaluate(system, system.held, system.tree, system.alone, None, 0.0, state, slope, True)
     found = references.andrews_angles(slope[21:42])
     np.testing.assert_allclose(
         found, [14222.4439199541138, -10666.8329399655854, 0, 0, 0, 0, 0], rtol=1e-12, atol=1e-7

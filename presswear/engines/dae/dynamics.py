@@ -14,7 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.physics.constraints import Constraints, Held, evaluate_constraints, solve
-from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.contact import (
+    CONTACT,
+    note_contacts,
+    note_ends,
+    note_radial,
+    note_sliding,
+    note_surfaces,
+)
 from presswear.physics.drive_motion import drive_motion
 from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
 from presswear.physics.packed import Packed, applied_forces, has_work
@@ -38,8 +45,10 @@ from presswear.physics.tree import (
     release,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, copy_to, inlined
+from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
+from presswear.tools.lanes import where
 
+NUMBERS = CONTACT.itemsize // 8  # of a contact
 DRIVE_INTEGRALS = 2  # integrals before those of the joints: drive work and its absolute value, J
 TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)  # per drive, their number
 
@@ -54,6 +63,19 @@ class OpenTree(NamedTuple):
     size: int  # number of coordinates
 
 
+class Members(NamedTuple):
+    """Replicates that are computed together: each alone, and the numbers of all, lanes last."""
+
+    runs: tuple[PackedArguments, ...]  # each replicate alone; the first one in unused lanes
+    used: int  # number of lanes
+    time: Array  # at the start of the step on trial, s, (LANES,)
+    length: Array  # of it, s; 0 where a lane waits
+    scratch: Array  # power of applied forces, W, and time, s, lanes (2,)
+    power: Array  # the same numbers, (2, lanes)
+    state: Array  # (5, 3 bodies, lanes)
+    contacts: Array  # (joints, numbers of CONTACT, lanes)
+
+
 class System(NamedTuple):
     """Linkage as the kernels see it, with working space."""
 
@@ -65,11 +87,16 @@ class System(NamedTuple):
     state: Array
     felt: int  # number of the first components of the state, on which slopes depend
     contacts: Records
+    contact_rows: Array  # the same as numbers, (joints, numbers of CONTACT)
+    onset: Array  # latched closing speeds of the joints, as of ``RecorderState``
     torque: Array  # (drives,)
     first_torque: int  # index in the state of the integrals of the first drive
     alpha: float  # Baumgarte's coefficients, 1/s
     beta: float
     has_work: bool  # whether loads or dampers do work
+    # One of both, the compiler leaves out the other's code
+    alone: Packed | None  # of a single replicate
+    members: Members | None  # of several replicates
 
 
 def system_of(
@@ -78,11 +105,13 @@ def system_of(
     position: Array,
     alpha: float = 0.0,
     beta: float = 0.0,
+    onset: Array | None = None,
 ) -> System:
     """Return the equations of a linkage in a position of all its bodies.
 
     They have constraints of all coordinates, with Baumgarte's coefficients, 1/s, or those of the
-    tree, whose coordinates are the fewest.
+    tree, whose coordinates are the fewest.  ``onset`` are the latched closing speeds; else all are
+    open.
     """
     held = tree = None
     if isinstance(equations, Tree):
@@ -93,6 +122,7 @@ def system_of(
         tree = OpenTree(equations.links, prescribed, bodies, carried, size)
     else:
         held, size = equations.held(packed.mass), packed.mass.size
+    contacts = np.zeros(len(packed.joints), CONTACT)
     bristles = np.flatnonzero(packed.joints["friction"]["bristle_stiffness"] > 0.0)
     return System(
         packed=packed,
@@ -101,12 +131,16 @@ def system_of(
         size=size,
         state=np.zeros((5, packed.mass.size)),
         felt=max((1 + bristle_place(2 * size, int(k)) for k in bristles), default=2 * size),
-        contacts=np.zeros(len(packed.joints), CONTACT),
+        contacts=contacts,
+        contact_rows=contacts.view(np.float64).reshape(len(contacts), NUMBERS),
+        onset=np.zeros(len(contacts)) if onset is None else onset,
         torque=np.zeros(packed.driven.size),
         first_torque=2 * size + DRIVE_INTEGRALS + JOINT_RATES * len(packed.joints),
         alpha=alpha,
         beta=beta,
         has_work=has_work(packed),
+        alone=packed,
+        members=None,
     )
 
 
@@ -149,7 +183,8 @@ def evaluate(
     system: System,
     held: Held | None,
     tree: OpenTree | None,
-    onset: Array,
+    alone: Packed | None,
+    members: Members | None,
     t: float,
     y: Array,
     out: Array,
@@ -157,23 +192,28 @@ def evaluate(
 ) -> None:
     """Fill dy/dt, and all of the state but for accelerations; leaves multipliers behind.
 
-    ``held`` and ``tree`` are those of the system, so that the compiler sees which is None.  With
+    ``held`` to ``members`` are those of the system, so that the compiler sees which are None.  With
     ``torques`` the rates of the drives' integrals are filled as well.
     """
     n = system.size
     place(tree, system.state, t, y)
     q, v, a, force, axes = system.state
-    power = applied_forces(system.packed, t, q, v, force)
+    power = where(False, t, 0.0)
+    if members is not None:
+        power = apply_forces(system, members, t, force)
+        note_members(system, members, q, v, axes)
+    if alone is not None:
+        power = applied_forces(alone, t, q, v, force)
+        if tree is None:
+            note_contacts(alone, system.contacts, q, v)
+        else:
+            note_contacts(alone, system.contacts, q, v, axes)
     if system.has_work:
         out[out.shape[0] - 1] = power
-    if tree is None:
-        note_contacts(system.packed, system.contacts, q, v)
-    else:
-        note_contacts(system.packed, system.contacts, q, v, axes)
     for k in range(system.contacts.shape[0]):
         system.contacts[k].bristle = y[bristle_place(2 * n, k)]
     rates = out[2 * n + DRIVE_INTEGRALS :]
-    add_contacts(system.packed.joints, onset, system.contacts, force, rates)
+    add_contacts(system.packed.joints, system.onset, system.contacts, force, rates)
     if held is not None:
         power = solve_multipliers(held, system.alpha, system.beta, system.state, t, out[n : 2 * n])
     if tree is not None:
@@ -201,6 +241,47 @@ def evaluate(
             out[base + TORQUE_SQUARE] = torque * torque
             out[base + POWER] = power
             out[base + POWER_SQUARE] = power * power
+
+
+@inlined
+def apply_forces(system: System, members: Members, t: float, force: Array) -> float:
+    """Fill the generalized forces before those of contacts; returns their power, W."""
+    copy_to(force, system.packed.weight)
+    members.scratch[0], members.scratch[1] = 0.0, t
+    is_constant = system.packed.springs.shape[0] == 0 and not system.has_work
+    for i in range(0 if is_constant else members.used):
+        if members.length[i] == 0.0:
+            continue
+        (run,) = unpack(members.runs[i])
+        q, v, _, single, _ = run.system.state
+        for c in range(q.shape[0]):
+            q[c], v[c] = members.state[0, c, i], members.state[1, c, i]
+        now = members.power[1, i]
+        members.power[0, i] = applied_forces(run.system.packed, now, q, v, single)
+        for c in range(q.shape[0]):
+            members.state[3, c, i] = single[c]
+    return members.scratch[0]
+
+
+@inlined
+def note_members(system: System, members: Members, q: Array, v: Array, axes: Array) -> None:
+    """Fill the contacts of all joints; those of worn surfaces one replicate after the other."""
+    for k in range(system.contacts.shape[0]):
+        joint, contact = system.packed.joints[k], system.contacts[k]
+        note_ends(joint, q, v, contact, axes)
+        if joint.surface_bins == 0:
+            note_radial(joint, None, contact)
+            note_sliding(contact)
+            continue
+        for i in range(members.used):
+            if members.length[i] != 0.0:
+                (run,) = unpack(members.runs[i])
+                single, lanes = run.system.contact_rows[k], members.contacts[k]
+                for c in range(single.shape[0]):
+                    single[c] = lanes[c, i]
+                note_surfaces(run.system.packed, k, run.system.contacts[k])
+                for c in range(single.shape[0]):
+                    lanes[c, i] = single[c]
 
 
 @compiled

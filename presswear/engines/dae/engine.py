@@ -7,7 +7,8 @@ import numpy as np
 
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import DRIVE_INTEGRALS, state_size, system_of
-from presswear.engines.dae.march import DONE, RUNNING, STUCK, march_controlled, march_fixed
+from presswear.engines.dae.march import BROKEN, RUNNING, STUCK, march_controlled, march_fixed
+from presswear.engines.dae.pack import Member, can_pack, together
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
@@ -30,6 +31,8 @@ from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
 from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
+
+__all__ = ["prepare", "together"]
 
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
@@ -88,18 +91,18 @@ def prepare(
     records = recorder.records
     tree = None if settings.takes_all_coordinates else tree_of(linkage)
     if isinstance(tree, Tree):
-        system = system_of(records.packed, tree, start.position)
+        system = system_of(records.packed, tree, start.position, onset=records.onset)
         coordinates = tree.coordinates(start.position, start.velocity)
     else:
         baumgarte = settings.alpha, settings.beta
-        system = system_of(records.packed, constraints, start.position, *baumgarte)
+        system = system_of(records.packed, constraints, start.position, *baumgarte, records.onset)
         coordinates = start.position, start.velocity
     n, size = system.size, state_size(system)
     y = np.zeros(size)
     y[: 2 * n] = np.concatenate(coordinates)
     drives = y[2 * n : 2 * n + DRIVE_INTEGRALS]
     joints = y[2 * n + DRIVE_INTEGRALS : system.first_torque].reshape(-1, JOINT_RATES)
-    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
+    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)))
     control = np.zeros(1, CONTROL)
     is_fixed, tolerance = settings.has_equal_steps, settings.tolerance
     control["step"] = settings.step if is_fixed else 1e-6
@@ -133,21 +136,30 @@ def prepare(
     energy_before = stored()
     sums = {"solve": 0.0}
 
-    def advance(end: float) -> Finding | None:
-        began = clock.perf_counter()
+    def start_again() -> None:
         # The state to go on from may be that of a coarser run.
         control["tolerance"] = tolerance
-        status = RUNNING
-        while status == RUNNING:
+        march(float(control["time"][0]), 1)
+
+    def look(status: int, wall: float) -> Finding | None:
+        time = float(control["time"][0])
+        sums["solve"] += wall
+        plan.advanced(time, recorder)
+        lost, exchange = float(joints[:, CONTACT_LOSS].sum()), float(drives[1])
+        made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
+        if made:
+            return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
+        is_sound = status not in (BROKEN, STUCK)
+        return None if is_sound else _problem(status, constraints, *state())
+
+    def advance(end: float) -> Finding | None:
+        control["tolerance"] = tolerance
+        status, finding = RUNNING, None
+        while status == RUNNING and finding is None:
+            began = clock.perf_counter()
             status = march(end, _CHUNK)
-            time = float(control["time"][0])
-            plan.advanced(time, recorder)
-            lost, exchange = float(joints[:, CONTACT_LOSS].sum()), float(drives[1])
-            made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
-            if made:
-                return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
-        sums["solve"] += clock.perf_counter() - began
-        return None if status == DONE else _problem(status, constraints, *state())
+            finding = look(status, clock.perf_counter() - began)
+        return finding
 
     def ledger() -> Ledger:
         contact, friction, made = joints.sum(axis=0)[[CONTACT_LOSS, FRICTION_LOSS, MADE]].tolist()
@@ -169,7 +181,7 @@ def prepare(
         }
 
     arrays = {"y": y, "slope": motion.slopes[0], "control": control}
-    if system.tree is not None:
+    if isinstance(tree, Tree) and len(tree.prescribed.closings) and system.tree is not None:
         arrays["prescribed"] = system.tree.prescribed.work
     held = None if isinstance(tree, Tree) else constraints
     return Simulation(
@@ -182,6 +194,7 @@ def prepare(
         REMEDY,
         constraints=held,
         worn=partial(control.__setitem__, "has_slope", False),
+        member=Member(kernel.args[0], start_again, look) if can_pack(run) else None,
     )
 
 

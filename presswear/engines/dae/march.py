@@ -5,7 +5,6 @@ step that holds one is repeated until it ends there, so that no step crosses a c
 steps are cut in two where a load's law changes; contacts change between them only.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,6 @@ from presswear.engines.dae.dynamics import (
     place,
 )
 from presswear.engines.dae.runge_kutta import (
-    POSITION_SCALE,
     START,
     classical_step,
     embedded_step,
@@ -47,15 +45,13 @@ from presswear.physics.touchdown import (
 )
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, compiled, copy_to, unpack
+from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
 
-RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
+RUNNING, DONE, BROKEN, STUCK, TRYING, IDLE = range(6)
 
 FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
-# Not literals, for which numba would compile the search for events twice
-NO_EVENT: Any = np.int64(-1)
-NO_JOINTS: Any = np.int64(0)
+NO_JOINTS: Any = np.int64(0)  # not a literal, for which numba would compile the search twice
 # Most repetitions that locate an event; four do, halving helps where Newton strays.
 NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
@@ -117,7 +113,7 @@ def first_event(
     tableau: Tableau | None,
     t: float,
     h: float,
-    excluded: int | np.int64,
+    excluded: int,
     joints: int,
 ) -> tuple[int, float]:
     """Return the event that comes first in a trial step, and at which part of it; or -1.
@@ -166,65 +162,71 @@ def first_event(
 
 
 @compiled
-def end_on_event(
+def start_search(control: Records, h: float) -> None:
+    """Start to search for the event that ends a trial step of length ``h``."""
+    state = control[0]
+    state.whole = state.length = h
+    state.searches, state.moves, state.event, state.is_located = 0, 0, -1, True
+
+
+@compiled
+def search_event(
     address: PackedArguments,
     tableau: Tableau | None,
     classical: int | None,
     t: float,
-    h: float,
     joints: int,
-) -> tuple[int, float, bool]:
-    """Find the step that ends on the first event of a trial step of length ``h``.
+) -> bool:
+    """Search in a trial step for the first event; return whether a trial of another length follows.
 
-    A joint then has zero penetration, a load is just behind the change of its law.  Newton's
-    method, held between the ends of the trial step: where a surface is steep it would stray.
-    Returns the event or -1, the length of the step, s, and whether it was located.
+    At the end of the step that is found a joint has zero penetration, a load is just behind the
+    change of its law.  Newton's method, held between the ends of the trial step: where a surface is
+    steep it would stray.
     """
     (run,) = unpack(address)
-    contacts = run.system.contacts.shape[0]
-    k: Any = NO_EVENT
-    length, is_located = h, True
-    # The cubics may see events of two joints in the wrong order.
-    for _ in range(1 + 3 * contacts + count_transitions(run.system.packed.loads)):
-        earlier, part = first_event(address, tableau, t, length, k, joints)
-        if earlier < 0:
-            break
-        k = np.int64(earlier)
+    state, contacts = run.control[0], run.system.contacts.shape[0]
+    if state.moves > 0:
         aim, near, accepted = 0.0, EVENT_DEPTH, DEPTH_TOL
-        if k >= contacts:
+        if state.event >= contacts:
             aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
-        low, high = 0.0, length
-        following, further, is_last = part * length, SHORTEST_MOVE, False
-        value = math.inf
-        for _ in range(NEWTON_STEPS):
-            # The state is that of the length tried last, however the search ends.
-            length = following
-            if tableau is not None:
-                embedded_step(address, tableau, t, length)
-            if classical is not None:
-                classical_step(address, t, length)
-            value, rate = event_value(address, classical, k, t, length)
-            value -= aim
-            if abs(value) <= near or is_last:
-                break
+        value, rate = event_value(address, classical, state.event, t, state.length)
+        value -= aim
+        following, is_found = state.length, abs(value) <= near or state.is_last
+        if not is_found:
             if value > 0.0:
-                high = length
+                state.high = state.length
             else:
-                low = length
-            following = length - value / rate if rate != 0.0 else -1.0
-            if not low < following < high:
-                following = 0.5 * (low + high)
-            if abs(following - length) <= SHORTEST_MOVE:
+                state.low = state.length
+            following = state.length - value / rate if rate != 0.0 else -1.0
+            if not state.low < following < state.high:
+                following = 0.5 * (state.low + state.high)
+            if abs(following - state.length) <= SHORTEST_MOVE:
                 if aim == 0.0 or value > 0.0:
-                    break
-                # Round-off keeps it from ending just behind: the nearest that is behind.
-                following = min(length + further, high)
-                further *= 4.0
-                is_last = following == high
-        is_located = abs(value) <= accepted if aim == 0.0 else -near <= value <= accepted
-        if not is_located:
-            break
-    return k, length, is_located
+                    is_found = True
+                else:
+                    # Round-off keeps it from ending just behind: the nearest that is behind.
+                    following = min(state.length + state.further, state.high)
+                    state.further *= 4.0
+                    state.is_last = following == state.high
+        if not is_found and state.moves < NEWTON_STEPS:
+            state.length = following
+            state.moves += 1
+            return True
+        state.moves = 0
+        state.is_located = abs(value) <= accepted if aim == 0.0 else -near <= value <= accepted
+        if not state.is_located:
+            return False
+    # The cubics may see events of two joints in the wrong order.
+    if state.searches > 3 * contacts + count_transitions(run.system.packed.loads):
+        return False
+    state.searches += 1
+    earlier, part = first_event(address, tableau, t, state.length, state.event, joints)
+    if earlier < 0:
+        return False
+    state.event, state.moves = earlier, 1
+    state.low, state.high, state.further, state.is_last = 0.0, state.length, SHORTEST_MOVE, False
+    state.length *= part
+    return True
 
 
 @compiled
@@ -295,77 +297,181 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
 
 
 @compiled
-def march_controlled(address: PackedArguments, end: float) -> int:
-    """Integrate towards ``end`` for at most ``most`` steps; returns how far it got."""
+def propose_step(address: PackedArguments, end: float) -> bool:
+    """Choose the next trial step towards ``end``; return False at the end."""
     (run,) = unpack(address)
-    system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
-    control, motion, last = run.control, run.motion, run.last
-    n, joints, state = system.size, system.contacts.shape[0], control[0]
-    start_march(address)
-    # No step feels a contact before its touchdown, because steps end there.
-    for k in range(joints):
-        if records.onset[k] == 0.0:
-            records.onset[k] = HELD_OPEN
-    for _ in range(state.most):
-        t = state.time
-        left = end - t
-        if left <= 0.0:
-            return DONE
-        longest = longest_step(records, state.longest, state.parts)
-        h = min(step_to_break(records.motions, t, min(state.step, longest)), left)
-        h = min(h, next_break(system.packed.loads) - t)
-        last_step = h >= left
-        for i in range(n):
-            motion.scale[i] = state.tolerance * POSITION_SCALE
-            motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        error = embedded_step(address, tableau, t, h)
+    records, state = run.records, run.control[0]
+    t = state.time
+    left = end - t
+    if left <= 0.0:
+        return False
+    longest = longest_step(records, state.longest, state.parts)
+    h = min(step_to_break(records.motions, t, min(state.step, longest)), left)
+    h = min(h, next_break(run.system.packed.loads) - t)
+    state.reaches_end = h >= left
+    start_search(run.control, h)
+    return True
+
+
+@compiled
+def judge_step(
+    address: PackedArguments,
+    tableau: Tableau,
+    classical: int | None,
+    error: float,
+    end: float,
+) -> int:
+    """Accept a trial step, shorten it, or search for the event that ends it.
+
+    Returns TRYING if the step is to be repeated with another length, and RUNNING if a new one is to
+    be proposed.
+    """
+    (run,) = unpack(address)
+    system, records, motion, last = run.system, run.records, run.motion, run.last
+    joints, state = system.contacts.shape[0], run.control[0]
+    t = state.time
+    state.evaluations += last
+    if state.searches == 0:
         if not error <= 1.0:
             state.rejected += 1
             factor = LEAST_FACTOR
             if error < 1e30:
                 factor = max(LEAST_FACTOR, SAFETY * error**tableau.exponent)
-            state.step = h * factor
-            if not state.step > state.shortest:
-                return BROKEN if not error < 1e30 else STUCK
-            continue
+            state.step = state.whole * factor
+            if state.step > state.shortest:
+                return RUNNING
+            return BROKEN if not error < 1e30 else STUCK
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
-        state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
-        k, located, is_located = end_on_event(address, tableau, classical, t, h, joints)
-        if not is_located:
-            # The cubic through both ends saw what is not there; a shorter one sees better.
-            # The sliding of a pin that hardly presses on a worn arc is round-off.
-            state.ignores_corners = k >= joints + count_transitions(system.packed.loads)
-            state.rejected += 1
-            state.step = h if state.ignores_corners else 0.5 * h
-            if not state.step > state.shortest:
-                return STUCK
-            continue
-        if k >= 0:
-            h = located
-            last_step = False
-            state.events += 1
-        state.ignores_corners = False
-        t = end if last_step else t + h
-        copy_to(motion.y, motion.trial)
-        q, v, a, _, _ = system.state
-        changed = settle_loads(system.packed.loads, t, q, v, a)
-        if 0 <= k < joints:
-            rate = system.contacts[k].rate
-            if records.onset[k] > 0.0:
-                separate(records, k, t, rate, 0)
-                records.onset[k] = HELD_OPEN
-            else:
-                touch_down(records, k, t, rate, False)
-            part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
-            state.step = min(state.step, part)
-        if state.projected or k >= 0 or changed > 0:
-            keep_constraints(system.held, state.projected, t, motion.y)
-            rates(address, t, motion.y, START)
-            state.evaluations += 1
+        state.step = state.whole * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
+    if search_event(address, tableau, classical, t, joints):
+        return TRYING
+    k = state.event
+    if not state.is_located:
+        # The cubic through both ends saw what is not there; a shorter one sees better.
+        # The sliding of a pin that hardly presses on a worn arc is round-off.
+        state.ignores_corners = k >= joints + count_transitions(system.packed.loads)
+        state.rejected += 1
+        state.step = state.whole if state.ignores_corners else 0.5 * state.whole
+        return RUNNING if state.step > state.shortest else STUCK
+    h = state.length
+    if k >= 0:
+        state.events += 1
+    state.ignores_corners = False
+    t = end if state.reaches_end and k < 0 else t + h
+    copy_to(motion.y, motion.trial)
+    q, v, a, _, _ = system.state
+    changed = settle_loads(system.packed.loads, t, q, v, a)
+    if 0 <= k < joints:
+        rate = system.contacts[k].rate
+        if records.onset[k] > 0.0:
+            separate(records, k, t, rate, 0)
+            records.onset[k] = HELD_OPEN
         else:
-            copy_to(motion.slopes[0], motion.slopes[last])
-        finish_step(address, system.held, t, h)
+            touch_down(records, k, t, rate, False)
+        part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
+        state.step = min(state.step, part)
+    if state.projected or k >= 0 or changed > 0:
+        keep_constraints(system.held, state.projected, t, motion.y)
+        rates(address, t, motion.y, START)
+        state.evaluations += 1
+    else:
+        copy_to(motion.slopes[0], motion.slopes[last])
+    finish_step(address, system.held, t, h)
     return RUNNING
+
+
+@compiled
+def hold_open(onset: Array) -> None:
+    """Keep steps from feeling a contact before its touchdown, because they end there."""
+    for k in range(onset.shape[0]):
+        if onset[k] == 0.0:
+            onset[k] = HELD_OPEN
+
+
+@compiled
+def march_controlled(address: PackedArguments, end: float) -> int:
+    """Integrate towards ``end`` for at most ``most`` steps; returns how far it got."""
+    (run,) = unpack(address)
+    tableau, classical, state = run.tableau, run.classical, run.control[0]
+    start_march(address)
+    hold_open(run.records.onset)
+    for _ in range(state.most):
+        if not propose_step(address, end):
+            return DONE
+        status = TRYING
+        while status == TRYING:
+            error = embedded_step(address, tableau, state.time, state.length)
+            status = judge_step(address, tableau, classical, error, end)
+        if status != RUNNING:
+            return status
+    return RUNNING
+
+
+@inlined
+def copy_lane(target: Array, lanes: Array, i: int) -> None:
+    """Copy the numbers of one replicate from those of all, shape (n, lanes)."""
+    for c in range(target.shape[0]):
+        target[c] = lanes[c, i]
+
+
+@compiled
+def propose_steps(address: PackedArguments) -> bool:
+    """Choose the next trial steps of several replicates; return False if one is at its end."""
+    (pack,) = unpack(address)
+    members = pack.run.system.members
+    is_ended = False
+    for i in range(members.used):
+        (run,) = unpack(members.runs[i])
+        if pack.status[i] == RUNNING:
+            is_proposed = propose_step(members.runs[i], pack.end[i])
+            pack.status[i] = TRYING if is_proposed else DONE
+        is_trying = pack.status[i] == TRYING
+        is_ended |= not is_trying and pack.status[i] != IDLE
+        members.time[i] = run.control[0].time
+        members.length[i] = run.control[0].length if is_trying else 0.0
+        for k in range(run.records.onset.shape[0]):
+            pack.onset[k, i] = run.records.onset[k]
+    return not is_ended
+
+
+@compiled
+def judge_steps(address: PackedArguments) -> None:
+    """Judge the trial steps of several replicates, each alone."""
+    (pack,) = unpack(address)
+    members, last = pack.run.system.members, pack.run.last
+    for i in range(members.used):
+        if pack.status[i] != TRYING:
+            continue
+        (run,) = unpack(members.runs[i])
+        copy_lane(run.motion.trial, pack.trial, i)
+        copy_lane(run.motion.slopes[last], pack.slopes[last], i)
+        for r in range(run.system.state.shape[0]):
+            copy_lane(run.system.state[r], members.state[r], i)
+        for k in range(run.system.contacts.shape[0]):
+            copy_lane(run.system.contact_rows[k], members.contacts[k], i)
+        copy_lane(run.system.torque, pack.torque, i)
+        steps, error, end = run.control[0].steps, pack.errors[0, i], pack.end[i]
+        tableau, classical = pack.run.tableau, pack.run.classical
+        pack.status[i] = judge_step(members.runs[i], tableau, classical, error, end)
+        if run.control[0].steps > steps:
+            for c in range(run.motion.y.shape[0]):
+                pack.y[c, i] = run.motion.y[c]
+                pack.slopes[0, c, i] = run.motion.slopes[0, c]
+
+
+@compiled
+def march_together(address: PackedArguments, most: float) -> None:
+    """Integrate several replicates until one of them is at its end, for at most ``most`` turns.
+
+    Each has its own time and step; in a turn every one makes one trial step.
+    """
+    (pack,) = unpack(address)
+    for _ in range(int(most)):
+        if not propose_steps(address):
+            break
+        tableau, moment = pack.run.tableau, pack.moment
+        pack.error[0] = embedded_step(pack.address, tableau, moment[0], moment[1])
+        judge_steps(address)
 
 
 @compiled
@@ -386,11 +492,13 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         whole = h
         h = min(step_to_break(records.motions, t, h), next_break(system.packed.loads) - t)
         classical_step(address, t, h)
-        k, located, is_located = end_on_event(address, tableau, classical, t, h, NO_JOINTS)
-        if not is_located:
+        start_search(control, h)
+        while search_event(address, tableau, classical, t, NO_JOINTS):
+            classical_step(address, t, state.length)
+        if not state.is_located:
             classical_step(address, t, h)
-        elif k >= 0:
-            h = located
+        elif state.event >= 0:
+            h = state.length
             state.events += 1
         copy_to(motion.y, motion.trial)
         # What is left of a step that was cut follows by itself.

@@ -10,7 +10,15 @@ from presswear.engines.dormand_prince import Tableau
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS
 from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, Records, compiled, inlined, unpack
+from presswear.tools.compile import (
+    PackedArguments,
+    Records,
+    compiled,
+    floats,
+    inlined,
+    unpack,
+)
+from presswear.tools.lanes import where
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
@@ -23,6 +31,17 @@ CONTROL = np.dtype(
         ("time", np.float64),
         ("most", np.int64),  # steps of a march
         ("step", np.float64),  # next, s
+        ("whole", np.float64),  # step on trial before events cut it, s
+        ("length", np.float64),  # of the step on trial, s
+        ("reaches_end", np.bool_),  # of a march
+        # Search for the event that ends the step: events looked for, Newton steps towards the
+        # present one, its number or -1, and whether it was located
+        ("searches", np.int64),
+        ("moves", np.int64),
+        ("event", np.int64),
+        ("is_located", np.bool_),
+        *floats("low", "high", "further"),  # lengths between which it lies, and beyond the last, s
+        ("is_last", np.bool_),  # the last length that is tried
         ("due", np.float64),  # time at which an equal step that was cut is to end, s; or 0
         ("longest", np.float64),  # s
         ("shortest", np.float64),  # s
@@ -48,9 +67,6 @@ class Motion(NamedTuple):
     y: Array  # (m,)
     trial: Array  # the state's successor on trial, (m,)
     slopes: Array  # of the stages, (13, m); the first holds dy/dt at the start
-    # Allowed error of the first n components; the integrals behind them follow, but for the
-    # deflections of bristles, in which it is as in the first.
-    scale: Array
 
 
 class Integration(NamedTuple):
@@ -60,7 +76,7 @@ class Integration(NamedTuple):
     tableau: Tableau | None  # of an embedded method
     # Stages of the classical method, for equal steps; the compiler leaves out the None of both
     classical: int | None
-    records: RecorderState
+    records: RecorderState | None  # None of several replicates
     control: Records  # one of CONTROL
     motion: Motion
     last: int  # index of the slopes at the end of a step
@@ -72,7 +88,8 @@ def rates(address: PackedArguments, t: float, y: Array, stage: int) -> None:
     (run,) = unpack(address)
     system = run.system
     out, torques = run.motion.slopes[stage], stage >= 0  # not a literal, as START
-    evaluate(system, system.held, system.tree, run.records.onset, t, y, out, torques)
+    alone, members = system.alone, system.members
+    evaluate(system, system.held, system.tree, alone, members, t, y, out, torques)
 
 
 @compiled
@@ -80,7 +97,7 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
     """Make a trial step of order 4."""
     (run,) = unpack(address)
     classical, control, motion = run.classical, run.control, run.motion
-    y, new, slopes, _ = motion
+    y, new, slopes = motion
     control[0].evaluations += classical
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
@@ -101,20 +118,22 @@ def _errors(tableau: Tableau, slopes: Array, i: int, allowed: float) -> tuple[fl
     for j in range(tableau.b.shape[0] + 1):
         one += tableau.error[j] * slopes[j, i]
         two += tableau.second_error[j] * slopes[j, i]
-    return (one / allowed) ** 2, (two / allowed) ** 2
+    one /= allowed
+    two /= allowed
+    return one * one, two * two
 
 
 @compiled
 def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float) -> float:
     """Make a trial step; returns its error over the allowed one.
 
-    The slopes of the last stage hold dy/dt at the end afterwards.
+    The slopes of the last stage hold dy/dt at the end afterwards.  The error of the integrals
+    follows that of positions and rates, but for the deflections of bristles.
     """
     (run,) = unpack(address)
-    system, onset, control = run.system, run.records.onset, run.control
-    y, new, slopes, scale = run.motion
+    system, tolerance = run.system, run.control[0].tolerance
+    y, new, slopes = run.motion
     stages = tableau.b.shape[0]
-    control[0].evaluations += stages
     for stage in range(1, stages + 1):
         is_last = stage == stages
         weights = tableau.b if is_last else tableau.a[stage]
@@ -123,40 +142,44 @@ def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float
         for i in range(size):
             new[i] = y[i]
         for j in range(stage):
-            factor = h * weights[j]
-            if factor != 0.0:
+            if weights[j] != 0.0:
+                factor = h * weights[j]
                 for i in range(size):
                     new[i] += factor * slopes[j, i]
         part = 1.0 if is_last else tableau.c[stage]
         # The torques of the drives are summed with the weights of the step, and needed at its end.
         torques = is_last or tableau.b[stage] != 0.0
         out = slopes[stage]
-        evaluate(system, system.held, system.tree, onset, t + part * h, new, out, torques)
+        held, tree, alone, members = system.held, system.tree, system.alone, system.members
+        evaluate(system, held, tree, alone, members, t + part * h, new, out, torques)
     first = 0.0
     second = 0.0
-    count = scale.shape[0]
-    for i in range(count):
-        one, two = _errors(tableau, slopes, i, scale[i])
+    size, count, allowed = 2 * system.size, 2.0 * system.size, tolerance * POSITION_SCALE
+    for i in range(size):
+        if i < system.size:
+            one, two = _errors(tableau, slopes, i, allowed)
+        else:
+            one, two = _errors(tableau, slopes, i, tolerance * (1.0 + abs(y[i])))
         first += one
         second += two
     for k in range(system.packed.joints.shape[0]):
-        bristle = bristle_place(scale.shape[0], k)
+        bristle = bristle_place(size, k)
         if system.packed.joints[k].friction.bristle_stiffness > 0.0:
-            one, two = _errors(tableau, slopes, bristle, scale[0])
+            one, two = _errors(tableau, slopes, bristle, allowed)
             first += one
             second += two
-            count += 1
+            count += 1.0
         loss = bristle - BRISTLE + CONTACT_LOSS
-        if system.packed.joints[k].normal.abrupt and slopes[0, loss] != 0.0:
+        if system.packed.joints[k].normal.abrupt:
             # Its force ends before the contact does: no rate feels the energy lost until then.
             kinetic = 0.0
             for i in range(system.packed.mass.shape[0]):
-                kinetic += 0.5 * system.packed.mass[i] * system.state[1, i] ** 2
-            energy = max(new[loss], new[scale.shape[0] + 1], UNEXCHANGED * kinetic)
-            one, two = _errors(tableau, slopes, loss, energy * scale[0] / POSITION_SCALE)
-            first += one
-            second += two
-            count += 1
-    if first == 0.0 and second == 0.0:
-        return 0.0
-    return abs(h) * first / math.sqrt((first + 0.01 * second) * count)
+                kinetic += 0.5 * system.packed.mass[i] * system.state[1, i] * system.state[1, i]
+            energy = max(max(new[loss], new[size + 1]), UNEXCHANGED * kinetic)
+            one, two = _errors(tableau, slopes, loss, energy * allowed / POSITION_SCALE)
+            is_lossy = slopes[0, loss] != 0.0
+            first += where(is_lossy, one, 0.0)
+            second += where(is_lossy, two, 0.0)
+            count += where(is_lossy, 1.0, 0.0)
+    error = abs(h) * first / math.sqrt((first + 0.01 * second) * count)
+    return where((first == 0.0) & (second == 0.0), 0.0, error)

@@ -42,10 +42,10 @@ from presswear.tools.compile import PackedArguments, Records, all_finite, compil
 WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size
 GROWTH = 5.0  # a step is at most so many times the one before
-# A contact of fewer steps counts as unresolved: its peak could be missed.  A free impact gets
-# more; a bump of a worn surface can cut a contact short that began like one, and there the error
-# control decides.
-LEAST_STEPS = 5
+# A contact with fewer than this part of the steps of a free impact counts as unresolved: its peak
+# could be missed.  A bump of a worn surface can cut a contact short, and there the error control
+# decides.
+RESOLVED = 1.0 / 3.0
 # A step that ends on a touchdown or separation goes this far behind it, m; on a change of a load's
 # law, m, rad, m/s or rad/s
 LANDING_DEPTH = 1e-11
@@ -400,7 +400,7 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     ledger.drive_exchange += 0.5 * h * (abs(ledger.drive_power) + abs(power))
     ledger.drive_power = power
     q, v, a, _, _ = system.state
-    events = settle(records, t, LEAST_STEPS)
+    events = settle(records, t, int(RESOLVED * system.pace[0].parts + 0.5))
     events += settle_loads(records.packed.loads, t, q, v, a)
     observe(records, t, h, q, v, a)
     return next_tree_step(records, system, t, h, events)

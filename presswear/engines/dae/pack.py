@@ -1,0 +1,162 @@
+"""Packs: several replicates of one linkage that are computed together, each in a lane."""
+
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.dae.dynamics import NUMBERS, Members
+from presswear.engines.dae.march import IDLE, RUNNING, TRYING, march_together
+from presswear.engines.dae.runge_kutta import Integration, Motion
+from presswear.engines.driver import Advance
+from presswear.linkage.linkage import Linkage
+from presswear.physics.contact import CONTACT
+from presswear.physics.prescribed import Tree, tree_of
+from presswear.physics.tree import ARTICULATED
+from presswear.recording.soundness import Finding
+from presswear.tools.arrays import Array
+from presswear.tools.compile import PackedArguments, bind, pack_arguments
+from presswear.tools.lanes import COUNTS, LaneArray, lane_zeros, lanes_of
+
+TURNS = 1000.0  # between two looks at the clock and the keyboard
+
+
+class Pack(NamedTuple):
+    """Several replicates of one linkage; arrays named twice are numbers of ``run``, lanes last."""
+
+    run: Integration  # of all together
+    address: PackedArguments  # of it
+    moment: LaneArray  # time at the start of the steps on trial and their lengths, s, (2,)
+    error: LaneArray  # of these steps over the allowed one, (1,)
+    errors: Array
+    y: Array
+    trial: Array
+    slopes: Array
+    onset: Array
+    torque: Array
+    status: NDArray[np.int64]  # of each replicate, see ``march``, (lanes,)
+    end: Array  # time to which each is integrated, s, (lanes,)
+
+
+class Member(NamedTuple):
+    """A replicate for a pack."""
+
+    address: PackedArguments  # of its integration
+    start_again: Callable[[], None]  # makes it ready for another march
+    # Reports its progress; returns what went wrong, from the status and the wall time, s, it took
+    look: Callable[[int, float], Finding | None]
+
+
+def can_pack(run: Integration) -> bool:
+    """Return whether a replicate can be computed together with others of its linkage."""
+    tree = run.system.tree
+    return tree is not None and run.tableau is not None and not len(tree.prescribed.closings)
+
+
+def lanes_for(linkage: Linkage) -> int:
+    """Return the number of replicates of a linkage that are computed together with error control.
+
+    It is 1 unless the linkage is an open tree whose drives turn bodies without closed loops.
+    """
+    tree = tree_of(linkage)
+    return COUNTS[-1] if isinstance(tree, Tree) and not len(tree.prescribed.closings) else 1
+
+
+def pack_of(addresses: Sequence[PackedArguments]) -> Pack:
+    """Return a pack of replicates of one linkage, at most as many as there are lanes."""
+    lanes = next(count for count in COUNTS if count >= len(addresses))
+    runs = [address.arguments[0] for address in addresses]
+    run: Integration = runs[0]
+    system, tree = run.system, run.system.tree
+    assert tree is not None
+    moment, scratch, error = lane_zeros(2, lanes), lane_zeros(2, lanes), lane_zeros(1, lanes)
+    arrays = (system.state, system.torque, system.onset, *run.motion)
+    state, torque, onset, y, trial, slopes = (lane_zeros(array.shape, lanes) for array in arrays)
+    contacts = lane_zeros(len(system.contacts), lanes, CONTACT)
+    # A lane that is not used computes the first replicate without time passing.
+    lanes_of(y)[...], lanes_of(slopes)[0] = run.motion.y[:, None], run.motion.slopes[0][:, None]
+    members = Members(
+        runs=tuple(addresses[min(i, len(runs) - 1)] for i in range(lanes)),
+        used=len(runs),
+        time=lanes_of(moment)[0],
+        length=lanes_of(moment)[1],
+        scratch=scratch,
+        power=lanes_of(scratch),
+        state=lanes_of(state),
+        contacts=np.asarray(contacts).view(np.float64).reshape(len(contacts), NUMBERS, lanes),
+    )
+    together = tree._replace(
+        prescribed=tree.prescribed._replace(
+            closings=None, work=lane_zeros(tree.prescribed.work.shape, lanes)
+        ),
+        bodies=lane_zeros(tree.bodies.shape, lanes, ARTICULATED),
+        carried=lane_zeros(tree.carried.shape, lanes),
+    )
+    wide = run._replace(
+        system=system._replace(
+            tree=together,
+            state=state,
+            contacts=contacts,
+            onset=onset,
+            torque=torque,
+            alone=None,
+            members=members,
+        ),
+        records=None,
+        motion=Motion(y, trial, slopes),
+    )
+    return Pack(
+        run=wide,
+        address=pack_arguments(wide),
+        moment=moment,
+        error=error,
+        errors=lanes_of(error),
+        y=lanes_of(y),
+        trial=lanes_of(trial),
+        slopes=lanes_of(slopes),
+        onset=lanes_of(onset),
+        torque=lanes_of(torque),
+        status=np.zeros(lanes, np.int64),
+        end=np.zeros(lanes),
+    )
+
+
+def together(members: Sequence[Member]) -> Advance | None:
+    """Return a function that integrates several replicates together.
+
+    None if some have worn surfaces where others have round ones.
+    """
+    bins = [member.address.arguments[0].system.packed.joints["surface_bins"] for member in members]
+    if np.any(bins != bins[0]):
+        return None
+    pack = pack_of([member.address for member in members])
+    march = bind(march_together, pack)
+    pack.status[:] = IDLE
+
+    def start_again(k: int, end: float) -> None:
+        member = members[k]
+        member.start_again()
+        motion: Motion = member.address.arguments[0].motion
+        pack.y[:, k], pack.slopes[0, :, k] = motion.y, motion.slopes[0]
+        pack.status[k], pack.end[k] = RUNNING, end
+
+    def advance(ends: Mapping[int, float]) -> dict[int, Finding | None]:
+        for k, end in ends.items():
+            if pack.status[k] == IDLE:
+                start_again(k, end)
+        ended: dict[int, Finding | None] = {}
+        while not ended:
+            began = clock.perf_counter()
+            march(TURNS)
+            wall = (clock.perf_counter() - began) / len(ends)
+            for k in ends:
+                status = int(pack.status[k])
+                finding = members[k].look(status, wall)
+                if finding or status not in (RUNNING, TRYING):
+                    ended[k] = finding
+                    pack.status[k] = IDLE
+        return ended
+
+    return advance
