@@ -35,7 +35,16 @@ from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
-from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
+from presswear.show.figures.style import (
+    LINES,
+    REFERENCE,
+    SETTINGS,
+    SUBTICKS,
+    WIDTH,
+    Axes,
+    Drawing,
+    Sheet,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.validation import cases, crosscheck
@@ -501,7 +510,9 @@ def _draw_errors(
     axes: Axes, points: Sequence[Point], quantity: str, families: Sequence[str]
 ) -> None:
     """Draw one error of all methods of a problem; rings and stars mark default and paper."""
-    axes.set(xscale="log", yscale="log", xlabel="CPU time (ms)", ylabel=quantity)
+    axes.set_xscale("log", subs=SUBTICKS)
+    axes.set_yscale("log", subs=SUBTICKS)
+    axes.set(xlabel="CPU time (ms)", ylabel=quantity)
     for family, marker, (colour, dashes) in zip(families, _MARKERS, _STYLES, strict=False):
         curve = [
             (1e3 * p.timing.cpu, max(p.errors[quantity], 1e-17), p.method)
