@@ -22,7 +22,7 @@ import presswear as pw
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first has run away
 FOUNDATION = {"contact": "foundation"}
 ARC = {"wear_distribution": "arc", "extrapolation": "single"}
-REFINED = {"conventions": "refined"}
+REFINED = {"conventions": "refined", "wear_maps": "raw"}
 ASSUMPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     "paper": ("as printed", {}),
     "foundation": ("contact on a foundation", FOUNDATION),
@@ -96,7 +96,7 @@ def main(folder: str = "results/runaway", jobs: int | None = None, **settings: A
         if fraction == 1.0:
             print(f"finished {name}: {words}")
 
-    common = {"cycles": 5, "replicates": 16, "wear_updates": 1} | settings
+    common = {"conventions": "paper", "cycles": 5, "replicates": 16, "wear_updates": 1} | settings
     results = pw.run_scenes(make_scenes(common), folder, jobs=jobs, on_progress=show)
     print("assumption | wear 1 at A, C | wear 2 (µm) | wear 2 / 1 | runs away | force at A (N)")
     for key, (label, _) in ASSUMPTIONS.items():

@@ -41,7 +41,7 @@ from presswear.recording.statistics import (
     MapBatches,
     map_batches,
     map_errors,
-    mean_map,
+    smoothed_maps,
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -79,6 +79,7 @@ class Ensemble:
     runs: tuple[Run, ...]  # by replicate, of one set or two; a failed one is the last
     replicates: int  # number of runs in a set
     state: EnsembleState
+    bins: tuple[int, ...] = ()  # of each joint's wear maps, if they are smoothed
 
     @staticmethod
     def of(scene: Scene, spec: RunSpec, depth: Array, state: EnsembleState) -> "Ensemble":
@@ -91,7 +92,8 @@ class Ensemble:
         if runs[-1].status == "failed":
             state = replace(state, step_errors={})
         state = replace(state, runs=state.runs[: len(runs)])
-        return Ensemble(scene.linkage(), depth, tuple(runs), scene.replicate_count, state)
+        bins = scene.smoothed_bins
+        return Ensemble(scene.linkage(), depth, tuple(runs), scene.replicate_count, state, bins)
 
     @property
     def together(self) -> "Ensemble":
@@ -150,7 +152,7 @@ class Ensemble:
 
     def added_by_run(self) -> Array:
         """Return the mean depth that a cycle adds in each run, shape (runs, joints, 2, bins), m."""
-        return np.array([mean_map([maps]) for maps in self.maps])
+        return smoothed_maps(self.maps, self.bins)
 
     def diagnostics(self) -> dict[str, float | int | str]:
         """Return diagnostics of the solver: texts of the first run, numbers of all."""

@@ -28,11 +28,11 @@ from presswear.recording.statistics import (
     half_width,
     map_batches,
     map_errors,
-    mean_map,
     mean_range,
     peak_of,
     pooled,
     resampled,
+    smoothed_mean,
     spread,
     widened,
 )
@@ -69,6 +69,7 @@ class StageWear:
     # True if a wear update cycle by cycle is extrapolated from surfaces that stood still: the
     # noise of few cycles hides its deepest places.
     is_frozen: bool
+    is_smoothed: bool  # True if ``added`` is smoothed
 
 
 def stage_result(
@@ -116,8 +117,8 @@ def _stage_wear(
     batches, weights = map_batches(together.maps)
     samples, coarser = factor * batches, None
     if update is None:
-        added, by_replicate = factor * mean_map(together.maps), ensemble.alone.added_by_run()
-        by_replicate = factor * by_replicate
+        added = factor * smoothed_mean(together.maps, ensemble.bins)
+        by_replicate = factor * ensemble.alone.added_by_run()
     else:
         added, by_replicate = update.added[:count].mean(axis=0), update.added[-count:]
         coarser = None if update.coarser is None else update.coarser.mean(axis=0)
@@ -128,7 +129,8 @@ def _stage_wear(
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
     is_frozen = update is None and index > 0 and scene.wears_in_steps
-    return StageWear(added, samples, weights, coarser, by_replicate, is_frozen)
+    is_smoothed = bool(ensemble.bins)
+    return StageWear(added, samples, weights, coarser, by_replicate, is_frozen, is_smoothed)
 
 
 def _statistics(
@@ -223,14 +225,18 @@ def _joint_statistics(
         wear_depth_max_by_replicate=tuple(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
         ),
-        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, added, maps, wear.weights, coarser),
+        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, k, wear),
     )
 
 
-def _wear_peaks(
-    joint: ClearanceJoint, added: Array, maps: Array, weights: Array, coarser: Array | None
-) -> dict[str, WearPeak]:
-    """Return the deepest places of the wear map of one joint by side."""
+def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, WearPeak]:
+    """Return the deepest places of the wear map of one joint by side.
+
+    The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed map has no
+    such bias: the interval is that of the samples at the deepest place.
+    """
+    added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
+    coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
@@ -243,8 +249,13 @@ def _wear_peaks(
         peak = Estimate(float(depth.max())), Estimate(float(angles[int(depth.argmax())]))
         if len(maps):
             samples = maps[:, rows].sum(axis=1)
-            centre = np.average(samples, axis=0, weights=weights)
-            peak = peak_of(depth, resampled(samples, weights), len(maps), centre)
+            centre = np.average(samples, axis=0, weights=wear.weights)
+            peak = peak_of(depth, resampled(samples, wear.weights), len(maps), centre)
+            if wear.is_smoothed:
+                place, value = int(depth.argmax()), float(depth.max())
+                half = half_width(samples[:, place])
+                deepest = Estimate.symmetric(value, half, len(maps))
+                peak = widened(deepest, value - float(centre[place])), peak[1]
             peak = widened(peak[0], error or 0.0), peak[1]
         peaks[name] = WearPeak(*peak, error)
     return peaks

@@ -6,10 +6,11 @@ this cycle stands for.  A bump carries more pressure and wears faster, so that n
 again, as long as a cycle's share is less than the elastic overlap of the surfaces.  The error of
 the step goes as one over the number of cycles; a refinement with twice as many shows it.
 
-In one jump, as in the paper, a map is multiplied as it is, with its noise: the surface is the
-rougher, the fewer cycles the map is of.  The replicates then run twice: together, on the mean of
-all their maps, and each alone on its own map.  Those alone are independent and give the scatter;
-their distance from those together is counted as an error.
+In one jump, as in the paper, a map is multiplied with its noise: the surface is the rougher, the
+fewer cycles the map is of.  Maps are therefore smoothed, unless the scene keeps them raw.  The
+replicates then run twice: together, on the mean of all their maps, and each alone on its own map.
+Those alone are independent and give the scatter; their distance from those together is counted as
+an error.
 """
 
 import math
@@ -23,7 +24,14 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES
 from presswear.physics.wear import map_shape, worn_volume
-from presswear.recording.statistics import STARTUP_CYCLES, after_startup, half_width, mean_map
+from presswear.recording.statistics import (
+    STARTUP_CYCLES,
+    after_startup,
+    half_width,
+    smoothed,
+    smoothed_mean,
+    smoothing_widths,
+)
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -76,7 +84,7 @@ def _lost(share: float, extra: Array | float, cycle: int, added: Array) -> Array
 def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     """Return a wear update in one jump, of all replicates together and of each alone."""
     together, alone = ensemble.together, ensemble.alone
-    mean = np.broadcast_to(mean_map(together.maps), together.depth.shape)
+    mean = np.broadcast_to(smoothed_mean(together.maps, ensemble.bins), together.depth.shape)
     sets = [(together.depth, mean), (alone.depth, alone.added_by_run())]
     if ensemble.replicates == 1:
         sets = sets[:1]
@@ -126,8 +134,11 @@ def cycle_by_cycle(
         )
         for n in range(cycles)
     )
-    depth = ensemble.surface_depth
-    added = depth - ensemble.depth
+    added = ensemble.surface_depth - ensemble.depth
+    runs, bins = len(added), ensemble.bins
+    widths = smoothing_widths(added.mean(axis=0), runs, added, np.ones(runs), bins)
+    added = smoothed(added, widths, bins)
+    depth = ensemble.depth + added
     return WearUpdate(depth, added, steps, None if coarser is None else coarser.added)
 
 

@@ -14,6 +14,7 @@ MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
 WearDistribution = Literal["bin", "arc"]
 SurfaceContact = Literal["radial", "foundation"]
+WearMaps = Literal["smoothed", "raw"]
 
 GROUND = "frame"
 MAX_LENGTH = 1e5  # m: no machine is larger, and a floor is a part of a circle so large

@@ -19,6 +19,7 @@ Change = Callable[[pw.Scene], pw.Scene]
 REPLICATES = 4  # of the paper's own settings
 FEW_REPLICATES = 3  # of every other run: the fewest with an interval
 TOLERANCE = 0.05  # relative error of the wear maps of a setting, from all replicates together
+_COMMON: dict[str, Any] = {"tolerance": TOLERANCE, "purpose": "wear", "conventions": "paper"}
 QUICK_CYCLES = 4  # of each stage and replicate in a quick run
 
 
@@ -107,7 +108,10 @@ CASES = (
         Case(name, f"{name} geometry", tuple(SETTINGS), _with(geometry=name), 2)
         for name in GEOMETRIES[1:]
     ),
-    Case(REFINED, "refined conventions", tuple(SETTINGS), _with(conventions="refined")),
+    Case(
+        *(REFINED, "refined conventions", tuple(SETTINGS)),
+        _with(conventions="refined", wear_maps="raw"),
+    ),
     Case(LONG, "200 cycles", LONG_SETTINGS, _with(cycles=200), tolerance_factor=1.0),
     *(Case(name, label, (WEAR,), change) for name, (label, change) in SENSITIVITIES.items()),
 )
@@ -127,7 +131,7 @@ def run_label(name: str) -> str:
 
 def base_scene(setting: str, **settings: Any) -> pw.Scene:
     """Return the scene of a setting, with further settings."""
-    return SETTINGS[setting].make(**{"tolerance": TOLERANCE, "purpose": "wear"} | settings)
+    return SETTINGS[setting].make(**_COMMON | settings)
 
 
 def make_scenes(engine: str | None = None, quick: bool = False) -> dict[str, pw.Scene]:

@@ -38,10 +38,14 @@ class Conventions(Checked):
     contact: elements.SurfaceContact = choice(
         "radial", elements.SurfaceContact, "worn surfaces touch at a point, or over an elastic arc"
     )
+    wear_maps: elements.WearMaps = choice(
+        "smoothed", elements.WearMaps, "wear maps smoothed by their sampling error, or with noise"
+    )
 
 
 CONVENTIONS: dict[str, Conventions] = {
-    "paper": Conventions(),
+    "standard": Conventions(),
+    "paper": Conventions(wear_maps="raw"),
     "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
 }
 

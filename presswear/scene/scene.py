@@ -62,7 +62,8 @@ class Scene:
     bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
-        "paper", CONVENTIONS, "model choices as printed in the paper, or as recommended"
+        *("standard", CONVENTIONS),
+        "model choices: of the paper with smoothed wear maps, as printed, or as recommended",
     )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(
@@ -265,6 +266,13 @@ class Scene:
         if self.extrapolation == "conventions":
             return self.conventions.wear_distribution == "arc"
         return self.extrapolation == "steps"
+
+    @property
+    def smoothed_bins(self) -> tuple[int, ...]:
+        """Bins of each joint's wear maps, if they are smoothed; else none."""
+        if self.conventions.wear_maps == "raw":
+            return ()
+        return tuple(joint.bins for joint in self.linkage().clearances)
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """Return the linkage of a stage.

@@ -153,3 +153,25 @@ def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path: Path) -
 def test_impossible_scenes_are_refused(named: Any, arguments: Any, message: str, ran: Ran) -> None:
     with pytest.raises(pw.InputError, match=message):
         pw.run_scenes(named, ran[0], **arguments)
+
+
+@pytest.mark.slow
+def test_depths_of_few_cycles_are_those_of_many_and_worn_stages_stay_fast() -> None:
+    """Eight campaigns of three cycles after the start-up against 1,600 cycles."""
+    settings: dict[str, Any] = {"engine": "dae", "purpose": "wear", "seed": 100}
+    long = pw.scenes.wear_times(wear_updates=0, cycles=202, replicates=8, **settings)
+    reference = run_stage(long, 0)[0]
+    settings |= {"wear_updates": 1, "cycles": 5}
+    few = [pw.run(pw.scenes.wear_times(**settings | {"seed": seed})) for seed in range(1, 9)]
+    for name in ("A", "C"):
+        truth = reference.joints[name].statistics.wear_peaks["bearing"].depth.mean
+        depths = [one.stages[0].joints[name].statistics.wear_peaks["bearing"].depth for one in few]
+        half_widths = [depth.half_width or 0.0 for depth in depths]
+        bias = np.mean([depth.mean for depth in depths]) - truth
+        assert abs(bias) < 0.25 * np.mean(half_widths)
+        held = [(one.low or 0.0) <= truth <= (one.high or 0.0) for one in depths]
+        assert sum(held) >= 6
+    steps = [[float(stage.diagnostics["steps"] or 0) for stage in one.stages] for one in few]
+    times = [[stage.simulated_s for stage in one.stages] for one in few]
+    unworn, worn = np.transpose(np.array(steps) / times)
+    assert np.median(worn / unworn) < 1.5

@@ -20,6 +20,7 @@ from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import MapBatches, half_width, mean_map
 from presswear.results.stage import JointResult, StageResult
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array, named, part
@@ -207,7 +208,7 @@ def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> Non
     assert (enough.status, enough.message) == ("completed", "")
 
 
-def test_noise_is_worn_away_cycle_by_cycle_and_kept_by_a_jump(campaign: Campaign) -> None:
+def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(campaign: Campaign) -> None:
     """dh/dN = (a - h) / N with noise of the size of the wear itself."""
     generator = np.random.default_rng(1)
     depth = RATE * REPRESENTED
@@ -216,13 +217,16 @@ def test_noise_is_worn_away_cycle_by_cycle_and_kept_by_a_jump(campaign: Campaign
         noise = generator.uniform(0.0, 2.0, worn.shape)
         return (noise * depth + 10.0 * (depth - worn)) / REPRESENTED
 
-    steps, jumped = (
+    raw = replace(JUMPS, conventions=CONVENTIONS["paper"])
+    steps, jumped, smoothed = (
         campaign(scene, FakeEngine(noisy), cycles=40, wear_updates=1, replicates=1)
         .stages[1]
         .joints["A"]
         .depth("pin")
-        for scene in (SCENE, JUMPS)
+        for scene in (SCENE, raw, JUMPS)
     )
+    assert smoothed.mean() == pytest.approx(11.0 * depth, rel=0.02)
+    assert smoothed.std() < 0.2 * jumped.std()
     assert steps.mean() == pytest.approx(1.1 * depth, rel=0.02)
     assert jumped.mean() == pytest.approx(11.0 * depth, rel=0.02)
     # Each step keeps three quarters of the noise before it: the sum of a geometric series.

@@ -160,6 +160,47 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     assert turned / draws > 0.9
 
 
+def test_a_smoothed_map_keeps_volume_and_nears_the_true_map() -> None:
+    """A known map with known noise: error, flattening of its peak, and width by its samples."""
+    generator = np.random.default_rng(3)
+    bins, around = (360, 90), [np.arange(360) - 90.0, np.arange(90) - 20.0]
+    truth = np.zeros((2, 2, 360))
+    for k, angle in enumerate(around):
+        truth[k, :, : bins[k]] = np.exp(-0.5 * (angle / 12.0) ** 2)
+    widths = []
+    fixed = np.append(statistics.MIN_WIDTH, np.geomspace(0.5, 10.0, 20))
+    for count in (3, 12, 96):
+        errors, peaks, selected = [], [], []
+        for _ in range(20):
+            maps = truth * generator.gamma(10.0, 0.1, (count, 2, 2, 360))
+            mean = maps.mean(axis=0)
+            selected.append(statistics.smoothing_widths(mean, count, maps, np.ones(count), bins))
+            each = [selected[-1], *(np.full((2, 2), width) for width in fixed)]
+            results = [statistics.smoothed(mean, width, bins) for width in each]
+            assert results[0].min() >= 0.0
+            assert results[0].sum(axis=2) == pytest.approx(mean.sum(axis=2), rel=1e-13)
+            peaks.append(results[0].max(axis=2))
+            errors.append([((result - truth) ** 2).sum() for result in results])
+        error, raw, *others = np.mean(errors, axis=0)
+        assert error < 0.65 * raw
+        # The variance of the Gaussian is half of the best one.
+        best = fixed[1 + int(np.argmin(others))]
+        assert np.median(selected) == pytest.approx(math.sqrt(0.5) * best, rel=0.3)
+        # A quarter of the half width of the interval; the variance of a bin is 0.1.
+        half_width = statistics.quantile(count - 1) * math.sqrt(0.1 / count)
+        assert abs(np.mean(peaks) - 1.0) < 0.25 * half_width
+        widths.append(np.mean(selected))
+    assert widths[0] > widths[1] > widths[2]
+
+
+def test_a_map_without_noise_or_with_one_sample_stays_as_it_is() -> None:
+    depth = np.random.default_rng(1).random((1, 2, 30))
+    for count in (1, 5):
+        maps = np.repeat(depth[np.newaxis], count, axis=0)
+        width = statistics.smoothing_widths(depth, count, maps, np.ones(count), [30])
+        assert np.array_equal(statistics.smoothed(depth, width, [30]), depth)
+
+
 @pytest.mark.parametrize("count", [3, 5, 20])
 def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
     """Draws of the mean of normal samples are normal, with their standard deviation over root n.

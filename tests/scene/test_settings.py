@@ -287,7 +287,7 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
 @pytest.mark.parametrize(
     ("scene", "expected"),
     [
-        (pw.scenes.wear_times(conventions="refined"), {"conventions": ("refined", "paper", "")}),
+        (pw.scenes.wear_times(conventions="refined"), {"conventions": ("refined", "standard", "")}),
         (pw.scenes.wear_times(slip="sliding"), {"slip": ("sliding", "angle", "")}),
         (
             pw.scenes.wear_times(geometry="swapped", process="blanking"),
