@@ -32,7 +32,8 @@ ONE = "--set replicates=1"
 TORQUE = "--set drive_torque=on"
 COMMANDS = {
     "tree unworn": "wear-times --engine exudyn-tree --wear-updates 0 --cycles 3",
-    "tree worn paper": f"wear-times --engine exudyn-tree --wear-updates 2 --cycles 4 {ONE}",
+    "tree worn paper": "wear-times --engine exudyn-tree --wear-updates 2 --cycles 4 "
+    f"--conventions paper {ONE}",
     "tree worn refined": f"wear-times --engine exudyn-tree --wear-updates 1 --cycles 2 {STEPS}",
     "tree starts": "friction --engine exudyn-tree --wear-updates 1 --cycles 4 --set replicates=3 "
     + TORQUE,
@@ -49,7 +50,8 @@ COMMANDS = {
     "joints slider-crank": "slider-crank --engine exudyn-joints --cycles 2",
     "dae ideal": f"ideal --engine dae {TORQUE}",
     "dae unworn": "wear-times --engine dae --wear-updates 0 --cycles 4",
-    "dae worn paper": f"wear-times --engine dae --wear-updates 2 --cycles 6 {ONE}",
+    "dae worn paper": "wear-times --engine dae --wear-updates 2 --cycles 6 "
+    f"--conventions paper {ONE}",
     "dae worn refined": f"wear-times --engine dae --wear-updates 2 --cycles 3 {STEPS} "
     "--set integrator=dopri5",
     "dae starts": "friction-0.1 --engine dae --cycles 5 --set replicates=2",
