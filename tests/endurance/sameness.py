@@ -1,7 +1,8 @@
 """Comparison of two result folders: equal except for wall times and dates.
 
 Arrays are compared bit for bit, and numbers of ``result.json`` as stored. Fields ``wall_*``
-(times), ``started`` and ``resumed`` (dates), and digests of files that hold these are skipped.
+(times), ``started`` and ``resumed`` (dates), and digests of files that hold these are skipped; so
+is the revision, which git does not always tell in time on a busy machine.
 """
 
 import json
@@ -14,7 +15,7 @@ import numpy as np
 from presswear.results.result import load
 from presswear.tools.errors import InputError
 
-SKIPPED = ("started", "resumed", "digest", "files")
+SKIPPED = ("started", "resumed", "revision", "digest", "files")
 
 
 def _items(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
