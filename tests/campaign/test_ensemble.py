@@ -65,7 +65,8 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
     batches = joint.arrays["wear_batches"]
     assert len(batches) == 8
     added = np.stack([joint.wear(side) for side in SIDES])
-    assert batches.mean(axis=0) == pytest.approx(added, abs=1e-12)
+    # Smoothing moves depth over angle only.
+    assert batches.mean(axis=0).sum(axis=-1) == pytest.approx(added.sum(axis=-1), rel=1e-12)
     depth = force.wear_peaks["both"].depth
     assert depth.low < depth.mean < depth.high
 

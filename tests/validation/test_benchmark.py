@@ -220,7 +220,7 @@ def test_the_command_writes_table_and_figure(
 
 @pytest.fixture(scope="module")
 def costs() -> list[timing.FeatureCost]:
-    extent = timing.FeatureExtent(repeats=2, tree_cycles=0.05, joints_cycles=0.02, wear_cycles=1)
+    extent = timing.FeatureExtent(repeats=2, tree_cycles=0.1, joints_cycles=0.02, wear_cycles=1)
     return timing.feature_costs(SCENE, extent, silent)
 
 
