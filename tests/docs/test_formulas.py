@@ -1,12 +1,14 @@
 """MathML of formulas."""
 
 import re
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("latex2mathml")
 from formulas import mathml_of
 
+PAGES = (Path(__file__).parents[2] / "docs").rglob("*.md")
 THIN = '<mspace width="0.17em"></mspace>'
 
 
@@ -37,3 +39,10 @@ def test_bars_of_a_magnitude_have_no_inner_space() -> None:
 def test_unknown_command_is_refused() -> None:
     with pytest.raises(ValueError, match=r"cannot be converted to MathML: \\foo x"):
         mathml_of(r"\foo x")
+
+
+@pytest.mark.parametrize("page", sorted(PAGES), ids=lambda page: page.stem)
+def test_every_formula_of_a_page_is_converted(page: Path) -> None:
+    prose = re.sub(r"```.*?```|`[^`]*`", "", page.read_text(), flags=re.DOTALL)
+    for block, formula in re.findall(r"\$\$(.*?)\$\$|\$([^$\n]+?)\$", prose, flags=re.DOTALL):
+        assert mathml_of(block or formula, bool(block))
