@@ -210,7 +210,7 @@ def smoothing_widths(
     depth : ndarray, shape (joints, 2, bins)
         Mean of a number of cycles, m.
     maps : ndarray, shape (n, joints, 2, bins)
-        Samples whose scatter tells the noise, m; with one the map stays as it is.
+        Samples whose scatter gives the noise, m; with one the map stays as it is.
     weights : ndarray, shape (n,)
         Cycles in each sample.
     bins : sequence of int
