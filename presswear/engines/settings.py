@@ -196,9 +196,12 @@ class InHouse(_Engine):
 
     def lanes(self, linkage: "Linkage") -> int:
         """Return the number of replicates of a linkage that are best computed together."""
+        if self.has_equal_steps or self.takes_all_coordinates:
+            return 1
         from presswear.engines.dae.pack import lanes_for  # slow to import
+        from presswear.physics.prescribed import tree_of
 
-        return 1 if self.has_equal_steps or self.takes_all_coordinates else lanes_for(linkage)
+        return lanes_for(tree_of(linkage))
 
     @property
     def takes_all_coordinates(self) -> bool:

@@ -48,6 +48,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
 from presswear.tools.lanes import where
 
+POSITION, RATE, ACCELERATION, FORCE, AXES = range(5)  # rows of ``System.state``
 NUMBERS = CONTACT.itemsize // 8  # of a contact
 DRIVE_INTEGRALS = 2  # integrals before those of the joints: drive work and its absolute value, J
 TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)  # per drive, their number
@@ -83,7 +84,8 @@ class System(NamedTuple):
     held: Held | None  # constraints, in all coordinates
     tree: OpenTree | None  # in the fewest coordinates; the compiler leaves out the other's code
     size: int  # number of coordinates
-    # q, v, a, applied generalized forces, and of a tree axes: see ``place_links``; (5, 3 bodies)
+    # Rows POSITION to AXES: q, v, a, applied generalized forces, and of a tree axes, see
+    # ``place_links``; (5, 3 bodies)
     state: Array
     felt: int  # number of the first components of the state, on which slopes depend
     contacts: Records

@@ -8,7 +8,7 @@ import numpy as np
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import DRIVE_INTEGRALS, state_size, system_of
 from presswear.engines.dae.march import BROKEN, RUNNING, STUCK, march_controlled, march_fixed
-from presswear.engines.dae.pack import Member, can_pack, together
+from presswear.engines.dae.pack import Member, lanes_for, together
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
@@ -181,7 +181,9 @@ def prepare(
         }
 
     arrays = {"y": y, "slope": motion.slopes[0], "control": control}
-    if isinstance(tree, Tree) and len(tree.prescribed.closings) and system.tree is not None:
+    is_packed = lanes_for(tree) > 1 and not is_fixed
+    # Without closed loops nothing follows from the last motion.
+    if system.tree is not None and lanes_for(tree) == 1:
         arrays["prescribed"] = system.tree.prescribed.work
     held = None if isinstance(tree, Tree) else constraints
     return Simulation(
@@ -194,7 +196,7 @@ def prepare(
         REMEDY,
         constraints=held,
         worn=partial(control.__setitem__, "has_slope", False),
-        member=Member(kernel.args[0], start_again, look) if can_pack(run) else None,
+        member=Member(kernel.args[0], start_again, look) if is_packed else None,
     )
 
 

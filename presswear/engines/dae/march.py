@@ -10,9 +10,13 @@ from typing import Any
 import numpy as np
 
 from presswear.engines.dae.dynamics import (
+    ACCELERATION,
+    AXES,
     DRIVE_INTEGRALS,
+    POSITION,
     POWER,
     POWER_SQUARE,
+    RATE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
@@ -445,11 +449,10 @@ def judge_steps(address: PackedArguments) -> None:
         (run,) = unpack(members.runs[i])
         copy_lane(run.motion.trial, pack.trial, i)
         copy_lane(run.motion.slopes[last], pack.slopes[last], i)
-        for r in range(run.system.state.shape[0]):
+        for r in (POSITION, RATE, ACCELERATION, AXES):  # forces are not needed any more
             copy_lane(run.system.state[r], members.state[r], i)
         for k in range(run.system.contacts.shape[0]):
             copy_lane(run.system.contact_rows[k], members.contacts[k], i)
-        copy_lane(run.system.torque, pack.torque, i)
         steps, error, end = run.control[0].steps, pack.errors[0, i], pack.end[i]
         tableau, classical = pack.run.tableau, pack.run.classical
         pack.status[i] = judge_step(members.runs[i], tableau, classical, error, end)

@@ -11,9 +11,8 @@ from presswear.engines.dae.dynamics import NUMBERS, Members
 from presswear.engines.dae.march import IDLE, RUNNING, TRYING, march_together
 from presswear.engines.dae.runge_kutta import Integration, Motion
 from presswear.engines.driver import Advance
-from presswear.linkage.linkage import Linkage
 from presswear.physics.contact import CONTACT
-from presswear.physics.prescribed import Tree, tree_of
+from presswear.physics.prescribed import Tree
 from presswear.physics.tree import ARTICULATED
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
@@ -35,7 +34,6 @@ class Pack(NamedTuple):
     trial: Array
     slopes: Array
     onset: Array
-    torque: Array
     status: NDArray[np.int64]  # of each replicate, see ``march``, (lanes,)
     end: Array  # time to which each is integrated, s, (lanes,)
 
@@ -49,18 +47,12 @@ class Member(NamedTuple):
     look: Callable[[int, float], Finding | None]
 
 
-def can_pack(run: Integration) -> bool:
-    """Return whether a replicate can be computed together with others of its linkage."""
-    tree = run.system.tree
-    return tree is not None and run.tableau is not None and not len(tree.prescribed.closings)
-
-
-def lanes_for(linkage: Linkage) -> int:
+def lanes_for(tree: Tree | str | None) -> int:
     """Return the number of replicates of a linkage that are computed together with error control.
 
-    It is 1 unless the linkage is an open tree whose drives turn bodies without closed loops.
+    It is 1 unless the linkage is an open tree whose drives turn bodies without closed loops; see
+    ``tree_of``.
     """
-    tree = tree_of(linkage)
     return COUNTS[-1] if isinstance(tree, Tree) and not len(tree.prescribed.closings) else 1
 
 
@@ -117,7 +109,6 @@ def pack_of(addresses: Sequence[PackedArguments]) -> Pack:
         trial=lanes_of(trial),
         slopes=lanes_of(slopes),
         onset=lanes_of(onset),
-        torque=lanes_of(torque),
         status=np.zeros(lanes, np.int64),
         end=np.zeros(lanes),
     )
