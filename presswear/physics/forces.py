@@ -140,10 +140,10 @@ def add_contacts(
         load = load_of(joint, onset[k], contact)
         lost, rubbed, made = loss_powers(contact, load.normal, load.tangential)
         work, pressure = wear_rates(joint, contact, load.normal)
-        is_free = onset[k] < 0.0  # held open
-        rates[base + CONTACT_LOSS] = where(is_free, 0.0, lost)
-        rates[base + FRICTION_LOSS] = where(is_free, 0.0, rubbed)
-        rates[base + MADE] = where(is_free, 0.0, made)
+        is_held_open = onset[k] < 0.0
+        rates[base + CONTACT_LOSS] = where(is_held_open, 0.0, lost)
+        rates[base + FRICTION_LOSS] = where(is_held_open, 0.0, rubbed)
+        rates[base + MADE] = where(is_held_open, 0.0, made)
         rates[base + WORK] = work
         rates[base + PRESSURE] = pressure
         rates[base + BRISTLE] = contact.bristle_rate

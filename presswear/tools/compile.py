@@ -215,7 +215,7 @@ class _LazyKernel(Kernel):
         lower_builtin(self, *parameters)(self._generate_call)
         signatures = [signature]
         if types.float64 in parameters and result != types.none:
-            # Of numbers of lanes it is called lane by lane.
+            # With lanes it is called once for each lane.
             self._scalar = signature
             for lanes in map(Lanes, COUNTS):
                 wide = [lanes if kind == types.float64 else kind for kind in parameters]

@@ -160,7 +160,7 @@ for _functions, _generate in {
     (operator.truediv, operator.itruediv): lambda builder, x, y: builder.fdiv(x, y),
     (operator.pow,): lane_by_lane(_by_name("llvm.pow")),
     (math.copysign,): _by_name("llvm.copysign"),
-    # As of single numbers, also where one is no number
+    # The same result as for single numbers, also with NaN
     (max,): lambda builder, x, y: builder.select(builder.fcmp_ordered(">", y, x), y, x),
     (min,): lambda builder, x, y: builder.select(builder.fcmp_ordered("<", y, x), y, x),
 }.items():

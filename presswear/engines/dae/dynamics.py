@@ -65,9 +65,9 @@ class OpenTree(NamedTuple):
 
 
 class Members(NamedTuple):
-    """Replicates that are computed together: each alone, and the numbers of all, lanes last."""
+    """Replicates that are computed together, and arrays of all with the lanes as last axis."""
 
-    runs: tuple[PackedArguments, ...]  # each replicate alone; the first one in unused lanes
+    runs: tuple[PackedArguments, ...]  # integration of each replicate; the last in unused lanes
     used: int  # number of lanes
     time: Array  # at the start of the step on trial, s, (LANES,)
     length: Array  # of it, s; 0 where a lane waits

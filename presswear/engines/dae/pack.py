@@ -23,7 +23,11 @@ TURNS = 1000.0  # between two looks at the clock and the keyboard
 
 
 class Pack(NamedTuple):
-    """Several replicates of one linkage; arrays named twice are numbers of ``run``, lanes last."""
+    """Several replicates of one linkage.
+
+    ``errors`` to ``onset`` are arrays of ``run`` and ``error`` as numbers, with the lanes as last
+    axis.
+    """
 
     run: Integration  # of all together
     address: PackedArguments  # of it
@@ -39,7 +43,7 @@ class Pack(NamedTuple):
 
 
 class Member(NamedTuple):
-    """A replicate for a pack."""
+    """One replicate of a pack."""
 
     address: PackedArguments  # of its integration
     start_again: Callable[[], None]  # makes it ready for another march
