@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile, turned
+from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
+from presswear.physics.segment import turned
 from presswear.physics.tree import cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled

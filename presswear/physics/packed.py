@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
-from presswear.physics.foundation import BEARING, PIN, ROWS, foundation_stiffness, packed_rows
+from presswear.physics.foundation import (
+    BEARING,
+    PIN,
+    ROWS,
+    TOGETHER,
+    foundation_stiffness,
+    pack_rows,
+)
 from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
 from presswear.physics.loads import Loads, load_forces, pack_loads, pack_springs, spring_forces
 from presswear.tools.arrays import Array
@@ -43,7 +50,7 @@ class Packed(NamedTuple):
     """A linkage as the kernels see it."""
 
     joints: Records
-    surfaces: Array  # (joints, ROWS, m); each in the first of the m columns, see ``packed_rows``
+    surfaces: Array  # (joints, ROWS, m); each in the first of the m columns, see ``pack_rows``
     springs: Records
     loads: Loads | None
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
@@ -89,7 +96,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         i = offset[load.body]
         weight[i : i + 3] += load.x, load.y, load.moment
     most = int(joints["surface_bins"].max(initial=0))
-    surfaces = np.zeros((len(joints), ROWS, most))
+    surfaces = np.zeros((len(joints), ROWS, most + TOGETHER if most else 0))
     turned = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
     springs, loads = pack_springs(linkage), pack_loads(linkage)
     packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, turned)
@@ -113,8 +120,8 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     count = int(packed.joints[k]["surface_bins"])
     if count == 0:
         return
-    for row, surface in zip((BEARING, PIN), surfaces, strict=True):
-        packed.surfaces[k, row : row + PIN, :count] = packed_rows(surface, count)
+    rows = pack_rows(*surfaces, count)
+    packed.surfaces[k, :, : rows.shape[1]] = rows
     depths = [surface.depth for surface in surfaces if surface.is_worn]
     packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)

@@ -219,3 +219,32 @@ def _rounded(typing: Any, x: Any) -> Any:
 
 rounded = cast(Callable[[float], float], _rounded)
 """In a kernel: the nearest whole number, of two the even one."""
+
+
+@intrinsic
+def _lanes_at(typing: Any, array: Any, row: Any, column: Any) -> Any:
+    count = COUNTS[-1]
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        source = context.make_array(array)(context, builder, values[0])
+        place = cgutils.get_item_pointer(context, builder, array, source, values[1:])
+        place = builder.bitcast(place, ir.VectorType(_DOUBLE, count).as_pointer())
+        return builder.load(place, align=8)
+
+    return Lanes(count)(array, types.intp, types.intp), generate
+
+
+lanes_at = cast(Callable[[Array, int, int], float], _lanes_at)
+"""In a kernel: four neighbours in a row of an array of single numbers, from a column, as lanes."""
+
+
+@intrinsic
+def _lane_of(typing: Any, lanes: Any, index: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return builder.extract_element(*values)
+
+    return types.float64(lanes, types.intp), generate
+
+
+lane_of = cast(Callable[[float, int], float], _lane_of)
+"""In a kernel: the number in one lane."""

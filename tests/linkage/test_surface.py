@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
-from presswear.physics.foundation import BEARING, bin_of, packed_rows
+from presswear.physics.foundation import BEARING, bin_of, pack_rows
 from presswear.physics.foundation import profile as packed_profile
 from presswear.tools.arrays import Array
 
@@ -24,7 +24,7 @@ depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=dep
 def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
     """Depth, slope and second derivative as the kernels have them."""
     count = surface.depth.size
-    return packed_profile(packed_rows(surface, count), BEARING, count, angle)
+    return packed_profile(pack_rows(surface, Surface(), max(count, 1)), BEARING, count, angle)
 
 
 @given(depths)

@@ -10,13 +10,8 @@ from hypothesis import strategies as st
 from two_bodies import JOINT, Pair, placed
 
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.foundation import (
-    ROWS,
-    ArcIntegrals,
-    foundation_stiffness,
-    packed_rows,
-    press,
-)
+from presswear.physics.foundation import foundation_stiffness, pack_rows, press
+from presswear.physics.segment import ArcIntegrals
 from presswear.tools.arrays import Array
 
 C = 8e-4
@@ -37,8 +32,7 @@ def bed(
     bearing: Surface, pin: Surface, eccentricity: float, at_bearing: float, at_pin: float
 ) -> ArcIntegrals:
     count = max(bearing.depth.size, pin.depth.size)
-    surfaces = np.vstack([packed_rows(bearing, count), packed_rows(pin, count)])
-    assert surfaces.shape[0] == ROWS
+    surfaces = pack_rows(bearing, pin, count)
     least = sum(float(s.depth.min()) if s.is_worn else 0.0 for s in (bearing, pin))
     return press(surfaces, count, eccentricity, C, least, at_bearing, at_pin, np.zeros((2, 0)))
 
@@ -104,10 +98,11 @@ def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity: float, bins: in
     assert result.area == pytest.approx(area, rel=1e-5, abs=1e-22)
 
 
+@pytest.mark.parametrize("bins", [16, BINS])  # the patch is narrower than a bin, and wider
 @pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
-def test_a_round_joint_gives_back_the_normal_law(penetration: float) -> None:
+def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) -> None:
     """K delta^1.5 with an error of 0.65 delta / c: the arc's curvature."""
-    flat = Surface(np.zeros(BINS))
+    flat = Surface(np.zeros(bins))
     force = foundation_stiffness(1e10, C) * bed(flat, flat, C + penetration, 0.3, 0.9).along
     ratio = force / (1e10 * penetration**1.5)
     assert ratio == pytest.approx(1.0 - 0.65 * penetration / C, abs=0.03 * penetration / C)
