@@ -47,7 +47,8 @@ MIN_BLOCK = 2  # cycles
 BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
 MIN_BLOCKS_FOR_REFUSAL = 16  # after which a limit that seems exceeded when new is taken to be so
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
-MIN_REFINEMENT = 2.5  # ratio of cycles of two refinements that show the error of the step
+MIN_REFINEMENT = 1.5  # ratio of cycles of two refinements that show the error of the step
+STEP_SAFETY = 2.0  # factor on this error where a single coarser refinement shows it
 MAX_STEP_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # from block to block, from refinement to refinement
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
@@ -353,14 +354,19 @@ def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinemen
     if has_coarser and cycles * last.histories > problem.max_cycles:
         return None
     block = max(round(BLOCK_GROWTH * math.sqrt(cycles)), MIN_BLOCK)
-    return Refinement(last.change * max(finished, 1.0) / cycles, block)
+    # The first cycles of a life stand for few strokes, however fine the steps; the others scale.
+    rates = np.array([block.rate for block in last.blocks[1:]])
+    change = float(rates @ np.diff(np.minimum(last.strokes, life.strokes)))
+    scaled = min(max(change / last.change, 1.0), max(finished, 1.0))
+    return Refinement(last.change * scaled / (cycles - finished + scaled), block)
 
 
 def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEstimate:
     """Return the strokes after which the first of some limits is exceeded, with their errors.
 
     The error of the step goes as one over the cycles, or faster: by each coarser refinement, that
-    of the last one is their distance over the ratio of the cycles less one.  The largest is taken.
+    of the last one is their distance over the ratio of the cycles less one.  The largest is taken,
+    of a single one twice as much.
     """
     last = refinements[-1]
     ends = [item.crossing(limits) for item in refinements]
@@ -373,7 +379,8 @@ def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEsti
         for end, count in zip(ends[:-1], cycles[:-1], strict=True)
         if 0.0 < MIN_REFINEMENT * count <= cycles[-1] < math.inf
     ]
-    return LifeEstimate(ends[-1], last.sampling_error(limits), max(steps, default=math.inf))
+    step = max(steps, default=math.inf) * (STEP_SAFETY if len(steps) == 1 else 1.0)
+    return LifeEstimate(ends[-1], last.sampling_error(limits), step)
 
 
 def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:

@@ -112,7 +112,7 @@ def mass_of(linkage: Linkage) -> Array:
 
 def depths_of(packed: Packed) -> Array:
     """Return depths of bearings and pins, m, shape (joints, 2, n); n = 0 while all are round."""
-    return packed.surfaces[:, (BEARING, PIN)]
+    return packed.surfaces[:, (BEARING, PIN), :-TOGETHER]
 
 
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
