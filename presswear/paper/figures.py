@@ -6,7 +6,6 @@ depth and of the peaks of single cycles compare settings and mark what the paper
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import matplotlib
@@ -22,7 +21,6 @@ from presswear.show.figures import Drawing, drawn
 from presswear.show.figures.style import LINES, REFERENCE, WIDTH, Axes, Pen, Sheet, ShownStage
 from presswear.show.figures.style import SETTINGS as STYLE
 from presswear.show.figures.wear import worn_surface
-from presswear.show.page import Drawer
 
 LINEAR_RATIO = 20.0  # ratio of largest to smallest depth up to which a linear scale shows both
 _DIAMOND: dict[str, Any] = {"marker": "D", "markerfacecolor": "none", "linestyle": "none"}
@@ -54,14 +52,12 @@ _SPEEDS = _lines((SLOW, 0), (SLOW, 1), (FAST, 0), (FAST, 1))
 GROUPS = ((8, 17, _WEARS), (11, 20, _FRICTIONS), (14, 23, _SPEEDS))  # numbers of wear and motion
 
 
-def drawers(evidence: Evidence) -> list[Drawer]:
-    """Return what draws the figures, in the order of their numbers; it can be pickled."""
-    names = [run_name(BASE, setting) for setting in SETTINGS]
-    shown = Evidence({name: evidence.results[name] for name in names if name in evidence.results})
-    return [
-        *(partial(_wear_figures, shown, first, lines) for first, _, lines in GROUPS),
-        *(partial(_motion_figures, shown, first, lines) for _, first, lines in GROUPS),
-    ]
+def drawings(evidence: Evidence) -> Iterator[Drawing]:
+    """Draw the figures in the order of their numbers."""
+    for first, _, lines in GROUPS:
+        yield from _wear_figures(evidence, first, lines)
+    for _, first, lines in GROUPS:
+        yield from _motion_figures(evidence, first, lines)
 
 
 def _wear_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:

@@ -13,7 +13,7 @@ import presswear as pw
 from presswear.paper import settings, verdicts
 from presswear.paper.claims import DEPTH_RATIOS, HIGHLIGHTS, Comparison
 from presswear.paper.evidence import OF_MAPS, QUANTITIES, Evidence
-from presswear.paper.figures import drawers
+from presswear.paper.figures import drawings
 from presswear.paper.printed import DOUBTFUL, PRINTED, RANGES, Place, Printed, printed_at
 from presswear.paper.settings import BASE, GEOMETRIES, JOINTS, JUDGED, LONG, SETTINGS, WEAR
 from presswear.paper.verdicts import Judged, Position, Verdict, compared
@@ -41,7 +41,7 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     evidence, path = Evidence(results), folder / "report.html"
     claims = verdicts.judge(evidence)
     answer, sections = headline(evidence, claims), page_sections(evidence, claims)
-    figures = page.illustrated(drawers(evidence), inside(folder, "figures"))
+    figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures))
     write_bytes(path, page.render_page(TITLE, sections, answer=[answer]).encode())
     return answer, path

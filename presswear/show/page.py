@@ -8,15 +8,17 @@ import base64
 import gc
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from PIL.Image import Image
 
 from presswear.recording.statistics import Estimate
-from presswear.show.figures import Drawing, save
+from presswear.show.figures import Drawing, rendered, write
 from presswear.show.figures.style import TEMPLATES
 from presswear.tools.numbers import readable, unit_factor, whole, with_interval
 
@@ -24,7 +26,6 @@ NOTHING = "–"
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")  # a space is never part of a figure's data
 
 Line = tuple[str, ...]
-Drawer = Callable[[], list[Drawing]]
 
 
 @dataclass(frozen=True)
@@ -142,17 +143,19 @@ class Section:
     notes: Sequence[str] = ()
 
 
-def illustrate(drawing: Drawing, folder: Path) -> Illustration:
-    """Write a drawing into a folder and return it for a page."""
-    data = base64.b64encode(save(drawing, folder).read_bytes()).decode()
-    return Illustration(drawing.file, drawing.title, drawing.caption, data)
-
-
-def illustrated(drawers: Iterable[Drawer], folder: Path) -> list[Illustration]:
+def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]:
     """Draw figures, write them into a folder and return them for a page."""
+
+    def illustration(drawing: Drawing, image: Image) -> Illustration:
+        data = base64.b64encode(write(image, folder / drawing.file).read_bytes()).decode()
+        return Illustration(drawing.file, drawing.title, drawing.caption, data)
+
     gc.disable()  # it would take a sixth of the time: figures are full of reference cycles
     try:
-        return [illustrate(drawing, folder) for draw in drawers for drawing in draw()]
+        # An image is compressed and written while the next one is drawn.
+        with ThreadPoolExecutor(1) as writer:
+            written = [writer.submit(illustration, each, rendered(each)) for each in drawings]
+        return [future.result() for future in written]
     finally:
         gc.enable()
 

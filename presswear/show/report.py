@@ -8,7 +8,7 @@ import math
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from functools import lru_cache, partial
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -34,7 +34,7 @@ from presswear.scene.catalog import changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show import page
-from presswear.show.figures import NAMES, drawn
+from presswear.show.figures import drawings
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table, text_of
@@ -55,8 +55,7 @@ def write_report(result: Result) -> Path:
     """Draw the figures and write ``report.html`` into the folder of a result; return the page."""
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
-    drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
-    figures = page.illustrated(drawers, inside(result.path, "figures"))
+    figures = page.illustrated(drawings(result), inside(result.path, "figures"))
     file = result.path / "report.html"
     write_bytes(file, render_report(result, figures).encode())
     return file

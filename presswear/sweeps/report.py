@@ -26,7 +26,7 @@ from presswear.show.figures.style import (
     panels,
     wrapped,
 )
-from presswear.show.page import NOTHING, Row, Section, illustrate, render_page, row_table
+from presswear.show.page import NOTHING, Row, Section, illustrated, render_page, row_table
 from presswear.show.page import Table as Texts
 from presswear.sweeps.parameters import Column
 from presswear.sweeps.plan import Plan, Table
@@ -123,7 +123,7 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
             analysis = analyze(part, column.key, plan, limits.get(column.key))
             answers += [f"At {name}: {line}" if name else line for line in findings(analysis)]
             with matplotlib.rc_context(SETTINGS):
-                drawn = [illustrate(item, into) for item in drawings(analysis)]
+                drawn = illustrated(drawings(analysis), into)
             heading = f"{column.key} at {name}" if name else column.key
             tables = result_tables(analysis)
             sections.append(Section(heading, (f"{column.text}.",), tables, drawn, analysis.notes))

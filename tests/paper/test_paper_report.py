@@ -14,7 +14,7 @@ from presswear.paper import report, run_paper
 from presswear.paper.__main__ import main
 from presswear.paper.claims import CLAIMS
 from presswear.paper.evidence import Evidence
-from presswear.paper.figures import drawers
+from presswear.paper.figures import drawings
 from presswear.paper.printed import DOUBTFUL, PRINTED, Place, shown_in
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.verdicts import judge
@@ -79,12 +79,12 @@ def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ() -> Non
 def test_missing_runs_leave_the_rest() -> None:
     first, *_ = every_result().items()
     assert "not computed" in text_of(Evidence(dict([first])))
-    assert not [drawing for draw in drawers(Evidence({})) for drawing in draw()]
+    assert not [*drawings(Evidence({}))]
 
 
 def test_every_figure_has_its_counterpart_with_the_printed_values() -> None:
     before = dict(matplotlib.rcParams)
-    figures = [drawing for draw in drawers(every_evidence()) for drawing in draw()]
+    figures = [*drawings(every_evidence())]
     assert dict(matplotlib.rcParams) == before
     assert {int(drawing.title.split()[1]) for drawing in figures} == set(range(8, 26))
     for drawing in figures:

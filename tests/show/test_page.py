@@ -1,8 +1,8 @@
 """Rows, tables and pages."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -123,16 +123,19 @@ def test_a_page_of_sections_escapes_everything() -> None:
     assert shown.links == ["data:image/png;base64,AAAA"]
 
 
-def numbered(number: int) -> list[Drawing]:
-    if number == 3:
-        raise InputError("there is no third")
-    return [Drawing(f"{number}-{k}.png", f"{number}", "", Sheet((1, 1))) for k in range(number)]
+def numbered(*numbers: int) -> Iterator[Drawing]:
+    for number in numbers:
+        if number == 3:
+            raise InputError("there is no third")
+        yield Drawing(f"{number}.png", f"{number}", "", Sheet((1, 1)))
 
 
 def test_figures_come_in_order(tmp_path: Path) -> None:
-    drawers = [partial(numbered, k) for k in (2, 0, 1, 4, 1)]
-    figures = page.illustrated(drawers, tmp_path)
-    assert "".join(figure.title for figure in figures) == "22144441"
+    figures = page.illustrated(numbered(2, 0, 1, 4), tmp_path)
+    assert "".join(figure.title for figure in figures) == "2014"
     assert {path.name for path in tmp_path.iterdir()} == {figure.file for figure in figures}
+    (tmp_path / "5.png").mkdir()
+    with pytest.raises(IsADirectoryError):
+        page.illustrated(numbered(5, 6), tmp_path)
     with pytest.raises(InputError, match="there is no third"):
-        page.illustrated([partial(numbered, 3), *drawers], tmp_path)
+        page.illustrated(numbered(3, 2), tmp_path)

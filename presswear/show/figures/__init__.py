@@ -17,7 +17,7 @@ from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, Axes, Drawing,
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
 
-__all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
+__all__ = ["NAMES", "Drawing", "drawings", "plot", "rendered", "save", "write"]
 
 # Figures by name, in the order of the report: the choice of the stages that are drawn (None: all),
 # and the function that returns the drawings of at least one stage, none where it would be empty.
@@ -86,15 +86,24 @@ def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) ->
 
 def save(drawing: Drawing, folder: Path) -> Path:
     """Write a drawing into a folder, which is created where needed, and return the file."""
+    return write(rendered(drawing), folder / drawing.file)
+
+
+def rendered(drawing: Drawing) -> Image.Image:
+    """Return the image of a drawing."""
     drawing.sheet.dpi = DOTS_PER_INCH
     # Drawn once: ``savefig`` draws everything twice to lay it out.
     canvas = FigureCanvasAgg(drawing.sheet)
     with matplotlib.rc_context(SETTINGS):
         canvas.draw()
-    image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    return Image.fromarray(np.asarray(canvas.buffer_rgba()))
+
+
+def write(image: Image.Image, path: Path) -> Path:
+    """Write an image into a PNG file, whose folder is created where needed; return the path."""
     dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
-    folder.mkdir(parents=True, exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     # Stronger compression takes half as long again for a file that is a tenth smaller.
     look: dict[str, Any] = {"format": "png", "dpi": dpi, "compress_level": 1}
-    write_whole(folder / drawing.file, lambda file: image.save(file, **look))
-    return folder / drawing.file
+    write_whole(path, lambda file: image.convert("RGB").save(file, **look))
+    return path
