@@ -11,6 +11,9 @@ from collections.abc import Sequence
 from importlib import import_module
 from importlib.metadata import version
 
+# The threads of numpy's linear algebra would wait in a busy loop beside these small matrices.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from presswear.tools.errors import InputError, RunFailed, one_line
 from presswear.tools.processes import exit_code, is_stopped, stoppable
 

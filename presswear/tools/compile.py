@@ -61,10 +61,10 @@ _WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 
 
 @cache
-def _sources_digest(path: Path) -> str:
+def _sources_digest(path: str) -> str:
     """Return a digest of a source file and of all files of the package that it imports."""
-    source = path.read_text(encoding="utf-8")
-    files = (_PACKAGE / f"{name.replace('.', '/')}.py" for name in _IMPORT.findall(source))
+    source = Path(path).read_text(encoding="utf-8")
+    files = (f"{_PACKAGE / name.replace('.', '/')}.py" for name in _IMPORT.findall(source))
     return digest("".join([source, *map(_sources_digest, files)]).encode())
 
 
@@ -146,8 +146,8 @@ class Kernel:
         update_wrapper(self, function)
         self.py_func, self._options = function, {**_OPTIONS, **options}
         self._name = f"{function.__module__}.{function.__qualname__}"
-        source = Path(function.__code__.co_filename)
-        is_stored = _PACKAGE in source.parents and not function.__closure__
+        source = function.__code__.co_filename
+        is_stored = source.startswith(f"{_PACKAGE}{os.sep}") and not function.__closure__
         # Later the file may be a new version.
         self._sources = _sources_digest(source) if is_stored else None
 
