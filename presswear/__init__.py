@@ -27,7 +27,8 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module("importlib.metadata").version("presswear")
     if name not in _MODULES:
-        raise AttributeError(f"module 'presswear' has no attribute {name!r}")
+        hint = import_module("presswear.tools.errors").nearest(name, __all__)
+        raise AttributeError(f"module 'presswear' has no attribute {name!r}{hint}")
     return getattr(import_module(_MODULES[name]), name)
 
 

@@ -35,7 +35,9 @@ from presswear.linkage.loads import Moment as Moment
 from presswear.linkage.loads import OverPosition as OverPosition
 from presswear.linkage.loads import OverTime as OverTime
 from presswear.linkage.loads import Spring as Spring
+from presswear.linkage.mechanisms import FourBar as FourBar
 from presswear.linkage.mechanisms import Press as Press
+from presswear.linkage.mechanisms import SixBar as SixBar
 from presswear.linkage.mechanisms import SliderCrank as SliderCrank
 from presswear.linkage.surface import Surface as Surface
 from presswear.physics.statics import deflection as deflection

@@ -10,11 +10,11 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.recording.recorder import Recorder
 
 QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}

@@ -43,7 +43,8 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
 
 def new(arguments: argparse.Namespace, console: Console) -> int:
     """Write an example file."""
-    text, file = example_file(arguments.kind), arguments.file
+    text = example_file(arguments.kind)
+    file = arguments.file or Path(f"{arguments.kind}{SUFFIX}")
     if file.suffix != SUFFIX:
         raise InputError(f"{file}: the name must end in {SUFFIX}")
     try:

@@ -53,7 +53,13 @@ def parse_settings(items: Iterable[str]) -> dict[str, str]:
 
 def load_scene(name: str) -> Scene:
     """Return a named scene or the scene of a file."""
-    return scene_from(Path(name)) if name.endswith(SUFFIX) else scene_named(name)
+    if name.endswith(SUFFIX):
+        return scene_from(Path(name))
+    if name.endswith(".py"):
+        raise InputError(f"{name} is a Python script; run it with: python {shlex.quote(name)}")
+    if Path(name).is_file():
+        raise InputError(f"{name}: the name of the file of a scene must end in {SUFFIX}")
+    return scene_named(name)
 
 
 def requested_scene(arguments: Namespace) -> Scene:

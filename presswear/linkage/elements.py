@@ -1,14 +1,14 @@
 """Parts of a planar linkage as data: points, bodies, ideal joints and clearance joints."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from typing import Annotated, Any, Literal, cast
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, quantity
-from presswear.tools.serialize import Checked
+from presswear.tools.serialize import Checked, converted
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
@@ -76,18 +76,20 @@ frame, m."""
 class Body(Checked):
     """Rigid body: mass, kg, inertia about the mass centre, kg m^2, and points by name, m.
 
-    Points are in the frame of the body with origin at the mass centre. The inertia may be 0 where
-    the body cannot turn.
+    Points are in the frame of the body with origin at the mass centre, or in a drawing in which
+    ``centre`` is the mass centre, m. The inertia may be 0 where the body cannot turn.
     """
 
     name: str
     mass: Annotated[float, MASS]
     inertia: Annotated[float, INERTIA] = 0.0
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
+    centre: InitVar[Any] = (0.0, 0.0)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, centre: Any) -> None:
         super().__post_init__()
-        points = dict(self.points)
+        left, below = converted(f"centre of {self.name}", centre, Place)
+        points = {name: (x - left, y - below) for name, (x, y) in dict(self.points).items()}
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
             raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
         object.__setattr__(self, "points", tuple(points.items()))

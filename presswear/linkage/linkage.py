@@ -390,17 +390,6 @@ def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:
     return make(place, assemble, {key: value for key, value in data.items() if key != "kind"})
 
 
-def toml_of(linkage: Linkage) -> str:
-    """Return a linkage as the tables of a TOML file, numbers with units and keys explained."""
-    lines, texts = [], set[str]()
-    for table, items in _rows_of(linkage):
-        lines += ["", f"[[mechanism.{table}]]"] if table else ["[mechanism]"]
-        for key, value, text in items:
-            lines.append(f"{key} = {value}{f'  # {text}' if text and text not in texts else ''}")
-            texts.add(text)
-    return "\n".join(lines) + "\n"
-
-
 def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
     """Yield key, value with its unit, and meaning of every value of a linkage."""
     numbers: dict[str, int] = dict.fromkeys(_TABLES, 0)

@@ -1,4 +1,4 @@
-"""Driven mechanisms made of a few quantities: the press of the paper, a slider-crank, a four-bar.
+"""Driven mechanisms made of a few quantities: the press of the paper and three simpler ones.
 
 Bodies of the press are numbered as in the paper: frame 1, crank 2, rod 3, triangular plate 4, rod
 5, slider 6, crank 7. The paper does not print enough to fix the mechanism; each value tells whether
@@ -18,7 +18,7 @@ from presswear.linkage.drives import SERVOS, Drive, Servo, torque_limit
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint, Pin
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import named_set, one_of, quantity
+from presswear.tools.quantities import choice, named_set, one_of, quantity
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
@@ -27,6 +27,8 @@ CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
 RIGHT, LEFT = -1.0, 1.0
 BELOW, ABOVE = -1.0, 1.0
+CHOSEN = "Dimensions, masses and speed are chosen."
+_OF_BAR = "length", "mass", "inertia"
 _MIN_ROD_RATIO = 1.0001  # rod over crank: an upright rod leaves the side of the slider open
 
 
@@ -42,16 +44,22 @@ def _inertia(origin: str, default: float, text: str) -> Any:
     return quantity(default, "kg m^2", 1e-9, 1e4, origin, text)
 
 
+def _speed(origin: str, default: float, text: str) -> Any:
+    return quantity(default, "rad/s", 0.1 * math.pi, 5000.0, origin, text)
+
+
 _side = partial(_length, "paper, reading chosen")
 _p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
 _l_length, _l_mass, _l_inertia = (partial(make, LITERATURE) for make in (_length, _mass, _inertia))
+_c_length, _c_mass, _c_inertia = (partial(make, "chosen") for make in (_length, _mass, _inertia))
+_c_speed = partial(_speed, "chosen")
 
 
 class Mechanism(Checked, ABC):
     """Driven mechanism, a data class of its quantities: everything but its clearance joints."""
 
     kind: ClassVar[str]  # word for it in a stored scene
-    allowed_joints: ClassVar[tuple[str, ...]]  # joints that may have clearance, one letter each
+    allowed_joints: ClassVar[tuple[str, ...]]  # joints that may have clearance
     default_joints: ClassVar[tuple[str, ...]]  # joints that have clearance by default
     origin: ClassVar[str]  # of its values, in a sentence
     speed: float  # of the driven crank, rad/s
@@ -128,7 +136,7 @@ class Press(Mechanism):
     """Hybrid-driven seven-bar press of the paper."""
 
     kind = "press"
-    allowed_joints = ("A", "C")
+    allowed_joints = ("O2", "O7", "A", "B", "C", "D", "E")
     default_joints = ("A", "C")
     origin = (
         "The geometry and several parameters are chosen, not the paper's: it does not print enough "
@@ -160,7 +168,7 @@ class Press(Mechanism):
         0.1 * math.pi,
         40.0 * math.pi,
         "paper, per study",
-        "crank speed w: crank 7 turns at +w, crank 2 at -w",
+        "crank speed omega: crank 7 turns at +omega, crank 2 at -omega",
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
@@ -253,7 +261,7 @@ class SliderCrank(Mechanism):
     """
 
     kind = "slider-crank"
-    allowed_joints = ("A", "B")
+    allowed_joints = ("O", "A", "B")
     default_joints = ("B",)
     origin = (
         "Dimensions, masses and speed are those of a slider-crank that the literature on joints "
@@ -269,7 +277,7 @@ class SliderCrank(Mechanism):
     rod_inertia: float = _l_inertia(2.5e-4, "inertia of the rod")
     gravity: float = gravity()
     speed: float = quantity(
-        5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed, 5000 rpm"
+        5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed omega"
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
@@ -289,8 +297,7 @@ class SliderCrank(Mechanism):
         return assemble(
             name="slider-crank",
             bodies=(
-                Bar("crank", self.crank_length, self.crank_mass, self.crank_inertia),
-                Bar("rod", self.rod_length, self.rod_mass, self.rod_inertia),
+                *_bars(self, "crank", "rod"),
                 # The slider does not turn: its inertia never enters.
                 Body("slider", self.slider_mass, 1.0),
             ),
@@ -307,21 +314,127 @@ class SliderCrank(Mechanism):
         )
 
 
-FOUR_BAR = assemble(
-    bodies=[
-        Bar("crank", length=0.05, mass=0.3),
-        Bar("coupler", length=0.20, mass=0.5),
-        Bar("rocker", length=0.12, mass=0.4),
-    ],
-    joints=[
-        Pin("O", (0.0, 0.0), "crank.tail"),
-        Pin("A", "crank.head", "coupler.tail"),
-        Pin("B", "coupler.head", "rocker.head"),
-        Pin("P", (0.18, 0.0), "rocker.tail"),
-    ],
-    drives=[Drive("crank", speed=30.0)],
-    guess={"coupler": 0.6, "rocker": 1.4},
-    output="rocker.head",
-    name="four-bar",
-)
-"""Example with chosen dimensions; the crank turns all around."""
+@dataclass(frozen=True)
+class FourBar(Mechanism):
+    """Four-bar linkage: the crank turns about O, the coupler joins it in A and the rocker in B.
+
+    The rocker turns about P, to the right of O. The output point is B. Mass centres are at
+    mid-length.
+    """
+
+    kind = "four-bar"
+    allowed_joints = ("O", "A", "B", "P")
+    default_joints = ("B",)
+    origin = CHOSEN
+
+    frame_length: float = _c_length(0.18, "frame, O to P")
+    crank_length: float = _c_length(0.05, "crank, O to A")
+    coupler_length: float = _c_length(0.20, "coupler, A to B")
+    rocker_length: float = _c_length(0.12, "rocker, B to P")
+    crank_mass: float = _c_mass(0.3, "mass of the crank")
+    coupler_mass: float = _c_mass(0.5, "mass of the coupler")
+    rocker_mass: float = _c_mass(0.4, "mass of the rocker")
+    crank_inertia: float = _c_inertia(6.25e-5, "inertia of the crank (torque only)")
+    coupler_inertia: float = _c_inertia(1.667e-3, "inertia of the coupler")
+    rocker_inertia: float = _c_inertia(4.8e-4, "inertia of the rocker")
+    side: str = choice("above", ("above", "below"), "side of the frame on which the rocker begins")
+    gravity: float = gravity()
+    speed: float = _c_speed(10.0 * math.pi, "crank speed omega")
+    run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
+
+    def _assemble(self) -> Linkage:
+        # The crank points from O to A, the coupler from A to B, the rocker from P to B.
+        a, p = complex(self.crank_length), complex(self.frame_length)
+        side = LEFT if self.side == "above" else RIGHT
+        b = _meeting(a, p, self.coupler_length, self.rocker_length, side)
+        return assemble(
+            name=self.kind,
+            bodies=_bars(self, "crank", "coupler", "rocker"),
+            joints=(
+                Pin("O", (0.0, 0.0), "crank.tail"),
+                Pin("A", "crank.head", "coupler.tail"),
+                Pin("B", "coupler.head", "rocker.head"),
+                Pin("P", (self.frame_length, 0.0), "rocker.tail"),
+            ),
+            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
+            guess={"coupler": cmath.phase(b - a), "rocker": cmath.phase(b - p)},
+            output="rocker.head",
+            gravity=self.gravity,
+            run_up=self.run_up,
+        )
+
+
+@dataclass(frozen=True)
+class SixBar(Mechanism):
+    """Knuckle-joint press: a crank and a rod straighten two links, which push the slider down.
+
+    The crank turns about O, the rod joins it in A and the upper link in B. The upper link turns
+    about P and joins the lower link in C, at the same place as B; the lower link joins the slider
+    in D, below P. Mass centres are at mid-length.
+    """
+
+    kind = "six-bar"
+    allowed_joints = ("O", "A", "B", "P", "C", "D")
+    default_joints = ("B",)
+    origin = CHOSEN
+
+    crank_x: float = quantity(-0.27, "m", -MAX_LINK, MAX_LINK, "chosen", "O to the right of P")
+    crank_y: float = quantity(-0.06, "m", -MAX_LINK, MAX_LINK, "chosen", "O above P")
+    crank_length: float = _c_length(0.042, "crank, O to A")
+    rod_length: float = _c_length(0.24, "rod, A to B")
+    upper_length: float = _c_length(0.15, "upper link, P to B and C")
+    lower_length: float = _c_length(0.20, "lower link, C to D")
+    crank_mass: float = _c_mass(2.0, "mass of the crank")
+    rod_mass: float = _c_mass(3.0, "mass of the rod")
+    upper_mass: float = _c_mass(2.5, "mass of the upper link")
+    lower_mass: float = _c_mass(3.0, "mass of the lower link")
+    slider_mass: float = _c_mass(10.0, "mass of the slider")
+    crank_inertia: float = _c_inertia(1e-3, "inertia of the crank (torque only)")
+    rod_inertia: float = _c_inertia(1.44e-2, "inertia of the rod")
+    upper_inertia: float = _c_inertia(4.7e-3, "inertia of the upper link")
+    lower_inertia: float = _c_inertia(1e-2, "inertia of the lower link")
+    gravity: float = gravity()
+    speed: float = _c_speed(2.0 * math.pi, "crank speed omega")
+    run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
+
+    def _assemble(self) -> Linkage:
+        # The crank points from O to A, the rod from A to B, the links from P to B and C to D.
+        o = complex(self.crank_x, self.crank_y)
+        a = o + self.crank_length
+        b = _meeting(0j, a, self.upper_length, self.rod_length, LEFT if o.real < 0.0 else RIGHT)
+        down = math.sqrt(max(self.lower_length**2 - b.real**2, 0.0))
+        return assemble(
+            name=self.kind,
+            bodies=(
+                *_bars(self, "crank", "rod", "upper link", "lower link"),
+                # The slider does not turn: its inertia never enters.
+                Body("slider", self.slider_mass, 1.0),
+            ),
+            joints=(
+                Pin("O", (self.crank_x, self.crank_y), "crank.tail"),
+                Pin("A", "crank.head", "rod.tail"),
+                Pin("B", "rod.head", "upper link.head"),
+                Pin("P", (0.0, 0.0), "upper link.tail"),
+                Pin("C", "upper link.head", "lower link.tail"),
+                Pin("D", "lower link.head", "slider"),
+                Guide("guide", "slider", direction=0.5 * math.pi),
+            ),
+            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
+            guess={
+                "rod": cmath.phase(b - a),
+                "upper link": cmath.phase(b),
+                "lower link": cmath.phase(complex(-b.real, -down)),
+            },
+            gravity=self.gravity,
+            run_up=self.run_up,
+        )
+
+
+def _bars(mechanism: Mechanism, *names: str) -> list[Body]:
+    """Return bars of a mechanism whose fields begin with the first words of their names."""
+    return [
+        Bar(name, *(getattr(mechanism, f"{name.split()[0]}_{item}") for item in _OF_BAR))
+        for name in names
+    ]

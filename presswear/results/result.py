@@ -32,6 +32,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+class _Stages(tuple[StageResult, ...]):
+    """Stages of a result; IndexError tells which there are."""
+
+    def __getitem__(self, index: Any) -> Any:
+        try:
+            return super().__getitem__(index)
+        except IndexError:
+            raise IndexError(f"there is no stage {index}; stored are {_range_of(self)}") from None
+
+
+def _range_of(stages: tuple[StageResult, ...]) -> str:
+    return f"0 to {len(stages) - 1}" if stages else "none"
+
+
 @dataclass(frozen=True)
 class Result:
     """Result of a scene: its stages, status and provenance."""
@@ -45,12 +59,15 @@ class Result:
     path: Path | None = None  # its folder; None: in memory only
     life: LifeResult | None = None  # service life, if the scene has limits
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stages", _Stages(self.stages))
+
     def stage(self, index: int) -> StageResult:
         """Return the stage after a number of wear updates; InputError names the stored ones."""
         if 0 <= index < len(self.stages):
             return self.stages[index]
-        stored = f"0 to {len(self.stages) - 1}" if self.stages else "none"
-        raise InputError(f"{self.path or self.scene.name} has no stage {index}; it has {stored}")
+        where = self.path or self.scene.name
+        raise InputError(f"{where} has no stage {index}; it has {_range_of(self.stages)}")
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage: its wear updates, or its strokes in a service life."""

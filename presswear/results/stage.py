@@ -14,7 +14,7 @@ from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.serialize import NOT_STORED
 
 JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
@@ -126,6 +126,13 @@ class WearStep:
     max_depth: Mapping[str, Mapping[str, float]]  # by joint and side, after the step, m
     peak_force: Mapping[str, float]  # normal force by joint, N
     wall_s: float
+
+
+class Joints(dict[str, "JointResult"]):
+    """Joints with clearance by name; InputError lists them for an unknown name."""
+
+    def __missing__(self, name: str) -> "JointResult":
+        raise unknown("joint with clearance", name, self)
 
 
 @dataclass(frozen=True)
@@ -300,7 +307,7 @@ class StageResult:
     @property
     def joints(self) -> dict[str, JointResult]:
         """Joints with clearance by name."""
-        joints = {}
+        joints = Joints()
         for k, name in enumerate(self.joint_names):
             prefix, first = f"{name}_", len(observe.CYCLE_FIXED) + len(observe.CYCLE_JOINT) * k
             arrays = {

@@ -77,7 +77,7 @@ class Bearing:
     normal_law: Law = choice(
         "lankarani-nikravesh", tuple(laws.DAMPINGS), "normal force law", laws.NORMAL_PARAMETERS
     )
-    restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution ce")
+    restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution c_e")
     viscous_damping: float = quantity(
         0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
     )

@@ -105,6 +105,14 @@ slider_crank = _named(
 )
 
 
+def __getattr__(name: str) -> Any:
+    """Raise AttributeError with the nearest scene, or all of them."""
+    makes = [entry.make for entry in SCENES.values()]
+    raise AttributeError(
+        str(unknown("scene", name, [k for k, v in globals().items() if v in makes]))
+    )
+
+
 def scene_named(name: str) -> Scene:
     """Return a named scene; InputError lists the names."""
     if name not in SCENES:

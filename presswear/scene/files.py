@@ -1,62 +1,148 @@
 """Scenes from TOML files, every number with its unit, and measured surfaces from tables."""
 
+import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from presswear.linkage.linkage import Linkage, linkage_from, toml_of
-from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
+from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.surface import SIDES
+from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
-from presswear.scene.settings import DEFAULT, IN_FILE, changed, on_surfaces, settings_of
+from presswear.scene.settings import (
+    DEFAULT,
+    IN_FILE,
+    Setting,
+    changed,
+    name_of_key,
+    on_surfaces,
+    settings_in,
+    settings_of,
+)
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text
-from presswear.tools.quantities import Quantity, parse_quantity
+from presswear.tools.quantities import NONE, Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST
 
 SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
 SWEEP = "sweep"  # table of the values that a sweep of the scene varies, which the scene ignores
 _PARTS = "process", "servo", "life"
-_KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces", SWEEP)
+_GROUPS = "mechanism", "bearings", "settings"  # tables whose keys are those of the settings
+_KEYS = ("title", *_GROUPS, *_PARTS, "surfaces", SWEEP)
 
-EXAMPLES: Mapping[str, tuple[Press | SliderCrank | Linkage, str]] = {
-    FOUR_BAR.name: (FOUR_BAR, "B"),
-    SliderCrank.kind: (SliderCrank(), "B"),
-    Press.kind: (Press(), "A,C"),
+POINTS = "points"
+EXAMPLES = (*MECHANISMS, POINTS)  # kinds of example files
+_COMMENT = 34  # width of an example file before its comments
+_HEAD = """\
+# presswear show FILE draws the mechanism, presswear run FILE runs it, presswear list FILE lists all
+# that can be set. Every number has its unit. x points to the right, y upwards, and angles turn
+# counterclockwise. To switch on a line or a table, remove the # at the beginning of its lines.
+"""
+_OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switched off
+    **{"torque_limit": "1 kN m", "cycles": 20, "process": "blanking", "servo": "dwell"},
+    "life": "limits",
 }
-"""Mechanisms of example files, and the joints that have clearance in them."""
+_BEARING = (
+    *("joints", "clearance", "bearing_radius", "width", "friction", "restitution"),
+    *("youngs_modulus", "poisson_ratio", "wear_coefficient"),
+)
+_SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
+_RUN = "conventions", "wear_updates", "cycles", "engine"
 
 
 def example_file(kind: str) -> str:
-    """Return the text of a file that describes one of EXAMPLES."""
+    """Return the text of a file that describes a mechanism, one of EXAMPLES."""
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
-    mechanism, joints = EXAMPLES[kind]
-    return (
-        f"# A {kind}. Every number has its unit; x points to the right, y upwards, and angles "
-        "turn\n# counterclockwise. Points are body.point or coordinates on the frame.\n"
-        f"# Try: presswear list FILE, presswear run FILE.\n\n"
-        f'title = "My {kind}"\n\n'
-        f"{toml_of(mechanism.linkage())}\n"
-        "[settings]  # every key that presswear list FILE shows\n"
-        f'joints = "{joints}"\nclearance = "0.3 mm"\nfriction = 0.02\n'
-        'conventions = "refined"\nwear_updates = 1\n'
-    )
+    mechanism: OneMechanism
+    if kind == POINTS:
+        first = files("presswear.scene").joinpath("points.toml").read_text("utf-8")
+        mechanism = linkage_from(tomllib.loads(first)["mechanism"], kind)
+    else:
+        mechanism = MECHANISMS[kind](torque_limit=_OFF["torque_limit"])
+        numbers = [setting for setting in settings_in(mechanism) if not setting.is_part]
+        first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
+    joints = ",".join(mechanism.default_joints) or "B"
+    bearings, refined = Bearing(clearance=0.3e-3), CONVENTIONS["refined"]
+    scene = Scene(mechanism, joints=joints, bearings=bearings, conventions=refined, wear_updates=1)
+    possible = {setting.key for setting in settings_of(scene)}
+    scene = changed(scene, {key: value for key, value in _OFF.items() if key in possible})
+    settings = {setting.key: setting for setting in settings_of(scene)}
+    single = [replace(settings[key], value=0.5 * settings[key].value) for key in _SINGLE]
+    tables = [
+        first,
+        _table("bearings", [settings[key] for key in _BEARING], text="of all joints"),
+        _table(f"bearings.{joints[0]}", single, "#", "of a single joint"),
+        *(
+            _table(part, [one for key, one in settings.items() if key.split(".")[0] == part], "#")
+            for part in _PARTS
+            if part in settings
+        ),
+        _table("settings", [settings[key] for key in _RUN]),
+    ]
+    return "\n".join([_HEAD, f'title = "My {kind}"\n', *tables])
+
+
+def _table(name: str, settings: Iterable[Setting], sign: str = "", text: str = "") -> str:
+    """Return a table of a file, each value with its meaning; ``sign`` switches its lines off."""
+    rows = [(f"{sign}[{name}]", text)]
+    for setting in settings:
+        meaning, value = setting.meaning, setting.value
+        if value in ("", None):
+            continue
+        if isinstance(meaning, Quantity):
+            text = meaning.written(value)
+            text, explained = f'"{text}"' if meaning.unit else text, meaning.text
+        else:
+            words = " | ".join(word for word in meaning.words if word != NONE)
+            explained = meaning.text.partition(";")[0] + (f" ({words})" if words else "")
+            listed = ", ".join(meaning.split(value)) if meaning.several else value
+            text = f'"{listed}"'
+        key = "kind" if setting.key in _PARTS else setting.key.rpartition(".")[2]
+        off = "#" if sign or setting.key in _OFF else ""
+        rows.append((f"{off}{key} = {text}", explained))
+    lines = (f"{row:{_COMMENT}}  # {comment}" if comment else row for row, comment in rows)
+    return "\n".join(lines) + "\n"
+
+
+_TOML_FAULTS = {  # beginnings of messages of tomllib, and what they mean
+    "Cannot overwrite": "this key stands twice",
+    "Cannot declare": "this table stands twice",
+    "Invalid value": 'a text, or a number with its unit, needs quotes, such as "0.3 mm"',
+    "Expected newline": 'a text, or a number with its unit, needs quotes, such as "0.3 mm"',
+    "Illegal character '\\n'": "a closing quote is missing",
+    "Unterminated string": "a closing quote is missing",
+    "Expected '=' after a key": "KEY = VALUE is expected; a key with a space needs quotes",
+    "Invalid statement": "KEY = VALUE, [TABLE] or # COMMENT is expected",
+    "Unclosed array": "a closing ] is missing",
+    "Unclosed inline table": "a closing } is missing",
+    "Expected ']'": "a closing ] is missing",
+}
 
 
 def read_toml(file: Path) -> dict[str, Any]:
     """Return the tables of a TOML file; raise InputError for what cannot be read."""
+    text = read_text(file)
     try:
-        return tomllib.loads(read_text(file))
+        return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{file}: {error}") from None
+        message, _, place = f"{error}".partition(" (at ")
+        number, line = re.match(r"line (\d+)", place), ""
+        if number:
+            written = re.sub(r"\s+#.*", "", text.splitlines()[int(number[1]) - 1]).strip()
+            line = f", line {number[1]}: {written}"
+        fault = next((new for old, new in _TOML_FAULTS.items() if message.startswith(old)), message)
+        if re.search(r"=\s*[0-9]+,[0-9]", line):
+            fault = "use a decimal point"
+        raise InputError(f"{file}{line}: {fault}") from None
 
 
 def scene_from(file: Path) -> Scene:
@@ -66,19 +152,12 @@ def scene_from(file: Path) -> Scene:
         for key in data:
             if key not in _KEYS:
                 raise unknown("key", key, _KEYS)
-        mechanism = _mechanism(data.get("mechanism"), file.parent)
-        settings = _settings(data.get("settings", {}), file.parent)
-        for name in data.keys() & set(_PARTS):
-            part = data[name]
-            if not isinstance(part, Mapping) or "kind" not in part:
-                raise InputError(f"{name} = {part!r}: a table with a kind is expected")
-            values = {f"{name}.{key}": value for key, value in part.items() if key != "kind"}
-            settings |= _settings({name: part["kind"], **values}, file.parent)
+        mechanism, parameters = _mechanism(data.pop("mechanism", None), file.parent)
         title = data.get("title", f"The linkage of {file.name}")
         scene = Scene(mechanism, file.stem, title, wear_updates=0)  # by default nothing wears
         origins = dict.fromkeys((setting.key for setting in settings_of(scene)), DEFAULT)
-        scene = changed(replace(scene, origins=origins), settings)
-        scene = replace(scene, origins={**scene.origins, **dict.fromkeys(settings, IN_FILE)})
+        settings = _settings({"mechanism": parameters, **data}, file.parent)
+        scene = changed(replace(scene, origins=origins), settings, IN_FILE)
         source = data.get("surfaces")
         if source is not None:
             if not isinstance(source, str) or not source.endswith(TABLE):
@@ -87,17 +166,24 @@ def scene_from(file: Path) -> Scene:
         scene.check()
         return scene
     except (InputError, RecursionError) as error:
-        raise InputError(f"{file}: {f'{error}'.removeprefix(f'{file}: ')}") from None
+        text = f"{error}"
+        raise InputError(text if text.startswith(f"{file}") else f"{file}: {text}") from None
 
 
-def _mechanism(data: Any, folder: Path) -> OneMechanism:
-    if isinstance(data, str):
-        if data not in MECHANISMS:
-            raise unknown("mechanism", data, (*MECHANISMS, "a table [mechanism]"))
-        return MECHANISMS[data]()
-    if not isinstance(data, Mapping):
-        raise InputError("mechanism: the name of one or a table [mechanism] is needed")
-    return linkage_from(_texts(data, "mechanism", folder), "mechanism")
+def _mechanism(data: Any, folder: Path) -> tuple[OneMechanism, Mapping[str, Any]]:
+    """Return a mechanism and the settings of its table: a linkage of points has none."""
+    table = {"kind": data} if isinstance(data, str) else data
+    if not isinstance(table, Mapping) or not table.keys() & {"kind", "bodies"}:
+        kinds = ", ".join(MECHANISMS)
+        raise InputError(
+            f"mechanism: a table with a kind, one of {kinds}, or with bodies is needed"
+        )
+    kind = table.get("kind", Linkage.kind)
+    if kind == Linkage.kind:
+        return linkage_from(_texts(table, "mechanism", folder), "mechanism"), {}
+    if kind not in MECHANISMS:
+        raise unknown("mechanism", kind, MECHANISMS)
+    return MECHANISMS[kind](), {key: value for key, value in table.items() if key != "kind"}
 
 
 def _texts(value: Any, place: str, folder: Path) -> Any:
@@ -115,19 +201,29 @@ def _texts(value: Any, place: str, folder: Path) -> Any:
     return value
 
 
-def _settings(data: Any, folder: Path) -> dict[str, str]:
-    """Return settings as text, as on the command line."""
-    if not isinstance(data, Mapping):
-        raise InputError(f"settings = {data!r}: a table is expected")
-    settings = {}
-    for key, value in data.items():
-        # A.clearance is a table A with a key in TOML.
-        inner = value if isinstance(value, Mapping) else {"": value}
-        for name, one in inner.items():
-            full = f"{key}.{name}" if name else key
-            if isinstance(one, bool) or not isinstance(one, str | int | float):
-                raise InputError(f"settings.{full} = {one!r}: a text or a number is expected")
-            settings[full] = str(_texts(one, f"settings.{full}", folder))
+def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the settings of all tables by key, as on the command line."""
+    settings: dict[str, Any] = {}
+    for table in (name for name in (*_GROUPS, *_PARTS) if name in data):
+        if not isinstance(data[table], Mapping):
+            raise InputError(f"{table} = {shown(data[table])}: a table is expected")
+        if table in _PARTS and "kind" not in data[table]:
+            raise InputError(f"{table}: a kind is missing; presswear list SCENE shows the kinds")
+        for key, value in data[table].items():
+            # A.clearance is a table A with a key in TOML.
+            inner = value if isinstance(value, Mapping) else {"": value}
+            for name, one in inner.items():
+                full = name_of_key(f"{key}.{name}" if name else key)
+                if table in _PARTS:
+                    full = table if full == "kind" else f"{table}.{full}"
+                if full in settings:
+                    raise InputError(f"{full} stands twice; it is allowed in one table only")
+                if isinstance(one, list):
+                    needed = "it needs a mechanism of bodies; presswear new points writes one"
+                    raise InputError(f"{table}.{full}: {needed}")
+                if isinstance(one, bool) or not isinstance(one, str | int | float):
+                    raise InputError(f"{full} = {shown(one)}: a text or a number is expected")
+                settings[full] = _texts(one, f"{table}.{full}", folder)
     return settings
 
 

@@ -10,19 +10,21 @@ import numpy as np
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage import loads
 from presswear.linkage.linkage import Linkage, branches_of, linkage_from
-from presswear.linkage.mechanisms import Press, SliderCrank
+from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
+from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.errors import AssemblyError, InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
 from presswear.tools.serialize import check_fields, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
-OneMechanism = Press | SliderCrank | Linkage
-MECHANISMS: dict[str, type[Press | SliderCrank]] = {one.kind: one for one in (Press, SliderCrank)}
+Parametric = Press | SliderCrank | FourBar | SixBar
+OneMechanism = Parametric | Linkage
+MECHANISMS: dict[str, type[Parametric]] = {one.kind: one for one in get_args(Parametric)}
 """The mechanisms that are made of a few quantities, by their kinds."""
 
 
@@ -40,7 +42,7 @@ class Scene:
 
     Attributes
     ----------
-    mechanism : Press, SliderCrank or Linkage
+    mechanism : Press, SliderCrank, FourBar, SixBar or Linkage
     bearings : Bearing, or mapping of str to Bearing
         Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping gives
         its joints clearance, each with its bearing.
@@ -157,7 +159,13 @@ class Scene:
         if heavy.mass > MAX_MASS_RATIO * light.mass:
             masses = f"{heavy.name} = {heavy.mass:g} kg, mass of {light.name} = {light.mass:g} kg"
             raise InputError(f"mass of {masses}: allowed is a ratio of up to {MAX_MASS_RATIO:g}")
-        _ = self.ideal
+        try:
+            _ = self.ideal
+        except AssemblyError as error:
+            if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
+                raise
+            changed = {key.removeprefix("servo.") for key in self.origins}
+            raise servo_fault(self.mechanism, changed) or error from None
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded

@@ -15,7 +15,7 @@ import numpy as np
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
 from presswear.tools.numbers import short_number
 from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, parse_quantity
@@ -24,6 +24,13 @@ from presswear.tools.user_function import UserFunction, is_stored_function
 SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
 DEFAULT = "default"  # origin of a value that a file leaves out
+SYMBOLS = {  # of the paper and of the contact laws, accepted as names of settings
+    **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
+    **{"E": "youngs_modulus", "nu": "poisson_ratio", "K_d": "wear_coefficient"},
+    **{"K": "contact_stiffness", "n": "exponent", "c_e": "restitution", "D": "viscous_damping"},
+    **{"c_f": "friction", "c_s": "static_friction", "v_0": "lower_speed", "v_1": "upper_speed"},
+    **{"v_s": "stribeck_speed", "sigma_0": "bristle_stiffness", "sigma_1": "bristle_damping"},
+}
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 _MAX_VALUES = 1_000_000  # of a range
 _DIGITS = 12  # of the values of a range: those of a finer range meet them
@@ -60,37 +67,43 @@ def settings_of(scene: Scene) -> list[Setting]:
 
     Of bearings of single joints, ``JOINT.KEY``, those that differ from the common bearing.
     """
-    common = {setting.key: setting.value for setting in _settings(scene.bearings)}
+    common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
     single = (setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint))
     differing = (one for one in single if one.value != common[one.key.rpartition(".")[2]])
-    return [*_settings(scene, scene.origins), *differing]
+    return [*settings_in(scene, scene.origins), *differing]
 
 
 def setting_of(scene: Scene, key: str) -> Setting:
     """Return the setting with a key, also one of a single joint; raise InputError for none."""
-    settings = _by_key(scene)
-    if key not in settings:
-        raise unknown("key", key, sorted(settings))
-    return settings[key]
+    settings, name = _by_key(scene), name_of_key(key)
+    if name not in settings:
+        raise _unknown_key(scene, key, settings)
+    return settings[name]
+
+
+def name_of_key(key: str) -> str:
+    """Return a key with the name of the setting in place of its symbol."""
+    first, dot, last = key.rpartition(".")
+    return f"{first}{dot}{SYMBOLS.get(last, last)}"
 
 
 def _by_key(scene: Scene) -> dict[str, Setting]:
     """Return all settings that a scene has, also those of each joint with clearance."""
-    settings = [*_settings(scene, scene.origins)]
+    settings = [*settings_in(scene, scene.origins)]
     for joint in scene.clearance_joints:
         settings += _of_joint(scene, joint)
     return {setting.key: setting for setting in settings}
 
 
 def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
-    for setting in _settings(scene.bearing(joint)):
+    for setting in settings_in(scene.bearing(joint)):
         yield replace(setting, key=f"{joint}.{setting.key}")
 
 
-def _settings(
+def settings_in(
     owner: Any, origins: Mapping[str, str] | None = None, prefix: str = ""
 ) -> Iterator[Setting]:
-    """Yield the settings of the parts of a data class, then its own."""
+    """Yield the settings of the parts of a data class, then those of its fields."""
     plain = []
     for item in fields(owner):
         key, value = f"{prefix}{item.name}", getattr(owner, item.name)
@@ -105,7 +118,7 @@ def _settings(
             origin = (origins or {}).get(key, meaning.origin)
             plain.append(Setting(key, value, replace(meaning, origin=origin)))
         if _has_settings(value):
-            yield from _settings(value, origins, _inner_prefix(key, prefix, meaning))
+            yield from settings_in(value, origins, _inner_prefix(key, prefix, meaning))
     yield from plain
 
 
@@ -118,23 +131,32 @@ def _inner_prefix(key: str, prefix: str, meaning: Any) -> str:
     return f"{key}." if is_optional else prefix
 
 
-def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
+def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Scene:
     """Return a scene with settings changed.
 
     Parameters
     ----------
     settings : mapping
-        Texts with units, as on the command line, or numbers, SI, by key. A named set or a part,
-        such as ``geometry``, is applied first, so that single values can change it.
+        Texts with units, as on the command line, or numbers, SI, by key, or by the symbol of a
+        key, such as ``c_f``. A named set or a part, such as ``geometry``, is applied first, so
+        that single values can change it.
+    origin : str
+        Origin of the values, for the list of settings.
 
     Raises
     ------
     InputError
-        For an unknown key or a value that does not fit.
+        For an unknown key, a key that stands twice, or a value that does not fit.
     """
+    named = {name_of_key(key): value for key, value in settings.items()}
+    if len(named) < len(settings):
+        keys = [name_of_key(key) for key in settings]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        both = " and ".join(key for key in settings if name_of_key(key) == twice)
+        raise InputError(f"{both} are the same setting; set one of them")
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     common = {}
-    for key, value in settings.items():
+    for key, value in named.items():
         first, _, last = key.rpartition(".")
         if first in scene.mechanism.allowed_joints:
             single.setdefault(first, {})[last] = value
@@ -144,27 +166,32 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
         name: _changed(scene.bearing(name), common | values, message_prefix=f"{name}.")
         for name, values in single.items()
     }
-    origins = {**scene.origins, **dict.fromkeys(settings, SET)}
+    origins = {**scene.origins, **dict.fromkeys(named, origin)}
     # In one step: a new mechanism may have joints of other names.
     result: Scene = _changed(scene, common, joint_bearings=bearings, origins=origins)
     allowed = _by_key(result)
-    for key in settings:
+    for key in named:
         if key not in allowed:
             raise _unknown_key(result, key, allowed)
     return result
 
 
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
-    first = key.rpartition(".")[0]
+    first, _, last = name_of_key(key).rpartition(".")
     part = allowed.get(first)
     if part is not None and part.value == NONE:
         kinds = ", ".join(name for name in cast(Choice, part.meaning).words if name != NONE)
         return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
     if first in scene.mechanism.allowed_joints and first not in scene.clearance_joints:
         return InputError(f"{key}: joint {first} has no clearance; joints = {scene.joints}")
-    inner = [name for name in allowed if first and name.startswith(f"{first}.")]
+    inner = [name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")]
+    if inner and first:
+        return unknown(f"key of {first}", last, inner)
+    if first and part is None and last in vars(scene.bearings):
+        return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
     common = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]
-    return unknown("key", key, sorted(inner or common))
+    hint = nearest(key, [*common, *SYMBOLS]) or "; presswear list SCENE shows all keys"
+    return InputError(f"unknown key {shown(key)}{hint}")
 
 
 def _changed(
@@ -292,10 +319,10 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
             was[one.key] = one.value  # a set without a name is described by its values
         elif one.value != was.get(one.key, one.value) and one.value != NONE:
             part, prefix = one.meaning.convert(one.key, one.value), f"{one.key}."
-            inner = _settings(part, prefix=prefix if one.meaning.kinds else "")
+            inner = settings_in(part, prefix=prefix if one.meaning.kinds else "")
             was |= {item.key: item.value for item in inner}
     for joint in scene.joint_bearings:
-        for key in [item.key for item in _settings(scene.bearings)]:
+        for key in [item.key for item in settings_in(scene.bearings)]:
             was.setdefault(f"{joint}.{key}", was[key])
     changes = [
         _change(one, was[one.key])

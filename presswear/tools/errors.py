@@ -43,10 +43,10 @@ def nearest(name: str, names: Iterable[str]) -> str:
 
 
 def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
-    """Return the error for an unknown name, with the nearest known one."""
+    """Return the error for an unknown name, with the nearest known one, or else with all."""
     words = tuple(names)
-    listed = f"known are {', '.join(words)}" if words else "there is none"
-    return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words)}; {listed}")
+    listed = f"; known are {', '.join(words)}" if words else "; there is none"
+    return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words) or listed}")
 
 
 def not_installed(what: str, package: str, extra: str) -> InputError:

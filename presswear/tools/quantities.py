@@ -45,6 +45,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "s/m": {"s/m": 1.0, "s/mm": 1e3},
     "N s/m": {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3},
 }
+_WRITTEN_IN = {"m": "mm", "rad": "deg", "rad/s": "rpm", "Pa": "GPa"}  # units of example files
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
 _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
@@ -78,6 +79,11 @@ class Quantity:
     def with_unit(self, value: str) -> str:
         """Return a value as text with the unit behind it."""
         return f"{value} {self.unit}".rstrip()
+
+    def written(self, value: float, digits: int = 6) -> str:
+        """Return a value with the unit in which engineers write it."""
+        unit = _WRITTEN_IN.get(self.unit, self.unit)
+        return f"{value / _UNITS.get(self.unit, {}).get(unit, 1.0):.{digits}g} {unit}".rstrip()
 
     def range_text(self) -> str:
         """Return the allowed range in words, with the unit, its ends rounded inward."""
@@ -159,7 +165,7 @@ class Choice:
     text: str = ""
     parameters: tuple[str, ...] = ()  # allowed in a user function in place of a word
     # Words can be combined, except for the last one, which stands for none of them. Words of one
-    # letter are written side by side, others with commas between.
+    # letter may be written side by side, others with commas between.
     several: bool = False
     instances: Mapping[str, Any] | None = None  # by name; the field holds one, or a changed one
     kinds: Mapping[str, Any] | None = None  # classes by kind; the field holds an instance, or None
@@ -174,14 +180,17 @@ class Choice:
 
     def combine(self, words: Iterable[str]) -> str:
         """Return several words as one value, in the order in which they are allowed."""
-        used, between = set(words), "" if all(len(word) == 1 for word in self.words[:-1]) else ","
-        return between.join(word for word in self.words[:-1] if word in used) or self.words[-1]
+        chosen = set(words)
+        used = [word for word in self.words[:-1] if word in chosen]
+        joined = "".join(used)
+        is_plain = len(joined) == len(used) and joined not in self.words
+        return (joined if is_plain else ",".join(used)) or self.words[-1]
 
     def split(self, value: str) -> tuple[str, ...]:
         """Return the words of a combined value."""
         if value == self.words[-1]:
             return ()
-        if "," not in value and all(len(word) == 1 for word in self.words[:-1]):
+        if value not in self.words and set(value) <= set(self.words):
             return tuple(value)
         return tuple(part.strip() for part in value.split(","))
 

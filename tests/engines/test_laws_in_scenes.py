@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from runs import residual, run_scene
 
 import presswear as pw
@@ -12,7 +13,6 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT, NormalLaw
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from runs import residual, run_scene
 from sub_chains import ARM, PUMP, STEPHENSON
 
@@ -14,7 +15,7 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.loads import Load, Spring
-from presswear.linkage.mechanisms import FOUR_BAR, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.scene import Scene

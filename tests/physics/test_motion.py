@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from listeners import Keeps
@@ -14,7 +15,7 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.drives import RISES, Drive, Rise, run_up_motion
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import FOUR_BAR, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
 from presswear.physics.drive_motion import break_after, drive_motion, is_steady, motions_of
 from presswear.physics.ideal import motion_of as ideal_of
 from presswear.scene.catalog import slider_crank, wear_times

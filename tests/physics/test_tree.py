@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from branches import branching, placed, tree, without
+from four_bar_linkage import FOUR_BAR
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
 from presswear.linkage.linkage import Linkage, prescribed_of
-from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES, Press, SliderCrank
+from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import Motion, motion_of
 from presswear.physics.packed import mass_of

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 
 from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.forces import Ledger, made_energy, made_remedy

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 
 import presswear as pw
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.results.export import (
     compare_tables,
     life_table,

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from closed_form import needed_by_virtual_work, press_motion
+from four_bar_linkage import FOUR_BAR
 from scipy.integrate import simpson
 from scipy.optimize import brentq
 from scipy.stats import t as student
 
 import presswear as pw
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.results.export import table_of, unit_of
 from presswear.results.press_analysis import (
     ENERGY_BOUND,

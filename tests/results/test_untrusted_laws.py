@@ -43,8 +43,10 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("received")
     marker = folder / "executed"
     (folder / "laws.py").write_text(PROBE.format(marker=str(marker)))
-    text = example_file("four-bar").replace("wear_updates = 1", "wear_updates = 0")
-    (folder / "mine.toml").write_text(text.replace("[settings]", LOAD))
+    text = example_file("points").replace("wear_updates = 1", "wear_updates = 0")
+    (folder / "mine.toml").write_text(
+        text.replace('engine = "exudyn"', "").replace("[settings]", LOAD)
+    )
     scene = scene_from(folder / "mine.toml")
     pw.run(scene, folder / "out")
     assert marker.exists()

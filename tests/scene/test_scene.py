@@ -6,10 +6,11 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from four_bar_linkage import FOUR_BAR
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import hertz_stiffness
-from presswear.linkage.mechanisms import FOUR_BAR, Press, SliderCrank
+from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import SCENES, scene_named
 from presswear.scene.scene import Scene
@@ -147,8 +148,8 @@ def test_bearings_by_joint_open_those_joints() -> None:
     assert Scene(bearings={"C": other}).clearance_joints == ("C",)
     assert Scene(bearings={}, wear_updates=0).clearance_joints == ()
     assert Scene.from_dict(scene.as_dict()) == scene
-    with pytest.raises(InputError, match="unknown joint in bearings 'D'"):
-        Scene(bearings={"D": one})
+    with pytest.raises(InputError, match="unknown joint in bearings 'F'"):
+        Scene(bearings={"F": one})
 
 
 def test_materials_set_the_wear_of_both_sides() -> None:

@@ -12,31 +12,93 @@ from closed_form import press_motion
 from scipy.optimize import brentq
 
 import presswear as pw
+from presswear.physics.ideal import motion_of
 from presswear.scene.files import EXAMPLES, example_file, scene_from
+from presswear.scene.scene import MECHANISMS
 from presswear.scene.settings import changed
+from presswear.tools.serialize import plain
 from presswear.tools.user_function import UserFunction
+
+OFF = re.compile(r"^#(?=[a-z\[])", re.MULTILINE)  # of a line that is switched off
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "my-own.toml"
+    file.write_text(text)
+    return file
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
-def test_every_example_is_a_scene_and_keeps_all(kind: str, tmp_path: Path) -> None:
-    file = tmp_path / "my-own.toml"
-    file.write_text(example_file(kind))
-    scene = scene_from(file)
-    mechanism, joints = EXAMPLES[kind]
+def test_an_example_is_a_scene_with_the_default_mechanism(kind: str, tmp_path: Path) -> None:
+    text = example_file(kind)
+    scene = scene_from(written(tmp_path, text))
     assert scene.name == "my-own"
-    assert scene.mechanism == mechanism.linkage()
-    assert scene.clearance_joints == tuple(joints.split(","))
-    assert scene.bearings.clearance == 0.3e-3
+    assert scene.bearings == replace(pw.Bearing(), clearance=0.3e-3)
     assert pw.Scene.from_dict(scene.as_dict()) == scene
     assert scene.origins["clearance"] == "set by the user, in the file"
-    assert scene.origins["restitution"] == "default"
+    assert scene.origins["exponent"] == "default"
+    if kind != "points":
+        assert isinstance(scene.mechanism, MECHANISMS[kind])
+        default = scene.mechanism.__class__()
+        assert plain(scene.mechanism) == approximate(plain(default))
+        assert scene.clearance_joints == default.default_joints
+    # Each value has a comment, and no number has more than six digits.
+    values = [line for line in text.split("[bearings]")[-1].splitlines() if " = " in line]
+    assert all("  # " in line for line in values)
+    assert not re.search(r"[1-9][0-9.]{7}", text)
+
+
+def approximate(data: Any) -> Any:
+    """Return plain data that equal others whose numbers agree in six digits."""
+    if isinstance(data, dict):
+        return {key: approximate(value) for key, value in data.items()}
+    return pytest.approx(data, rel=1e-6) if isinstance(data, float) else data
+
+
+def switched_off(kind: str) -> list[str]:
+    """Return the tables, and the single lines, that an example has switched off."""
+    blocks = example_file(kind).split("\n\n")
+    tables = [block for block in blocks if block.startswith("#[")]
+    rest = "\n".join(block for block in blocks if not block.startswith("#["))
+    return [*tables, *(line for line in rest.splitlines() if OFF.match(line))]
+
+
+@pytest.mark.parametrize(
+    ("kind", "block"),
+    [(kind, block) for kind in EXAMPLES for block in [*switched_off(kind), ""]],
+    ids=lambda text: text.split("\n")[0].split(" ")[0] or "all",
+)
+def test_a_table_that_is_switched_on_works(kind: str, block: str, tmp_path: Path) -> None:
+    """One table after the other, and all of them."""
+    text = example_file(kind)
+    on = text.replace(block, OFF.sub("", block)) if block else OFF.sub("", text)
+    plain_scene, scene = (scene_from(written(tmp_path, one)) for one in (text, on))
+    assert scene != plain_scene
+    if block.startswith("#[bearings."):
+        assert scene.bearing(scene.clearance_joints[0]).clearance == 0.15e-3
+    elif block.startswith("#["):
+        part = block[2:].partition("]")[0]
+        data = scene.as_dict()
+        assert (data["mechanism"] if part == "servo" else data)[part] is not None
+
+
+def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
+    """Joints lie at the start where they are drawn, and bodies are not turned."""
+    motion = motion_of(scene_from(written(tmp_path, example_file("points"))).mechanism)
+    centres = motion.at(np.zeros(1)).position.reshape(-1, 3)
+    drawn = [[0.015, 0.02, 0.0], [0.09, 0.1, 0.0], [0.165, 0.075, 0.0]]
+    assert centres == pytest.approx(np.array(drawn), abs=1e-12)
+    points: Any = {"A": ("75 cm", "1 m")}
+    body = pw.Body("a", 1.0, points=points, centre=("25 cm", "50 cm"))
+    assert body == pw.Body("a", 1.0, points={"A": (0.5, 0.5)})
+    with pytest.raises(pw.InputError, match="centre of a = 3: a list is expected"):
+        pw.Body("a", 1.0, centre=3)
 
 
 def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
-    file = tmp_path / "press.toml"
-    file.write_text(example_file("press"))
+    mechanism = scene_from(written(tmp_path, 'mechanism = "press"')).mechanism
     named = replace(pw.scenes.wear_times(), engine=pw.InHouse.word, cycles=1, wear_updates=0)
-    read = replace(named, mechanism=scene_from(file).mechanism, joints="A,C")
+    read = replace(named, mechanism=mechanism.linkage(), joints="A,C")
     one, other = (pw.run(scene).stages[0].arrays for scene in (named, read))
     assert one.keys() == other.keys()
     assert all(array.tobytes() == other[name].tobytes() for name, array in one.items())
@@ -49,7 +111,7 @@ FRICTION = "mechanism = 'press'\n[settings]\nC.friction_law = "
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "mechanism: the name of one or a table"),
+        ("", "mechanism: a table with a kind, one of press, .*, or with bodies is needed"),
         ("mechanism = 'pres'", "unknown mechanism 'pres'; did you mean press"),
         ("mechanism = 'press'\nsetings = 1", "unknown key 'setings'; did you mean settings"),
         ("mechanism = 'press'\n[settings]\nclearence = '1 mm'", "did you mean clearance"),
@@ -57,8 +119,8 @@ FRICTION = "mechanism = 'press'\n[settings]\nC.friction_law = "
         ("mechanism = 'press'\n[settings]\nwear_updates = true", "a text or a number is expected"),
         ("mechanism = 'press'\nsettings = 1", "settings = 1: a table is expected"),
         ("mechanism = 'press'\ntitle = 1", "title = 1: a text is expected"),
-        ("[mechanism", "Expected ']' at the end of a table"),
-        ("mechanism = 'press'\nmechanism = 'press'", "Cannot overwrite a value"),
+        ("[mechanism", r"a closing \] is missing"),
+        ("mechanism = 'press'\nmechanism = 'press'", "this key stands twice"),
         # A law stands beside the file of the scene.
         (f"{FRICTION}'laws.py:rob'", "friction_law.*did you mean rub"),
         (f"{FRICTION}'law.py:rub'", "friction_law.*no such file"),
@@ -74,7 +136,7 @@ def test_a_wrong_file_is_refused_in_one_line(text: str, message: str, tmp_path: 
 
 LOADS = """
 [[mechanism.loads]]
-point = "rocker.head"
+point = "rocker.B"
 direction = "30 deg"
 law.kind = "over-position"
 law.table = [["-20 mm", "0 N"], ["0 mm", "-0.1 kN"], ["10 mm", "-50 N"]]
@@ -93,7 +155,7 @@ law = { kind = "over-time", table = [["0 s", "0 N m"], ["10 ms", "0.1 N m"]], pe
 
 def test_a_file_may_hold_loads(tmp_path: Path) -> None:
     file = tmp_path / "loaded.toml"
-    file.write_text(f"{example_file('four-bar')}{LOADS}")
+    file.write_text(f"{example_file('points')}{LOADS}")
     scene = scene_from(file)
     assert [len(getattr(load.law, "table", ())) for load in scene.linkage().live_loads] == [3, 2, 2]
     assert pw.Scene.from_dict(scene.as_dict()) == scene

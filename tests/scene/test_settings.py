@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from hypothesis import given
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.mechanisms import FOUR_BAR, GEOMETRIES
+from presswear.linkage.mechanisms import GEOMETRIES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.files import example_file, scene_from
@@ -34,8 +35,8 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Sce
     assert len({setting.key for setting in settings}) == len(settings)
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
     assert "0.0008 m" in _described(scene, "clearance")
-    others = "A | C | none | several, as AC", "A | B | none | several, as AB"
-    assert f"({others[scene is CRANK]})" in _described(scene, "joints")
+    joints = "O | A | B" if scene is CRANK else "O2 | O7 | A | B | C | D | E"
+    assert f"({joints} | none | several, as " in _described(scene, "joints")
     assert "none  (none | blanking | drawing | coining)" in _described(scene, "process")
 
 
@@ -71,17 +72,19 @@ SCENES_BY_NAME = {"press": PRESS, "crank": CRANK, "ideal": pw.scenes.ideal()}
 SCENES_BY_NAME["refined"] = pw.scenes.wear_times(conventions="refined")
 # Scene, settings, and pattern of the message.
 REFUSED = r"""
-press | clearence=1mm | unknown key 'clearence'; did you mean clearance\?; known are
+press | clearence=1mm | unknown key 'clearence'; did you mean clearance\?$
 press | rod_length=1m | unknown key 'rod_length'
-crank | geometry=standard | unknown key 'geometry'.*; known are .*rod_length
-crank | hx=1m | unknown key 'hx'.*; known are .*rod_length
+press | Kd=1/Pa | unknown key 'Kd'; did you mean K_d\?$
+press | c_f=0.1 friction=0.2 | c_f and friction are the same setting; set one of them
+crank | geometry=standard | unknown key 'geometry'; presswear list SCENE shows all keys
+crank | hx=1m | unknown key 'hx'; presswear list SCENE shows all keys
 press | geometry=round | geometry = 'round': allowed is one of standard
-press | joints= | joints = '': allowed is one of A, C, none, several, as AC
-press | joints=B | joints = 'B': allowed is one of A, C, none
+press | joints= | joints = '': allowed is one of O2, O7, A, .*, none, several, as O2,O7,A,
+press | joints=F | joints = 'F': allowed is one of O2, O7, A, B, C
 press | joints=CC | joints = 'CC': allowed is
 press | joints=A, | joints = 'A,': allowed is
 press | joints=none,A | joints = 'none,A': allowed is
-crank | joints=AC | joints = 'AC': allowed is one of A, B, none, several, as AB
+crank | joints=AC | joints = 'AC': allowed is one of O, A, B, none, several, as OAB
 press | clearance=15mm | clearance = 0\.015 m: .* below the bearing radius
 press | bearing_radius=0.5mm | clearance = 0\.0008 m
 press | lower_speed=1mm/s | lower_speed = 0\.001 m/s
@@ -100,16 +103,17 @@ press | elasticity=liu exponent=1.2 | .*allowed is 1.5
 press | normal_law=hunt-crosley | .*did you mean hunt-crossley
 press | materials=chrome-304L | .*did you mean chromed-304L
 press | A.friction_law=no.py:f | A.friction_law = 'no.py:f': .*no such file
-refined | B.clearance=1mm | unknown key 'B.clearance'; did you mean clearance
-refined | geometry.hx=1mm | unknown key 'geometry.hx'; did you mean geometry
-refined | A.clearence=1mm | unknown key 'A.clearence'; did you mean A.clearance
+refined | B.clearance=1mm | B.clearance: joint B has no clearance; joints = AC
+refined | F.clearance=1mm | unknown joint in F.clearance: 'F'; known are O2, O7, A
+refined | geometry.hx=1mm | unknown key 'geometry.hx'; did you mean geometry\?$
+refined | A.clearence=1mm | unknown key of A 'clearence'; did you mean clearance\?$
 refined | A.angles=8 | A\.angles = 8: allowed is 16 to 100000
 refined | A.clearance=20mm | A\.clearance = 0\.02 m: allowed is below the bearing
 refined | A.clearance=1 | A\.clearance = '1' has no unit
 refined | A.exponent=1.2 | A\.exponent = 1\.2: with contact = 'foundation'
 ideal | process=blank | .*'blank': .*did you mean blanking
 ideal | process.force=1N | process\.force: process = none; it needs process = bla
-ideal | process=drawing process.snap=1mm | unknown key 'process\.snap'.*known are process.bottom
+ideal | process=drawing process.snap=1mm | unknown key of process 'snap'; known are .*bottom
 ideal | process=drawing process.force=3 | process\.force = '3' has no unit; known are N, kN, MN
 ideal | process=blanking process.height=0.2m | process\.height = 0\.2 m above the lowest place of
 ideal | process=coining torque_limit=0.01Nm | torque_limit of crank \d = 0\.01 N m: the ideal motion
@@ -117,7 +121,7 @@ ideal | servo=dwel | servo = 'dwel': .*did you mean dwell
 ideal | servo.part=0.1 | servo\.part: servo = none; it needs servo = dwell, forming, pend
 ideal | servo=dwell servo.stroke=80 | servo\.stroke = '80' has no unit
 ideal | servo=dwell servo.part=0.6 | servo\.part = 0\.6: allowed is above 0 up to 0\.5
-ideal | servo=dwell servo.stroke=0.2m | drive of crank 7 cannot make its point .* angle \S+ deg
+ideal | servo=dwell servo.stroke=0.2m | servo\.stroke = 200 mm: .* allowed is 3\d mm to 10\d mm$
 ideal | servo=forming servo.speed=1mm/s | servo\.speed = 0\.001 m/s: .* allowed is 0\.03266
 ideal | servo=forming servo.end=7mm | servo\.height = 0\.006 m: .* end = 0\.007 m and stroke
 ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d = 5 N m: the ideal

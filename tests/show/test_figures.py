@@ -12,6 +12,7 @@ import matplotlib
 import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from made_up_result import altered, grown, lived, made_up, not_passed
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,7 +21,6 @@ from matplotlib.figure import Figure as Sheet
 
 import presswear as pw
 from presswear.campaign.campaign import run
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.press_analysis import ideal_curves

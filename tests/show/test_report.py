@@ -7,11 +7,11 @@ from pathlib import Path
 import made_up_result as made
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from made_up_result import altered, grown, lived, made_up, not_passed
 from test_page import Page
 
 import presswear as pw
-from presswear.linkage.mechanisms import FOUR_BAR
 from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
 from presswear.results.stage import StageStatistics, WearStep
