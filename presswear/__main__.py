@@ -56,6 +56,8 @@ def _run(words: Sequence[str]) -> int:
 
     from presswear.cli.parser import parser_for
 
+    if not words or words[0] == "help":
+        words = [*words[1:], "--help"]
     arguments = parser_for(words).parse_args(words)
     from presswear.cli import COMMANDS
     from presswear.cli.terminal import logging_to_stderr

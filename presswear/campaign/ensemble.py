@@ -347,10 +347,8 @@ class _Rounds:
                 self._done[k] = done
         number = max(index, 0) // size
         needed, cycles = np.repeat(self._needed, size), self._done[number * size :][:size]
-        low, high = int(min(cycles)), int(max(cycles))
-        where = f"cycle {low}" if low == high else f"cycles {low} to {high}"
-        if size > 1:
-            where += f" of {size} replicates" + (" alone" if number else "")
+        where = f"cycle {int(min(cycles))} of {math.ceil(self._needed[number])}"
+        where += ", second set" if number else ""
         word = ", ".join(filter(None, (self._spec.label, where + self._reached[number])))
         linkage, film = self._linkages[index], None
         # A window shows one of the runs.

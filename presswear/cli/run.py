@@ -1,6 +1,7 @@
 """``presswear run`` and ``life``: a scene, or its service life, into a result folder."""
 
 import argparse
+import logging
 import re
 import time as clock
 from collections.abc import Callable
@@ -15,21 +16,24 @@ from rich.progress import Progress as ProgressBar
 from presswear.cli import terminal
 from presswear.linkage.laws import MATERIALS
 from presswear.recording.observer import COMPILING, Observer, Progress
+from presswear.recording.statistics import Estimate
 from presswear.scene.catalog import title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.numbers import with_interval
+from presswear.tools.numbers import unit_scale, with_interval
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
     from presswear.results.life import LifeResult
     from presswear.results.stage import StageResult
 
+LOGGER = logging.getLogger(__name__)
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
+SHOWN_JOINTS = 3  # in the lines of a stage
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
 LIFE = "life,"  # start of the description of a step that follows a service life
 
@@ -138,6 +142,7 @@ class RunObserver(Observer):
     def __init__(self, bar: ProgressBar, scene: Scene) -> None:
         self._bar, self._scene = bar, scene
         self._compile_time = 0.0  # within this stage, s
+        self._compiled = 0.0  # of all stages, s
         self._compile_start: float | None = None
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
 
@@ -153,11 +158,14 @@ class RunObserver(Observer):
         check_stopped()
         text = step_text(self._scene, progress.stage, progress.word)
         if self._compile_start is not None:
+            took = clock.perf_counter() - self._compile_start
+            self._compiled += took
             # The time of a stage does not include the wear update after it.
             if not text.startswith("applying"):
-                self._compile_time += clock.perf_counter() - self._compile_start
+                self._compile_time += took
             self._compile_start = None
-        self._bar.update(self._task, description=text, completed=progress.whole)
+        done = progress.whole
+        self._bar.update(self._task, description=text, completed=done, idle=self._compiled)
 
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""
@@ -165,26 +173,31 @@ class RunObserver(Observer):
         self._compile_time = 0.0  # it belongs to no stage
 
     def on_stage(self, stage: "StageResult") -> None:
-        """Print the model of a stage, and its cost, contacts, forces and wear."""
+        """Print the cost of a stage, and peak forces and wear of the joints most loaded."""
         model, solver = stage.diagnostics["model"], stage.diagnostics["solver"]
+        LOGGER.info("%s: %s. %s", stage.name, model, solver)
         wall = stage.wall_s - self._compile_time
         speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
-        steps = f"{stage.statistics.cycles} cycles, {stage.diagnostics['steps']} steps"
-        parts = [f"  {steps}, {speed:.2f} s per simulated second"]
-        for name, joint in stage.statistics.joints.items():
-            fewest = joint.min_steps_per_contact
-            resolution = "" if fewest is None else f", each with at least {fewest} steps"
-            force, volume = joint.peak_force_per_cycle, joint.wear_volume.scaled(1e9)
-            parts.append(
-                f"{name}: {joint.contacts} contacts{resolution}, peak force "
-                f"{with_interval(force.mean, force.half_width)} N, wear "
-                f"{with_interval(volume.mean, volume.half_width)} mm^3"
-            )
-        if len(parts) > 1:
-            parts.append("peak force: mean of the largest in each cycle; ±: 95 % interval")
-        lines = f"{stage.name}: {model}. {solver}", "; ".join(parts)
+        cycles = stage.statistics.cycles
+        lines = [f"{stage.name}: {cycles} cycles, {speed:.2f} s per simulated second"]
+        joints = stage.statistics.joints.items()
+        forces = {name: joint.peak_force_per_cycle for name, joint in joints}
+        volumes = {name: joint.wear_volume for name, joint in joints}
+        lines += _largest("mean peak force", "N", forces) + _largest("worn volume", "m^3", volumes)
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
+
+
+def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
+    """Return a line with the largest of the values of joints; none if all are zero."""
+    names = sorted(values, key=lambda name: -values[name].mean)
+    if not names or not values[names[0]].mean:
+        return []
+    factor, display = unit_scale(unit, values[names[0]].mean)
+    scaled = ((name, values[name].scaled(factor)) for name in names[:SHOWN_JOINTS])
+    texts = [f"{name} {with_interval(value.mean, value.half_width)}" for name, value in scaled]
+    more = f" and {len(names) - SHOWN_JOINTS} more" if len(names) > SHOWN_JOINTS else ""
+    return [f"  {words}, {display}: {', '.join(texts)}{more}"]
 
 
 def step_text(scene: Scene, stage: int, step: str) -> str:

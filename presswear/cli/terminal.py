@@ -3,6 +3,7 @@
 import logging
 import shlex
 import sys
+import textwrap
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,12 +17,13 @@ from rich.markup import escape
 from rich.progress import (
     BarColumn,
     Progress,
+    ProgressColumn,
+    Task,
     TaskProgressColumn,
     TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
 )
 from rich.table import Column, Table
+from rich.text import Text
 
 from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, scene_from
@@ -29,13 +31,14 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import check_folder
+from presswear.tools.numbers import lasting
 from presswear.tools.processes import is_stopped
 
 if TYPE_CHECKING:
     from presswear.results.result import Result
 
-MIN_BAR = 8  # width of a progress bar, characters
-WIDE = 70  # width of a terminal from which the elapsed time is shown, characters
+MIN_BAR = 12  # width of a progress bar, characters
+MIN_SHARE = 0.02  # completed part from which the time left is estimated
 
 
 def parse_settings(items: Iterable[str]) -> dict[str, str]:
@@ -149,9 +152,13 @@ def load_result(path: Path, console: Console) -> "Result":
 
 
 def print_lines(console: Console, *lines: str) -> None:
-    """Print lines as they are, without wrapping, colours or markup."""
+    """Print lines without colours or markup; a terminal that is too narrow gets them in parts."""
     for line in lines:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+        indent = line[: len(line) - len(line.lstrip())] + "  "
+        look: Any = {"break_long_words": False, "break_on_hyphens": False}
+        parts = textwrap.wrap(line, console.width, subsequent_indent=indent, **look)
+        for part in parts if console.is_terminal else [line]:
+            console.print(part, highlight=False, markup=False, soft_wrap=True)
 
 
 def print_table(
@@ -185,16 +192,26 @@ def verdict(passed: bool) -> str:
     return "pass" if passed else "[bold red]MISS[/]"
 
 
+class _TimeLeft(ProgressColumn):
+    """Time left at the mean speed so far, without the time of compilation (field ``idle``)."""
+
+    def render(self, task: Task) -> Text:
+        """Return the time in words; nothing while little is done."""
+        share = task.percentage / 100.0
+        if not MIN_SHARE <= share < 1.0 or task.elapsed is None:
+            return Text("")
+        seconds = (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 / share - 1.0)
+        return Text(f"{lasting(round(max(seconds, 0.0)))} left")
+
+
 def progress_bar(console: Console) -> Progress:
-    """Return a progress bar with elapsed and remaining time; silent without a terminal."""
-    words = Column(ratio=3, no_wrap=True, overflow="ellipsis")
+    """Return a progress bar with the time left; silent without a terminal."""
+    words = Column(ratio=1, overflow="fold")
     columns = (
         TextColumn("{task.description}", table_column=words),
-        BarColumn(None, table_column=Column(ratio=2, min_width=MIN_BAR)),
+        BarColumn(None, table_column=Column(min_width=MIN_BAR, max_width=MIN_BAR)),
         TaskProgressColumn(table_column=Column(no_wrap=True)),
-        *([TimeElapsedColumn(Column(no_wrap=True))] if console.width >= WIDE else []),
-        TextColumn("left", table_column=Column(no_wrap=True)),
-        TimeRemainingColumn(table_column=Column(no_wrap=True)),
+        _TimeLeft(Column(no_wrap=True)),
     )
     return Progress(*columns, console=console, disable=not console.is_terminal, expand=True)
 

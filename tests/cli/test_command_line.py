@@ -58,6 +58,8 @@ run wear-times --jobs 99999999999: must be a whole number
 run wear-times --resume: --out
 run wear-times --resume --out nowhere: --resume --out nowhere: there is no such folder
 life ideal --resume --out nowhere: --resume --out nowhere: there is no such folder
+help rum: 'rum'; did you mean run?
+sweep wear-times --wear-updates 0 --set wear_updates=1: --wear-updates and --set wear_updates
 sweep wear-times --resume --out nowhere: --resume --out nowhere: there is no such folder
 run wear-times --checkpoint soon: --checkpoint soon: must be a number of seconds
 run wear-times --surfaces nowhere:1: nowhere: there is no such folder
@@ -177,7 +179,11 @@ def test_every_help_has_an_example(name: str, capsys: pytest.CaptureFixture[str]
     with pytest.raises(SystemExit) as ended:
         main([*name.split(), "--help"])
     assert ended.value.code == 0
-    assert "example: presswear" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert "example: presswear" in text
+    with pytest.raises(SystemExit):
+        main(["help", *name.split()] if name else [])
+    assert capsys.readouterr().out == text
 
 
 def test_interrupt_that_became_error(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
