@@ -75,7 +75,7 @@ def parser_with(names: Collection[str]) -> tuple[Parser, dict[str, Parser]]:
     parser = Parser(
         prog="presswear",
         description="Dynamics and wear of planar linkages with clearance in their joints.",
-        epilog="example: presswear run wear-times --cycles 5 --out results/first; presswear help run",
+        epilog="example: presswear run wear-times --cycles 5; presswear help run",
     )
     parser.add_argument("--version", action="store_true", help="print the version")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
