@@ -99,6 +99,13 @@ class Bearing:
     bristle_damping: float = quantity(
         10.0, "s/m", 1e-2, 1e5, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
     )
+    viscosity: float | None = quantity(
+        *(None, "Pa s", 1e-5, 1e3, "chosen"),
+        "viscosity of a lubricant: its film is reported, not simulated; default: dry",
+    )
+    roughness: float = quantity(
+        *(0.3e-6, "m", 1e-9, 1e-4, "assumed"), "R_q of pin and bearing, beside an oil film"
+    )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:

@@ -33,6 +33,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
         **dict.fromkeys(("1/MPa", "/MPa", "mm^2/N"), 1e-6),
         **dict.fromkeys(("mm^3/Nm", "mm^3/N m", "mm^3/(N m)"), 1e-9),
     },
+    "Pa s": {"Pa s": 1.0, "Pas": 1.0, "mPa s": 1e-3, "mPas": 1e-3, "cP": 1e-3},
     "m^3": {"m^3": 1.0, "cm^3": 1e-6, "mm^3": 1e-9},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3},

@@ -1,0 +1,75 @@
+"""Oil films against published tables of finite journal bearings."""
+
+import math
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.results.oil_film import DRY, FULL, dry_contact, oil_film, sommerfeld, thickness
+from presswear.scene.bearing import Bearing
+
+# Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over diameter and
+# relative eccentricity
+TABLE = {
+    1.0: {0.5: 0.8903, 0.9: 8.4352, 0.99: 107.79},
+    0.5: {0.5: 0.3124, 0.9: 5.0881, 0.99: 93.79},
+    0.25: {0.5: 0.0888, 0.9: 2.1595, 0.99: 70.04},
+}
+BUSH = Bearing(clearance=5e-5, bearing_radius=0.045, width=0.08, viscosity=0.1)
+
+
+@pytest.mark.parametrize("ratio", TABLE)
+def test_sommerfeld_numbers_are_those_of_tables(ratio: float) -> None:
+    eccentricity, numbers = map(np.array, zip(*TABLE[ratio].items(), strict=True))
+    assert sommerfeld(eccentricity, ratio) == pytest.approx(numbers, rel=0.07)
+
+
+def test_film_carries_its_force() -> None:
+    force, speed = np.array([2440.0, 225e3, 1.0]), np.array([6.28, 2.0, 300.0])
+    gap = thickness(BUSH, force, speed) / BUSH.clearance
+    number = sommerfeld(1.0 - gap, 0.08 / 0.09)
+    carried = number * BUSH.width * 0.09 * 0.1 * speed / (5e-5 / 0.045) ** 2
+    assert carried == pytest.approx(force, rel=1e-6)
+    assert thickness(BUSH, np.array([1.0]), np.zeros(1)) == 0.0
+    assert thickness(BUSH, np.zeros(1), np.ones(1)) == pytest.approx(BUSH.clearance)
+
+
+def test_wide_clearance_carries_nothing_and_thick_oil_everything() -> None:
+    thin, thick = (pw.scenes.slider_crank(viscosity=f"{n} Pa s") for n in (1e-5, 1e3))
+    (joint,) = thin.clearance_joints
+    dry, full = oil_film(thin, joint), oil_film(thick, joint)
+    assert dry is not None
+    assert full is not None
+    assert dry.friction != FULL
+    assert full.shares[DRY] < dry.shares[DRY]
+    assert oil_film(pw.scenes.slider_crank(), joint) is None
+
+
+def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
+    """Then it is the sum of the rates of pin and bearing, here of a hanging weight on a crank."""
+    weight = pw.assemble(
+        bodies=[pw.Bar("crank", length=0.1, mass=1e-6), pw.Bar("rod", length=0.1, mass=1e-6)],
+        joints=[pw.Pin("O", (0.0, 0.0), "crank.tail"), pw.Pin("A", "crank.head", "rod.tail")],
+        drives=[pw.Drive("crank", speed=5.0), pw.Drive("rod", speed=10.0)],
+        loads=[pw.Force("rod.tail", -math.pi / 2.0, 100.0)],
+        output="rod.tail",
+    )
+    scene = pw.Scene(weight, bearings={"A": BUSH})
+    film = oil_film(scene, "A")
+    assert film is not None
+    assert film.force == pytest.approx(np.full(film.force.size, 100.0), rel=1e-3)
+    assert film.speed == pytest.approx(np.full(film.speed.size, 15.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({}, "No viscosity is specified"),
+        ({"viscosity": "0.1 Pa s"}, "With 0.1 Pa s a steady film would be"),
+        ({"clearance": "1 mm", "viscosity": "0.1 Pa s"}, "too wide for a film"),
+    ],
+)
+def test_sentences_say_where_dry_contact_holds(values: dict[str, str], words: str) -> None:
+    (sentence,) = dry_contact(pw.scenes.slider_crank(**values))
+    assert words in sentence
