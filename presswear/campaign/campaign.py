@@ -88,6 +88,9 @@ def run(
     InputError
         If the scene, or the content of the folder, does not allow the run.
     """
+    if not isinstance(scene, Scene):
+        example = "a Scene is expected, such as pw.scenes.ideal() or pw.scene_from('press.toml')"
+        raise InputError(f"scene = {shown(scene)}: {example}")
     _check_jobs(jobs)
     scene = with_engine(scene, engine)
     if folder is None:

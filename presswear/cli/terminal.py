@@ -25,8 +25,8 @@ from rich.progress import (
 from rich.table import Column, Table
 from rich.text import Text
 
-from presswear.scene.catalog import scene_named
-from presswear.scene.files import SUFFIX, scene_from
+from presswear.scene.catalog import SCENES, scene_named
+from presswear.scene.files import EXAMPLES, SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
@@ -60,6 +60,8 @@ def load_scene(name: str) -> Scene:
         return scene_from(Path(name))
     if name.endswith(".py"):
         raise InputError(f"{name} is a Python script; run it with: python {shlex.quote(name)}")
+    if name in EXAMPLES and name not in SCENES:
+        raise InputError(f"{name} is a mechanism; write a file of it with: presswear new {name}")
     if Path(name).is_file():
         raise InputError(f"{name}: the name of the file of a scene must end in {SUFFIX}")
     return scene_named(name)

@@ -420,10 +420,10 @@ class Dwell(Checked):
 
     kind: ClassVar[str] = "dwell"
 
+    stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     part: float = quantity(
         1.0 / 9.0, "", 0.0, 0.5, "chosen", "fraction of the cycle in the dwell", open_low=True
     )
-    stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     bottom: float = _servo_angle(120.0, _BOTTOM, 0.0)
     angle: float = _servo_angle(-20.0, _START)
     law: str = choice("modified-sine", tuple(RISES), "law of the rise and the return")

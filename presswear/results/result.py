@@ -39,11 +39,11 @@ class _Stages(tuple[StageResult, ...]):
         try:
             return super().__getitem__(index)
         except IndexError:
-            raise IndexError(f"there is no stage {index}; stored are {_range_of(self)}") from None
+            raise IndexError(f"there is no stage {index}; it has {_range_of(self)}") from None
 
 
 def _range_of(stages: tuple[StageResult, ...]) -> str:
-    return f"0 to {len(stages) - 1}" if stages else "none"
+    return " to ".join(dict.fromkeys(["0", f"{len(stages) - 1}"])) if stages else "none"
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.serialize import NOT_STORED
 
+T = TypeVar("T")
 JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
 
 
@@ -27,6 +29,13 @@ def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
     """
     are_alike = len(set(bins.values())) == 1
     return {name: "angle" if are_alike else f"{name}_angle" for name in bins}
+
+
+class Joints(dict[str, T]):
+    """Values by the name of a joint with clearance; InputError lists them for an unknown name."""
+
+    def __missing__(self, name: str) -> T:
+        raise unknown("joint with clearance", name, self)
 
 
 @dataclass(frozen=True)
@@ -107,6 +116,9 @@ class StageStatistics:
     energy_exchanged: float = 0.0  # by the drives, J
     energy_made_fraction: float = 0.0  # made by contacts over dissipated by contacts and friction
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joints", Joints(self.joints))
+
     @property
     def energy_residual_fraction(self) -> float | None:
         """Absolute residual over the energy that drives exchanged; None if they exchanged none."""
@@ -126,13 +138,6 @@ class WearStep:
     max_depth: Mapping[str, Mapping[str, float]]  # by joint and side, after the step, m
     peak_force: Mapping[str, float]  # normal force by joint, N
     wall_s: float
-
-
-class Joints(dict[str, "JointResult"]):
-    """Joints with clearance by name; InputError lists them for an unknown name."""
-
-    def __missing__(self, name: str) -> "JointResult":
-        raise unknown("joint with clearance", name, self)
 
 
 @dataclass(frozen=True)
@@ -307,7 +312,7 @@ class StageResult:
     @property
     def joints(self) -> dict[str, JointResult]:
         """Joints with clearance by name."""
-        joints = Joints()
+        joints = Joints[JointResult]()
         for k, name in enumerate(self.joint_names):
             prefix, first = f"{name}_", len(observe.CYCLE_FIXED) + len(observe.CYCLE_JOINT) * k
             arrays = {

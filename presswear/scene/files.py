@@ -117,7 +117,8 @@ _TOML_FAULTS = {  # beginnings of messages of tomllib, and what they mean
     "Cannot overwrite": "this key stands twice",
     "Cannot declare": "this table stands twice",
     "Invalid value": 'a text, or a number with its unit, needs quotes, such as "0.3 mm"',
-    "Expected newline": 'a text, or a number with its unit, needs quotes, such as "0.3 mm"',
+    "Expected newline": 'a text, or a number with its unit, needs quotes, such as "0.3 mm", and a '
+    "comment begins with #",
     "Illegal character '\\n'": "a closing quote is missing",
     "Unterminated string": "a closing quote is missing",
     "Expected '=' after a key": "KEY = VALUE is expected; a key with a space needs quotes",
@@ -145,8 +146,9 @@ def read_toml(file: Path) -> dict[str, Any]:
         raise InputError(f"{file}{line}: {fault}") from None
 
 
-def scene_from(file: Path) -> Scene:
+def scene_from(file: str | Path) -> Scene:
     """Return the scene that a file describes, checked; errors name the file, the key, the value."""
+    file = Path(file)
     try:
         data = read_toml(file)
         for key in data:
@@ -218,6 +220,10 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
                     full = table if full == "kind" else f"{table}.{full}"
                 if full in settings:
                     raise InputError(f"{full} stands twice; it is allowed in one table only")
+                if full == "kind":
+                    raise InputError(f"{table}: kind belongs to another table; is its # removed?")
+                if isinstance(one, list) and full == "joints":
+                    one = ",".join(map(str, one))
                 if isinstance(one, list):
                     needed = "it needs a mechanism of bodies; presswear new points writes one"
                     raise InputError(f"{table}.{full}: {needed}")

@@ -164,8 +164,7 @@ class Scene:
         except AssemblyError as error:
             if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
                 raise
-            changed = {key.removeprefix("servo.") for key in self.origins}
-            raise servo_fault(self.mechanism, changed) or error from None
+            raise servo_fault(self.mechanism) or error from None
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded

@@ -1,7 +1,6 @@
 """Servo motions that the linkage of the press cannot follow: the value to change, and its range."""
 
 import math
-from collections.abc import Container
 from dataclasses import fields, replace
 from typing import Any
 
@@ -17,18 +16,25 @@ _HALVINGS = 3  # of the step in which a range ends
 _MARGIN = 0.01  # part of a range that is left out at its ends
 
 
-def servo_fault(press: Press, changed: Container[str]) -> InputError | None:
+def servo_fault(press: Press) -> InputError | None:
     """Return the error for a servo value with the range that works; None if no range is found.
 
-    The first value in the order of the fields, ``changed`` ones before others, that has a range
-    with the other values as they are.
+    The other values stay as they are. Values that differ from their defaults are tried first.
     """
     servo: Any = press.servo
-    meanings = {item.name: meaning_of(item) for item in fields(servo)}
-    for name in sorted(meanings, key=lambda name: name not in changed):
+    default = type(servo)()
+    meanings = {
+        item.name: meaning
+        for item in fields(servo)
+        if isinstance(meaning := meaning_of(item), Quantity)
+    }
+
+    def is_default(name: str) -> bool:
+        return math.isclose(getattr(servo, name), getattr(default, name), rel_tol=1e-5)
+
+    for name in sorted(meanings, key=is_default):
         meaning = meanings[name]
-        ends = _range(press, name, meaning) if isinstance(meaning, Quantity) else None
-        if isinstance(meaning, Quantity) and ends:
+        if ends := _range(press, name, meaning):
             margin = _MARGIN * (ends[1] - ends[0])
             low, high = meaning.written(ends[0] + margin, 3), meaning.written(ends[1] - margin, 3)
             allowed = f"with the other values of the servo allowed is {low} to {high}"

@@ -185,13 +185,14 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if first in scene.mechanism.allowed_joints and first not in scene.clearance_joints:
         return InputError(f"{key}: joint {first} has no clearance; joints = {scene.joints}")
     inner = [name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")]
-    if inner and first:
+    if part is not None and inner:
         return unknown(f"key of {first}", last, inner)
-    if first and part is None and last in vars(scene.bearings):
+    if first not in scene.clearance_joints and part is None and last in vars(scene.bearings):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
-    common = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]
-    hint = nearest(key, [*common, *SYMBOLS]) or "; presswear list SCENE shows all keys"
-    return InputError(f"unknown key {shown(key)}{hint}")
+    names = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]
+    joint = f"{first}." if first in scene.clearance_joints else ""
+    hint = nearest(key.removeprefix(joint), [*(inner if joint else names), *SYMBOLS])
+    return InputError(f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}")
 
 
 def _changed(

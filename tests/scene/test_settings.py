@@ -106,7 +106,7 @@ press | A.friction_law=no.py:f | A.friction_law = 'no.py:f': .*no such file
 refined | B.clearance=1mm | B.clearance: joint B has no clearance; joints = AC
 refined | F.clearance=1mm | unknown joint in F.clearance: 'F'; known are O2, O7, A
 refined | geometry.hx=1mm | unknown key 'geometry.hx'; did you mean geometry\?$
-refined | A.clearence=1mm | unknown key of A 'clearence'; did you mean clearance\?$
+refined | A.clearence=1mm | unknown key 'A.clearence'; did you mean clearance\?$
 refined | A.angles=8 | A\.angles = 8: allowed is 16 to 100000
 refined | A.clearance=20mm | A\.clearance = 0\.02 m: allowed is below the bearing
 refined | A.clearance=1 | A\.clearance = '1' has no unit
