@@ -210,14 +210,14 @@ def _joint_statistics(
     error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
     return JointStatistics(
         peak_force=_largest(recorders, "force_max", k),
-        peak_force_per_cycle=_mean(recorders, alone, "force_max", k),
+        peak_force_per_cycle=_mean(recorders, alone, "force_max", k).positive,
         contacts=contacts,
-        contacts_per_cycle=_mean(recorders, alone, "contacts", k),
+        contacts_per_cycle=_mean(recorders, alone, "contacts", k).positive,
         unresolved_contacts=int(counters["unresolved"].sum()),
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
         contact_time_fraction=float(counters["closed_time"].sum()) / time,
-        load_distance_per_cycle=_mean(recorders, alone, "load_distance", k),
-        wear_volume=Estimate.symmetric(volume, half, len(maps)),
+        load_distance_per_cycle=_mean(recorders, alone, "load_distance", k).positive,
+        wear_volume=Estimate.symmetric(volume, half, len(maps)).positive,
         wear_volume_step_error=(
             None if coarser is None else abs(worn_volume(joint, coarser) - volume)
         ),
@@ -256,7 +256,8 @@ def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, Wea
                 half = half_width(samples[:, place])
                 deepest = Estimate.symmetric(value, half, len(maps))
                 peak = widened(deepest, value - float(centre[place])), peak[1]
-            peak = widened(peak[0], error or 0.0), peak[1]
+            depth_peak = widened(peak[0], error or 0.0)
+            peak = depth_peak.positive if wear.is_smoothed else depth_peak, peak[1]
         peaks[name] = WearPeak(*peak, error)
     return peaks
 

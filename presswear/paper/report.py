@@ -42,7 +42,7 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     claims = verdicts.judge(evidence)
     answer, sections = headline(evidence, claims), page_sections(evidence, claims)
     figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
-    sections.insert(3, Section("Figures 8 to 25", figures=figures))
+    sections.insert(3, Section("Figures 8 to 25", figures=figures, is_open=True))
     write_bytes(path, page.render_page(TITLE, sections, answer=[answer]).encode())
     return answer, path
 
@@ -75,7 +75,7 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
     printed = "Every printed number of sections 5.3 and 5.4"
     accuracy = [("", long_table(evidence))]
     return [
-        Section("In short", findings(evidence, failures), counts),
+        Section("In short", findings(evidence, failures), counts, is_open=True),
         Section("Claims on trends", [TEXTS["claims"]], trends),
         Section(printed, [TEXTS["numbers"]], numbers),
         Section("Assumptions, their fit and their effect", [TEXTS["assumptions"]], assumptions),

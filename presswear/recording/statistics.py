@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.tools.arrays import Array, State
+from presswear.tools.numbers import readable, with_interval
 
 STARTUP_CYCLES = 2  # that are no samples; if no more ran, the last of them is the only one
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
@@ -28,6 +29,7 @@ MIN_WIDTH = 0.1  # bins, standard deviation of a Gaussian that leaves a map as i
 MAX_WIDTH = 0.1  # of a turn, of the widest Gaussian that smooths a map
 WIDTHS = 64  # of Gaussians to choose from
 RESAMPLES = 1000  # of a bootstrap: an end of an interval scatters by about 5 % of its width
+MAX_FACTOR = 10.0  # from the mean of a positive quantity to an end of its interval
 _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
 
@@ -52,6 +54,30 @@ class Estimate:
     def half_width(self) -> float | None:
         """Half the length of the interval; None: too few samples."""
         return None if self.low is None or self.high is None else 0.5 * (self.high - self.low)
+
+    @property
+    def positive(self) -> "Estimate":
+        """Estimate of a positive quantity, with the interval of its logarithm (delta method).
+
+        Without an interval if an end is more than ``MAX_FACTOR`` times away: too few samples.
+        """
+        half = self.half_width
+        if half is None or self.mean <= 0.0:
+            return self
+        if half > self.mean * math.log(MAX_FACTOR):
+            return Estimate(self.mean, samples=self.samples)
+        factor = math.exp(half / self.mean)
+        return Estimate(self.mean, self.mean / factor, self.mean * factor, self.samples)
+
+    def __str__(self) -> str:
+        """Return the mean with its interval; ``±`` where both ends are about as far away."""
+        if self.low is None or self.high is None:
+            return with_interval(self.mean, None)
+        half = 0.5 * (self.high - self.low)
+        if abs(0.5 * (self.low + self.high) - self.mean) <= 0.05 * half:
+            return with_interval(self.mean, half)
+        mean, *ends = (readable(number, 2) for number in (self.mean, self.low, self.high))
+        return f"{mean} ({' to '.join(ends)})"
 
     def scaled(self, factor: float) -> "Estimate":
         """Return the estimate in another unit; the factor is positive."""
@@ -444,9 +470,7 @@ def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:
     ranges = [np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples]
     everything = np.concatenate(ranges)
     mean, half = float(everything.mean()), _half_width_of(ranges)
-    if half is None:
-        return Estimate(mean, samples=everything.size), count
-    return Estimate(mean, max(mean - half, 0.0), mean + half, everything.size), count
+    return Estimate.symmetric(mean, half, everything.size).positive, count
 
 
 def differ(samples: Sequence[Array]) -> bool:

@@ -278,12 +278,12 @@ def _rows(time: Array, start: float, end: float) -> slice:
 
 
 def _mean(values: Iterable[float]) -> Estimate | None:
-    """Return the mean over the values that are numbers; None if there is none."""
+    """Return the mean over the values, from 0, that are numbers; None if there is none."""
     samples = np.array([float(value) for value in values if not math.isnan(value)])
     if not samples.size:
         return None
     half = statistics.half_width(statistics.batched(samples))
-    return Estimate.symmetric(float(samples.mean()), half, samples.size)
+    return Estimate.symmetric(float(samples.mean()), half, samples.size).positive
 
 
 # Drives -------------------------------------------------------------------------------------------
@@ -327,6 +327,8 @@ class DriveResult(NamedTuple):
 
     duty: DriveDuty  # of the run, integrated over all steps
     ideal: DriveDuty  # of the linkage without clearance
+    peak_torque: Estimate | None  # largest in magnitude of a cycle, mean over cycles, N m
+    peak_power: Estimate | None  # W
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
@@ -341,15 +343,16 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     replicates = [stage.arrays["cycles"][start == k] for k in range(scene.replicate_count)]
     cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
     last = cycles[:, -len(CYCLE_DRIVE) * len(ideal) :].reshape(len(cycles), len(ideal), -1)
-    numbers = {}
+    numbers, peaks = {}, {}
     for k, body in enumerate(ideal):
         columns = dict(zip(CYCLE_DRIVE, last[:, k].T, strict=True))
+        peaks[body] = [_mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")]
         numbers[body] = {
             name: _farthest(values) if name.endswith("peak") else float(values.mean())
             for name, values in columns.items()
         }
     duties = _duties(numbers, scene.mechanism.period)
-    return {body: DriveResult(duties[body], ideal[body]) for body in ideal}
+    return {body: DriveResult(duties[body], ideal[body], *peaks[body]) for body in ideal}
 
 
 def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:

@@ -106,6 +106,12 @@ class Bearing:
     roughness: float = quantity(
         *(0.3e-6, "m", 1e-9, 1e-4, "assumed"), "R_q of pin and bearing, beside an oil film"
     )
+    pressure_limit: float | None = quantity(
+        None, "Pa", 1e3, 1e10, "chosen", "largest pin pressure p = F / (2 R_i b); default: none"
+    )
+    pv_limit: float | None = quantity(
+        None, "W/m^2", 1.0, 1e12, "chosen", "largest mean of p times sliding speed; default: none"
+    )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:

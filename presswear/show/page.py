@@ -6,7 +6,6 @@ mapping), and hands the tables to a template in ``templates/``.  All sentences a
 
 import base64
 import gc
-import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -20,7 +19,7 @@ from PIL.Image import Image
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, rendered, write
 from presswear.show.figures.style import TEMPLATES
-from presswear.tools.numbers import readable, unit_factor, whole, with_interval
+from presswear.tools.numbers import readable, unit_factor, whole
 
 NOTHING = "–"
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")  # a space is never part of a figure's data
@@ -72,14 +71,7 @@ def text_of(value: Any, unit: str = "", digits: int = 3) -> str:
         case str():
             return value
         case Estimate():
-            shown = value.scaled(factor)
-            mean, low, high, half = shown.mean, shown.low, shown.high, shown.half_width
-            if low is None or high is None or half is None:
-                return with_interval(mean, None)
-            if math.isclose(0.5 * (low + high), mean, rel_tol=1e-12, abs_tol=1e-6 * half):
-                return with_interval(mean, half)
-            mean_text, *ends = (readable(number, digits) for number in (mean, low, high))
-            return f"{mean_text} ({' to '.join(ends)})"
+            return str(value.scaled(factor))
         case int() if factor == 1.0:
             return whole(value)
         case _:
@@ -141,6 +133,7 @@ class Section:
     tables: Sequence[tuple[str, Table]] = ()
     figures: Sequence[Illustration] = ()
     notes: Sequence[str] = ()
+    is_open: bool = False  # False: only the heading is shown until it is clicked
 
 
 def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]:
@@ -160,17 +153,32 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
         gc.enable()
 
 
+class KeyNumber(NamedTuple):
+    """Number on the first screen: its name, value with unit, interval, and short meaning."""
+
+    name: str
+    value: str
+    interval: str
+    meaning: str
+
+
 def render_page(
     title: str,
     sections: Sequence[Section] = (),
-    figures: Sequence[Illustration] = (),
     template: str = "page.html",
+    *,
+    status: str = "",
+    style: str = "completed",
+    key_numbers: Sequence[KeyNumber] = (),
+    warnings: Sequence[str] = (),
+    picture: Illustration | None = None,
+    answer: Sequence[str] = (),
     **content: Any,
 ) -> str:
     """Return a page as HTML; everything in it is escaped.
 
-    ``page.html`` shows ``status``, ``style``, ``answer``, sections and figures; another template
-    extends it and places what the content holds.
+    The first screen holds the status, the key numbers beside a picture, and the warnings. The
+    answer and the sections, which fold, are below; another template has parts of its own.
     """
     environment = Environment(
         loader=PackageLoader("presswear.show"),
@@ -181,8 +189,13 @@ def render_page(
         lstrip_blocks=True,
     )
     environment.filters |= {**TEMPLATES.filters, "text": text_of, "whole": whole}
-    page = environment.get_template(template)
-    return page.render(title=title, sections=sections, figures=figures, **content)
+    environment.tests |= {
+        "match": lambda text, pattern: re.match(pattern, text) is not None,
+        "search": lambda text, pattern: re.search(pattern, text) is not None,
+    }
+    content |= {"title": title, "sections": sections, "status": status, "style": style}
+    content |= {"key_numbers": key_numbers, "warnings": warnings, "picture": picture}
+    return environment.get_template(template).render(answer=answer, **content)
 
 
 def _without_breaks(value: Any) -> Any:

@@ -37,6 +37,7 @@ from presswear.show import page
 from presswear.show.figures import drawings
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
+from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table, text_of
 from presswear.tools import numbers
 from presswear.tools.arrays import Array
@@ -68,7 +69,6 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     content: Record = {
         "result": result,
         "scene": scene,
-        "style": result.status if result.status in FINISHED else "unfinished",
         "base": named_scene(scene),
         "stages": stages,
         "moves": bottom_of(scene.ideal) is not None,
@@ -76,9 +76,9 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
             setting.key
             for setting in settings_of(scene)
             if isinstance(setting.meaning, Quantity)
-            and setting.meaning.origin.startswith(("chosen", "assumed", SET))
+            and setting.meaning.origin.startswith(("chosen", "assumed"))
         ],
-        "deep_contacts": press.deep_contacts(scene, result.stages),
+        "untrusted": [name for name, law in scene.user_laws.items() if not law.is_trusted],
         "worn_sides": [
             f"{side} of {joint} {numbers.quantity_text(float(surface.depth.max()), 'm')}"
             for joint, pair in scene.surfaces.items()
@@ -102,7 +102,32 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "limit_text": limit_text,
         "span_of": span_of,
     }
-    return page.render_page(title_of(scene), (), figures, "report.html", **content)
+    return page.render_page(
+        title_of(scene),
+        template="report.html",
+        status=_status(result),
+        style=result.status if result.status in FINISHED else "unfinished",
+        key_numbers=key_numbers(result),
+        warnings=warnings(result),
+        picture=next((figure for figure in figures if figure.file == "mechanism.png"), None),
+        figures=figures,
+        **content,
+    )
+
+
+def _status(result: Result) -> str:
+    """Return a sentence on the end of the run."""
+    count = len(result.stages)
+    if result.status == "completed":
+        return f"Completed: {count} of {count} stages ran."
+    if result.status == "unconverged":
+        return f"Not converged: {result.message}. {count} stages ran."
+    if result.status == "failed":
+        return f"Failed: {result.message or 'no reason was stored'}"
+    if result.status == "running":
+        total = result.scene.wear_updates + 1
+        return f"Unfinished: {count} of {total} stages are stored; the run goes on or was stopped."
+    return f"Ended with the status “{result.status}”. {result.message}"
 
 
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
@@ -429,10 +454,14 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
 
 
 def setting_tables(result: Result) -> dict[str, Table]:
-    """Return the tables of all values that can be set: ``parameters`` and ``conventions``."""
-    names = {item.name for item in fields(Conventions)}
-    records: dict[str, list[Record]] = {"parameters": [], "conventions": []}
-    for setting in settings_of(result.scene):
+    """Return the tables of all values that can be set, and of those that the user did set.
+
+    Their names are ``parameters``, ``conventions`` and ``chosen``.
+    """
+    names, scene = {item.name for item in fields(Conventions)}, result.scene
+    is_from_paper = named_scene(scene) is not None
+    records: dict[str, list[Record]] = {"parameters": [], "conventions": [], "chosen": []}
+    for setting in settings_of(scene):
         meaning, value = setting.meaning, setting.value
         record = {"setting": setting, "value": "none" if value is None else str(value), "unit": ""}
         if isinstance(meaning, Choice):
@@ -443,8 +472,12 @@ def setting_tables(result: Result) -> dict[str, Table]:
             record |= {"unit": meaning.unit.replace("^2", "²"), "origin": meaning.origin}
             if isinstance(value, int | float):
                 record["value"] = numbers.short_number(value)
+            if not is_from_paper and meaning.origin.startswith("paper"):
+                record["origin"] = "default"
         records["conventions" if setting.key in names else "parameters"].append(record)
-    return {name: _line_table(name, result, lines) for name, lines in records.items()}
+        if scene.origins.get(setting.key, "").startswith(SET):
+            records["chosen"].append(record)
+    return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
 
 
 def provenance_table(result: Result) -> Table | None:

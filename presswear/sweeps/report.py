@@ -26,7 +26,15 @@ from presswear.show.figures.style import (
     panels,
     wrapped,
 )
-from presswear.show.page import NOTHING, Row, Section, illustrated, render_page, row_table
+from presswear.show.page import (
+    NOTHING,
+    KeyNumber,
+    Row,
+    Section,
+    illustrated,
+    render_page,
+    row_table,
+)
 from presswear.show.page import Table as Texts
 from presswear.sweeps.parameters import Column
 from presswear.sweeps.plan import Plan, Table
@@ -51,6 +59,8 @@ from presswear.tools.numbers import readable, unit_scale, whole
 
 REPORT, ROWS_FILE = "report.html", "table.csv"
 FIRST_ROWS = 20
+OPEN_SECTIONS = 2  # responses whose sections are open at first
+MAX_NUMBERS = 10  # responses on the first screen
 MAX_ERRORS = 12
 MAX_SAMPLES = 12  # combinations of varied values at which a sample is analysed separately
 PERCENTILES = (5, 50, 95)
@@ -107,14 +117,8 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
 
 def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]) -> Path:
     """Write ``report.html``, its figures and ``table.csv`` into a folder; return the page."""
-    sections = [
-        Section("Parameters", tables=[("", _columns(table.parameters, table.points, plan))]),
-        Section("Responses", tables=[("", _columns(table.responses, table.values, plan, table))]),
-    ]
-    failed = sum(bool(error) for error in table.errors)
-    if failed:
-        sections.append(Section("Failed runs", tables=[("", _errors(table))]))
-    answers = []
+    sections: list[Section] = []
+    answers, numbers = [], []
     for number, (name, part) in enumerate(_parts(table, plan).items()):
         into = inside(folder, "figures", *([f"{number}"] if name else []))
         for column in table.responses:
@@ -122,11 +126,20 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
                 continue
             analysis = analyze(part, column.key, plan, limits.get(column.key))
             answers += [f"At {name}: {line}" if name else line for line in findings(analysis)]
+            numbers.append(_key_number(analysis, name))
             with matplotlib.rc_context(SETTINGS):
                 drawn = illustrated(drawings(analysis), into)
             heading = f"{column.key} at {name}" if name else column.key
             tables = result_tables(analysis)
-            sections.append(Section(heading, (f"{column.text}.",), tables, drawn, analysis.notes))
+            texts = (f"{column.text}.",), tables, drawn, analysis.notes
+            sections.append(Section(heading, *texts, is_open=len(sections) < OPEN_SECTIONS))
+    figures = [figure for section in sections for figure in section.figures]
+    values = _columns(table.responses, table.values, plan, table)
+    sections.append(Section("Ranges of responses", tables=[("", values)]))
+    values = _columns(table.parameters, table.points, plan)
+    sections.append(Section("Ranges of parameters", tables=[("", values)]))
+    if failed := sum(bool(error) for error in table.errors):
+        sections.append(Section("Failed runs", tables=[("", _errors(table))]))
     count = whole(len(table.errors))
     head, *lines = text_table(table, FIRST_ROWS)
     rows = tuple((f"{number}", *line) for number, line in enumerate(lines, start=1))
@@ -138,9 +151,30 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
     status += f", {whole(failed)} without values." if failed else "."
     style = "unfinished" if failed else "completed"
     title = f"Sweep: {title_of(plan.scene)}"
-    page = render_page(title, sections, status=status, style=style, answer=answers)
+    page = render_page(
+        title,
+        sections,
+        status=status,
+        style=style,
+        key_numbers=numbers[:MAX_NUMBERS],
+        picture=figures[0] if figures else None,
+        answer=answers,
+    )
     write_bytes(folder / REPORT, page.encode())
     return folder / REPORT
+
+
+def _key_number(analysis: Analysis, part: str) -> KeyNumber:
+    """Return median and range of a response over the points, and what it depends on most."""
+    points, result = analysis.points, analysis.sensitivity
+    shown = Display(points.response, points.means)
+    low, median, high = map(shown.number, np.nanquantile(points.means, (0.0, 0.5, 1.0)))
+    name = f"{points.response.key} at {part}" if part else points.response.key
+    meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: median of the points."
+    if result is not None and not points.is_constant:
+        meaning += f" It depends most on {points.parameters[result.order[0]].key}."
+    value = f"{median} {shown.unit}".strip()
+    return KeyNumber(name, value, f"from {low} to {high} {shown.unit}".strip(), meaning)
 
 
 def _parts(table: Table, plan: Plan) -> dict[str, Table]:

@@ -4,6 +4,7 @@ import math
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
+_SAME = 1e-6  # half width relative to the mean, up to which all samples are the same
 _MIN_VALUE = 1e-300  # below it the powers of ten that a number is divided by have no digits left
 
 # SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display unit.
@@ -17,6 +18,14 @@ DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
     "µm³": ("m^3", 1e18, 0.0),
     "kN": ("N", 1e-3, 1e4),
     "N": ("N", 1.0, 0.0),
+    "kN m": ("N m", 1e-3, 1e4),
+    "N m": ("N m", 1.0, 0.0),
+    "kW": ("W", 1e-3, 1e3),
+    "W": ("W", 1.0, 0.0),
+    "MPa": ("Pa", 1e-6, 1e5),
+    "kPa": ("Pa", 1e-3, 0.0),
+    "MPa m/s": ("W/m^2", 1e-6, 1e5),
+    "kPa m/s": ("W/m^2", 1e-3, 0.0),
     "ms": ("s", 1e3, math.inf),
     "µs": ("s", 1e6, math.inf),
     "mJ": ("J", 1e3, math.inf),
@@ -98,7 +107,9 @@ def with_interval(mean: float | None, half_width: float | None) -> str:
         return "–"
     if half_width is None or not math.isfinite(half_width):
         return f"{readable(mean)} (too few cycles)"
-    decimals = _decimals(half_width, 2) if half_width > 0.0 else _MAX_DECIMALS + 1
+    if half_width <= _SAME * abs(mean):
+        return readable(mean, 4)
+    decimals = _decimals(half_width, 2)
     if decimals > _MAX_DECIMALS:
         return f"{readable(mean, 4)}\u00a0± {readable(half_width, 2)}"
     pair = (f"{round(n, decimals):,.{max(decimals, 0)}f}" for n in (mean, half_width))

@@ -28,6 +28,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg m^2": {"kg m^2": 1.0, "kgm^2": 1.0, "kg cm^2": 1e-4, "kg mm^2": 1e-6, "g mm^2": 1e-9},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m^2": 1.0, "N/mm^2": 1e6},
+    "W/m^2": {"W/m^2": 1.0, "Pa m/s": 1.0, **dict.fromkeys(("MPa m/s", "N/mm^2 m/s"), 1e6)},
     "1/Pa": {
         **dict.fromkeys(("1/Pa", "/Pa", "m^2/N"), 1.0),
         **dict.fromkeys(("1/MPa", "/MPa", "mm^2/N"), 1e-6),

