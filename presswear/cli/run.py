@@ -23,7 +23,7 @@ from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.numbers import unit_scale, with_interval
+from presswear.tools.numbers import unit_scale
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
@@ -194,8 +194,7 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
     if not names or not values[names[0]].mean:
         return []
     factor, display = unit_scale(unit, values[names[0]].mean)
-    scaled = ((name, values[name].scaled(factor)) for name in names[:SHOWN_JOINTS])
-    texts = [f"{name} {with_interval(value.mean, value.half_width)}" for name, value in scaled]
+    texts = [f"{name} {values[name].scaled(factor)}" for name in names[:SHOWN_JOINTS]]
     more = f" and {len(names) - SHOWN_JOINTS} more" if len(names) > SHOWN_JOINTS else ""
     return [f"  {words}, {display}: {', '.join(texts)}{more}"]
 

@@ -99,11 +99,10 @@ def _joint_numbers(
         new = first.statistics.joints[at].peak_force_per_cycle.mean
         text += f" Before the wear: {numbers.quantity_text(new, 'N')}."
     result = [measured("Peak joint force", forces[at], "N", text)]
-    words = {
-        "pressure_limit": "Peak force over projected area",
-        "pv_limit": "Mean of pressure times sliding speed",
+    titles = {
+        "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
+        "pv_limit": ("p v", "W/m^2", "Mean of pressure times sliding speed"),
     }
-    titles = {"pressure_limit": ("Pin pressure p", "Pa"), "pv_limit": ("p v", "W/m^2")}
     for key, loads in _bearing_loads(scene, last).items():
         limits = {name: getattr(scene.bearing(name), key) for name in loads}
         ratios = {name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one}

@@ -27,6 +27,7 @@ from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
+from presswear.results.oil_film import dry_contact
 from presswear.results.result import Result
 from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
@@ -66,6 +67,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     """Return the report of a result as HTML, with some figures."""
     scene, changes = result.scene, changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
+    untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
     content: Record = {
         "result": result,
         "scene": scene,
@@ -78,7 +80,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
             if isinstance(setting.meaning, Quantity)
             and setting.meaning.origin.startswith(("chosen", "assumed"))
         ],
-        "untrusted": [name for name, law in scene.user_laws.items() if not law.is_trusted],
+        "untrusted": untrusted,
         "worn_sides": [
             f"{side} of {joint} {numbers.quantity_text(float(surface.depth.max()), 'm')}"
             for joint, pair in scene.surfaces.items()
@@ -87,6 +89,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         ],
         "laws": _normal_laws(scene),
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
+        "dry": [] if untrusted else dry_contact(scene),
         "presets": CONVENTIONS,
         "tables": {
             **stage_tables(result),
