@@ -301,7 +301,7 @@ def _lowest(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float
         _, speed, faster = moved(time)
         low, high = (time, high) if speed < 0.0 else (low, time)
         nearer = time - speed / faster if faster > 0.0 else low
-        nearer = nearer if low < nearer < high else 0.5 * (low + high)
+        nearer = nearer if low <= nearer <= high else 0.5 * (low + high)
         if abs(nearer - time) < 1e-15 * period:
             break
         time = nearer
