@@ -18,12 +18,13 @@ import pickle
 import re
 import sys
 import threading
+import time
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
 from functools import cache, cached_property, partial, update_wrapper
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import IO, Any, TypeVar, cast
 
 import numba
 import numpy as np
@@ -38,7 +39,7 @@ from numba.np.numpy_support import numpy_version
 
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest, write_bytes
+from presswear.tools.files import BUSY, digest, lock, write_bytes
 from presswear.tools.lanes import COUNTS, Lanes, lane_by_lane
 from presswear.tools.user_function import UserFunction
 
@@ -56,6 +57,7 @@ _PACKAGE = Path(__file__).parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
 _IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import ", re.MULTILINE)
 _MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
+_PAUSE, _MAX_PAUSES = 0.1, 1200  # s between two looks at code that another process compiles
 _WHEEL_PROCESSOR = "x86-64-v3", ""  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
 _WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 
@@ -69,7 +71,12 @@ def _sources_digest(path: str) -> str:
 
 
 class _Cache(NullCache):
-    """Machine code of a function of this package, one file for each signature."""
+    """Machine code of a function of this package, one file for each signature.
+
+    The process that compiles a function locks a file beside it, and the others wait for the code.
+    """
+
+    _claim: IO[str] | None = None  # locked file
 
     def __init__(self, *key: object) -> None:
         versions = sys.implementation.cache_tag, numba.__version__, numpy_version
@@ -88,6 +95,46 @@ class _Cache(NullCache):
         ]
 
     def load_overload(self, signature: Any, context: Any) -> Any:
+        """Return stored code; None where it is to be compiled in this process."""
+        for _ in range(_MAX_PAUSES):
+            code = self._stored(signature, context)
+            is_mine = code is None and self._claimed(signature, context)
+            if is_mine:
+                code = self._stored(signature, context)  # it may have come meanwhile
+            if code is not None:
+                self._end_claim()
+            if code is not None or is_mine:
+                return code
+            with event.trigger_event("numba:compile"):
+                time.sleep(_PAUSE)
+        return None
+
+    def is_compiled_elsewhere(self, signature: Any, context: Any) -> bool:
+        """Return whether code is not stored because another process compiles it now."""
+        is_stored = any(file.is_file() for file in self._files(signature, context))
+        return not (is_stored or self._claimed(signature, context))
+
+    def _claimed(self, signature: Any, context: Any) -> bool:
+        """Claim to compile a function; return whether no other process does."""
+        self._end_claim()
+        file, *_ = self._files(signature, context)
+        with suppress(OSError):  # nothing can be stored
+            file.parent.mkdir(parents=True, exist_ok=True)
+            claim = file.with_suffix(".lock").open("a+", encoding="utf-8")
+            if lock(claim) in BUSY:
+                claim.close()
+                return False
+            self._claim = claim
+        return True
+
+    def _end_claim(self) -> None:
+        if self._claim is not None:
+            with suppress(OSError):
+                Path(self._claim.name).unlink()
+            self._claim.close()
+            self._claim = None
+
+    def _stored(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it is damaged."""
         for file in self._files(signature, context):
             with suppress(OSError, AttributeError, ImportError):  # a named tuple may be gone
@@ -103,10 +150,11 @@ class _Cache(NullCache):
         file, *_ = self._files(signature, result.target_context)
         content = dumps(result._reduce())
         with suppress(OSError):
-            file.parent.mkdir(parents=True, exist_ok=True)
             part = file.with_suffix(f".{os.getpid()}")
             write_bytes(part, digest(content).encode() + content)
             part.replace(file)
+        self._end_claim()
+        with suppress(OSError):
             files = sorted(file.parent.iterdir(), key=lambda file: file.stat().st_mtime)
             for file in files[:-_MAX_FILES]:
                 file.unlink()
@@ -314,6 +362,15 @@ def specialised(kernel: F, *arguments: Any) -> F:
     return cast(F, dispatcher.overloads[kinds].entry_point)
 
 
+def is_compiled_elsewhere(kernel: Callable[..., Any], *arguments: Any) -> bool:
+    """Return whether another process compiles a kernel for arguments of these types now."""
+    dispatcher = cast(Kernel, kernel).from_python
+    kinds = tuple(map(numba.typeof, arguments))
+    if kinds in dispatcher.overloads:
+        return False
+    return bool(dispatcher._cache.is_compiled_elsewhere(kinds, dispatcher.targetctx))
+
+
 @intrinsic
 def _call(typing: Any, address: Any, arguments: Any) -> Any:
     lanes = [kind for kind in arguments.types if isinstance(kind, Lanes)]
@@ -465,5 +522,11 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
 
 def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> "partial[T]":
     """Return a kernel of packed arguments and a number as a function of the number."""
-    packed = pack_arguments(*arguments)
+    return bind_packed(kernel, pack_arguments(*arguments))
+
+
+def bind_packed(
+    kernel: Callable[[PackedArguments, float], T], packed: PackedArguments
+) -> "partial[T]":
+    """Return a kernel of packed arguments and a number as a function of the number."""
     return partial(specialised(kernel, packed, 0.0), packed)

@@ -23,7 +23,7 @@ PART = ".part"  # ending of a file that is being written
 LOCK = "lock"  # name of the file that is locked
 MAX_NAME = 255  # bytes of a name in common file systems
 _LEFT = {LOCK, "result.json.part"}  # files that a run leaves that is killed at its start
-_BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
+BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)  # errors of ``lock``: another process has it
 _TRIES = 5
 _PAUSE = 0.02  # between two tries, s: a process that asks for the holder has the lock for a moment
 
@@ -181,14 +181,14 @@ class FolderLock:
     def _locked_file(self) -> IO[str]:
         for _ in range(_TRIES):
             file = (self.path / LOCK).open("a+", encoding="utf-8")
-            problem = _lock(file)
-            if problem and problem not in _BUSY:
+            problem = lock(file)
+            if problem and problem not in BUSY:
                 self.warning = (
                     f"{self.path} is on a file system without locks ({os.strerror(problem)}): "
                     "start no second run in it"
                 )
             # It may have been released, and removed, since it was opened.
-            if problem not in _BUSY and _is_same(self.path / LOCK, file):
+            if problem not in BUSY and _is_same(self.path / LOCK, file):
                 return file
             file.close()
             time.sleep(_PAUSE)
@@ -217,7 +217,7 @@ class FolderLock:
         self._file.close()
 
 
-def _lock(file: IO[str]) -> int:
+def lock(file: IO[str]) -> int:
     """Take the system's lock on a file; return the number of the error, or 0."""
     try:
         if sys.platform == "win32":
@@ -244,7 +244,7 @@ def _is_same(path: Path, file: IO[str]) -> bool:
 def holder(path: Path) -> str | None:
     """Return the process that holds the lock of a folder, in words; None for none."""
     with suppress(OSError), (path / LOCK).open("r+", encoding="utf-8") as file:
-        if _lock(file) in _BUSY:
+        if lock(file) in BUSY:
             file.seek(0)
             return file.readline().strip() or "another process"
     return None

@@ -5,8 +5,7 @@ is also where it is stopped. Its result does not depend on where or when it runs
 
 A worker may be killed at any moment. Progress and stop requests are therefore shared without a
 lock, and results are written to files: half of a result in the pipe of an executor, which all
-workers share, would leave its reader waiting forever. The first job runs alone until it reports
-progress, so that one process compiles the kernels and the others load them.
+workers share, would leave its reader waiting forever.
 """
 
 import math
@@ -126,14 +125,12 @@ class Workers:
                     following = {} if key in dropped else on_result(key, _result(future))
                     del running[future]
                     dropped.discard(key)
-                    self._is_warm = True
                     _follow(waiting, following)
                     unwanted = {place: k for place, k in running.values() if k in following}
                     self._request(unwanted, STOP)
                     dropped.update(unwanted.values())
                 for place, key in running.values():
                     part = self._shared[place]
-                    self._is_warm |= math.isfinite(part)
                     if part != -math.inf:
                         on_progress(key, part, "", None)
         except BaseException as error:
@@ -151,12 +148,10 @@ class Workers:
     def _submit(
         self, waiting: dict[int, Job], running: dict["Future[str]", tuple[int, int]]
     ) -> None:
-        """Submit waiting jobs to free workers, the first one alone."""
+        """Submit waiting jobs to free workers."""
         executor = self._executor or self._start()
         busy = {place for place, _ in running.values()}
         free = [place for place in range(self.count) if place not in busy]
-        if not self._is_warm:
-            free = free[: 1 - len(busy)]
         for place, key in zip(free, list(waiting), strict=False):
             self._shared[place], self._shared[self.count + place] = -math.inf, 0.0
             with starting_processes():
@@ -170,7 +165,6 @@ class Workers:
         is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
         if has_server and is_safe:
             context.set_forkserver_preload(list(self._imports))
-        self._is_warm = False
         self._folder = tempfile.mkdtemp(prefix="presswear-")
         self._shared = context.RawArray("d", 2 * self.count)  # progress, then requests
         arguments = self._shared, self._folder, self._imports

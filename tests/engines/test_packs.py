@@ -88,6 +88,20 @@ def test_replicates_resume_in_other_company() -> None:
         assert differences(state, whole) == []
 
 
+def test_replicates_run_one_by_one_while_another_process_compiles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = scene_of("round")
+    nothing = np.zeros(map_shape(scene.linkage().clearances))
+    parts = {k: Part(nothing, k, 1, None) for k in range(2)}
+    together = states(scene, parts)
+    pack = "presswear.engines.dae.pack"
+    monkeypatch.setattr(f"{pack}.is_compiled_elsewhere", lambda *arguments: True)
+    monkeypatch.setattr(f"{pack}.bind_packed", None)
+    one_by_one = states(scene, parts)
+    assert not any(differences(together[k], one_by_one[k]) for k in parts)
+
+
 def test_a_replicate_that_fails_ends_alone() -> None:
     """Its load is far beyond what its joints bear."""
     scene = scene_of("loads")

@@ -30,11 +30,13 @@ from presswear.tools.compile import (
     compiled,
     copy_to,
     fused,
+    is_compiled_elsewhere,
     lazily_compiled,
     on_compiling,
     specialised,
     unpack,
 )
+from presswear.tools.files import lock
 
 
 @compiled
@@ -144,6 +146,27 @@ def test_oldest_files_are_removed(stored: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(list(stored.iterdir())) == 2
     assert not left.exists()
     assert not _compiles()
+
+
+def test_code_that_another_process_compiles_is_awaited(
+    stored: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (file,) = stored.iterdir()
+    code = file.read_bytes()
+    file.unlink()
+    with file.with_suffix(".lock").open("w") as other:
+        assert not lock(other)
+        kernel = Kernel(cast(Kernel, all_finite).py_func)
+        assert is_compiled_elsewhere(kernel, ONES, ONES)
+        monkeypatch.setattr("time.sleep", lambda _: file.write_bytes(code))
+        assert kernel(ONES, ONES)
+        assert sum(kernel.from_python.stats.cache_hits.values()) == 1
+        assert not is_compiled_elsewhere(kernel, ONES, ONES)
+        file.unlink()
+        monkeypatch.setattr("time.sleep", lambda _: None)
+        assert _compiles()  # the other process takes too long
+        file.unlink()
+    assert not is_compiled_elsewhere(Kernel(kernel.py_func), ONES, ONES)
 
 
 def test_kernels_run_where_nothing_can_be_stored(

@@ -16,7 +16,12 @@ from presswear.physics.prescribed import Tree
 from presswear.physics.tree import ARTICULATED
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, bind, pack_arguments
+from presswear.tools.compile import (
+    PackedArguments,
+    bind_packed,
+    is_compiled_elsewhere,
+    pack_arguments,
+)
 from presswear.tools.lanes import COUNTS, LaneArray, lane_zeros, lanes_of
 
 TURNS = 1000.0  # between two looks at the clock and the keyboard
@@ -121,13 +126,17 @@ def pack_of(addresses: Sequence[PackedArguments]) -> Pack:
 def together(members: Sequence[Member]) -> Advance | None:
     """Return a function that integrates several replicates together.
 
-    None if some have worn surfaces where others have round ones.
+    None if some have worn surfaces where others have round ones, and while another process compiles
+    the function.
     """
     bins = [member.address.arguments[0].system.packed.joints["surface_bins"] for member in members]
     if np.any(bins != bins[0]):
         return None
     pack = pack_of([member.address for member in members])
-    march = bind(march_together, pack)
+    packed = pack_arguments(pack)
+    if is_compiled_elsewhere(march_together, packed, 0.0):
+        return None
+    march = bind_packed(march_together, packed)
     pack.status[:] = IDLE
 
     def start_again(k: int, end: float) -> None:
