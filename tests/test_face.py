@@ -131,3 +131,25 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
     with pytest.raises(pw.InputError, match="jobs = 0: must be at least 1"):
         pw.run(pw.scenes.wear_times(), jobs=0)
+
+
+def test_what_does_not_exist_is_answered_with_what_exists() -> None:
+    with pytest.raises(
+        AttributeError, match=r"unknown scene 'wear_time'; did you mean wear_times\?"
+    ):
+        pw.scenes.wear_time()
+    with pytest.raises(AttributeError, match="unknown scene 'cup'; known are ideal, wear_times, "):
+        pw.scenes.cup()
+    result = pw.run(pw.Scene(pw.FourBar(), wear_updates=0, cycles=1, engine="dae"))
+    (stage,) = result.stages
+    assert result.stages[-1] == stage
+    assert isinstance(stage.joints["B"], pw.JointResult)
+    joints: Any
+    for joints in (stage.joints, stage.statistics.joints):
+        with pytest.raises(pw.InputError, match="unknown joint with clearance 'X'; known are B"):
+            joints["X"]
+    with pytest.raises(IndexError, match="there is no stage 1; it has 0"):
+        result.stages[1]
+    name: Any = "wear-times"
+    with pytest.raises(pw.InputError, match="scene = 'wear-times': a Scene is expected, such as"):
+        pw.run(name)

@@ -47,12 +47,12 @@ _HEAD = """\
 # counterclockwise. To switch on a line or a table, remove the # at the beginning of its lines.
 """
 _OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switched off
-    **{"torque_limit": "1 kN m", "cycles": 20, "process": "blanking", "servo": "dwell"},
-    "life": "limits",
+    **{"torque_limit": "1 kN m", "viscosity": "0.1 Pa s", "cycles": 20},
+    **{"process": "blanking", "servo": "dwell", "life": "limits"},
 }
 _BEARING = (
     *("joints", "clearance", "bearing_radius", "width", "friction", "restitution"),
-    *("youngs_modulus", "poisson_ratio", "wear_coefficient"),
+    *("youngs_modulus", "poisson_ratio", "wear_coefficient", "viscosity"),
 )
 _SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
 _RUN = "conventions", "wear_updates", "cycles", "engine"
@@ -121,6 +121,7 @@ _TOML_FAULTS = {  # beginnings of messages of tomllib, and what they mean
     "comment begins with #",
     "Illegal character '\\n'": "a closing quote is missing",
     "Unterminated string": "a closing quote is missing",
+    'Expected "\'"': "a closing quote is missing",
     "Expected '=' after a key": "KEY = VALUE is expected; a key with a space needs quotes",
     "Invalid statement": "KEY = VALUE, [TABLE] or # COMMENT is expected",
     "Unclosed array": "a closing ] is missing",

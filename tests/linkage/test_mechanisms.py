@@ -9,8 +9,15 @@ import pytest
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.mechanisms import GEOMETRIES, Geometry, Press, SliderCrank
-from presswear.physics.ideal import motion_of
+from presswear.linkage.mechanisms import (
+    GEOMETRIES,
+    FourBar,
+    Geometry,
+    Press,
+    SixBar,
+    SliderCrank,
+)
+from presswear.physics.ideal import bottom_of, motion_of
 from presswear.scene.catalog import slider_crank
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
@@ -20,12 +27,12 @@ CRANK = SliderCrank()
 SHORT = r"rod_length = \S+ m: with crank_length = 0\.05 m allowed is 0\.050005 m to 10 m"
 
 
-@pytest.mark.parametrize("mechanism", [Press(), CRANK], ids=["press", "slider-crank"])
+@pytest.mark.parametrize("mechanism", [Press(), CRANK, FourBar(), SixBar()], ids=lambda m: m.kind)
 def test_every_quantity_is_checked(mechanism: Any) -> None:
     for item in fields(mechanism):
         meaning = meaning_of(item)
         if not isinstance(meaning, Quantity):
-            assert item.name in ("geometry", "servo")
+            assert item.name in ("geometry", "servo", "side")
             continue
         for value in (meaning.low - 1.0, meaning.high + 1.0, math.nan, "x"):
             with pytest.raises(InputError, match=f"^{item.name} = .*allowed is"):
@@ -92,6 +99,46 @@ def test_the_press_is_the_papers() -> None:
     # Rod 3 carries the hole at A, rod 5 that at C.
     holes = {joint.name: (joint.first.body, joint.second.body) for joint in linkage.revolutes}
     assert (holes["A"], holes["C"]) == (("rod 3", "crank 2"), ("rod 5", "plate 4"))
+
+
+def dead_centres(crank: float, rod: float, ground: float, rocker: float) -> list[float]:
+    """Angle between frame and rocker where the crank is in line with the rod, rad.
+
+    Law of cosines for the triangle of frame, rocker and rod less, or plus, crank.
+    """
+    return [
+        math.acos((ground**2 + rocker**2 - reach**2) / (2.0 * ground * rocker))
+        for reach in (rod - crank, rod + crank)
+    ]
+
+
+@pytest.mark.parametrize("side", ["above", "below"])
+def test_the_four_bar_swings_between_its_dead_centres(side: str) -> None:
+    bar = FourBar(side=side)
+    angles = dead_centres(bar.crank_length, bar.coupler_length, bar.frame_length, bar.rocker_length)
+    low, high = (bar.frame_length - bar.rocker_length * math.cos(angle) for angle in angles)
+    bottom = bottom_of(motion_of(bar))
+    assert bottom is not None
+    assert (bottom.height, bottom.stroke) == pytest.approx((low, high - low), abs=1e-12)
+    centre = motion_of(bar).at(np.zeros(1)).position[0, 3 * bar.linkage().index("rocker") + 1]
+    assert (centre > 0.0) == (side == "above")
+
+
+def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
+    bar = SixBar()
+    frame = math.hypot(bar.crank_x, bar.crank_y)
+    heights = []
+    for angle in dead_centres(bar.crank_length, bar.rod_length, frame, bar.upper_length):
+        upper = math.atan2(bar.crank_y, bar.crank_x) + angle
+        x, y = bar.upper_length * math.cos(upper), bar.upper_length * math.sin(upper)
+        heights.append(y - math.sqrt(bar.lower_length**2 - x**2))
+    bottom = bottom_of(motion_of(bar))
+    assert bottom is not None
+    top, low = heights
+    assert (bottom.height, bottom.stroke) == pytest.approx((low, top - low), abs=1e-12)
+    mirrored = bottom_of(motion_of(replace(bar, crank_x=-bar.crank_x)))
+    assert mirrored is not None
+    assert (mirrored.height, mirrored.stroke) == pytest.approx((low, top - low), abs=1e-12)
 
 
 @pytest.mark.parametrize(

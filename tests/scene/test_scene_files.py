@@ -95,6 +95,19 @@ def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
         pw.Body("a", 1.0, centre=3)
 
 
+def test_a_servo_motion_is_refused_with_a_range_that_works(tmp_path: Path) -> None:
+    text = OFF.sub("", example_file("press")).replace("part = 0.111111", "part = 0.45")
+    with pytest.raises(pw.InputError) as refusal:
+        scene_from(written(tmp_path, text))
+    match = re.search(r"servo\.part = 0\.45: .* allowed is (\S+) to (\S+)$", f"{refusal.value}")
+    assert match is not None
+    low, high = map(float, match.groups())
+    assert low < 0.12
+    assert high > 0.35
+    for part in (low, high):
+        motion_of(pw.Press(servo=pw.Dwell(part=part)))
+
+
 def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
     mechanism = scene_from(written(tmp_path, 'mechanism = "press"')).mechanism
     named = replace(pw.scenes.wear_times(), engine=pw.InHouse.word, cycles=1, wear_updates=0)
@@ -121,6 +134,10 @@ FRICTION = "mechanism = 'press'\n[settings]\nC.friction_law = "
         ("mechanism = 'press'\ntitle = 1", "title = 1: a text is expected"),
         ("[mechanism", r"a closing \] is missing"),
         ("mechanism = 'press'\nmechanism = 'press'", "this key stands twice"),
+        ("[mechanism]\nkind = 'pres'", "unknown mechanism 'pres'; did you mean press"),
+        ("[mechanism]\nlength_2 = '70 mm'", "mechanism: a table with a kind, one of press, "),
+        ("[mechanism]\nkind = 'press'\nlenght_2 = 1", "'lenght_2'; did you mean length_2"),
+        ("[mechanism]\nkind = 'press'\n[[mechanism.loads]]", "loads: it needs a mechanism of bod"),
         # A law stands beside the file of the scene.
         (f"{FRICTION}'laws.py:rob'", "friction_law.*did you mean rub"),
         (f"{FRICTION}'law.py:rub'", "friction_law.*no such file"),
@@ -131,6 +148,31 @@ def test_a_wrong_file_is_refused_in_one_line(text: str, message: str, tmp_path: 
     file = tmp_path / "wrong.toml"
     file.write_text(text)
     with pytest.raises(pw.InputError, match=f"^{re.escape(str(file))}: .*{message}"):
+        scene_from(file)
+
+
+# Lines of a file from the third on, separated by @, and pattern of the message.
+WRONG_LINES = r"""
+speed = 105 rpm | line 3: speed = 105 rpm: a text, or a number with its unit, needs quotes
+joints = A | line 3: joints = A: a text, or a number with its unit, needs quotes
+c_f = 0,05  # comma | line 3: c_f = 0,05: use a decimal point
+clearance = '0,3 mm' | use a decimal point, '0\.3 mm'
+clearance = "0.3 mm | line 3: clearance = "0\.3 mm: a closing quote is missing
+friction: 0.3 | line 3: friction: 0\.3: KEY = VALUE is expected
+[settings] | line 3: \[settings\]: this table stands twice
+c_f = 0.1@[bearings]@friction = 0.1 | friction stands twice; it is allowed in one table only
+[bearings]@kind = 'dwell' | bearings: kind belongs to another table; is its # removed
+[bearings.B]@clearance = '1 mm' | B\.clearance: joint B has no clearance; joints = AC
+[process]@force = '1 kN' | process: a kind is missing; presswear list SCENE shows the kinds
+"""
+
+
+@pytest.mark.parametrize("case", WRONG_LINES.strip().splitlines())
+def test_a_wrong_line_is_answered_with_what_to_write(case: str, tmp_path: Path) -> None:
+    lines, message = case.split(" | ")
+    text = "\n".join(["mechanism = 'press'", "[settings]", *lines.split("@"), ""])
+    file = written(tmp_path, text)
+    with pytest.raises(pw.InputError, match=f"^{re.escape(str(file))}.*{message}"):
         scene_from(file)
 
 

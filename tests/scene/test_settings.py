@@ -17,7 +17,7 @@ from presswear.linkage.mechanisms import GEOMETRIES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.files import example_file, scene_from
-from presswear.scene.settings import changed, setting_of, settings_of, values_of
+from presswear.scene.settings import SYMBOLS, changed, setting_of, settings_of, values_of
 from presswear.tools.errors import AssemblyError
 from presswear.tools.quantities import Quantity
 
@@ -206,6 +206,15 @@ def test_a_joint_can_have_other_values() -> None:
     assert every.bearing("C").friction == 0.05
     # A joint with the common values has no entry.
     assert not changed(every, {"friction": "0.05"}).joint_bearings
+
+
+def test_symbols_of_the_paper_are_names_of_settings() -> None:
+    keys = {setting.key for setting in settings_of(PRESS)}
+    assert set(SYMBOLS.values()) <= keys
+    scene = changed(PRESS, {"omega": "60 spm", "K_d": "2e-15 1/Pa", "A.c_f": "5 %", "E": "210 GPa"})
+    names = {"speed": 2.0 * math.pi, "wear_coefficient": 2e-15, "A.friction": 0.05}
+    assert scene == changed(PRESS, names | {"youngs_modulus": 210e9})
+    assert setting_of(scene, "A.c_f").key == "A.friction"
 
 
 def test_constructors_take_numbers_with_units() -> None:
