@@ -22,9 +22,9 @@ from presswear.campaign.service_life import (
     BlockPlan,
     LifeProblem,
     Refinement,
-    WearHistories,
     next_block,
 )
+from presswear.campaign.wear_histories import WearHistories
 from presswear.campaign.wear_update import initial_depth
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse

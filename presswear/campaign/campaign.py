@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
-from presswear.campaign.service_life import LifeState, run_life, wear_between
 from presswear.campaign.stage_statistics import stage_result
+from presswear.campaign.wear_histories import LifeState, run_life, wear_between
 from presswear.campaign.wear_update import (
     FIRST_REFINEMENT,
     WearUpdate,

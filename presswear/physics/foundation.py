@@ -167,8 +167,8 @@ def add_part(
     cube = surfaces[BEARING + CUBE, b]
     quartic = C4 * fit.eccentricity * half * half * half * half
     for j in range(pieces):
-        begin = offset + 2.0 * j * half
-        end = begin + 2.0 * half
+        since = offset + 2.0 * j * half
+        end = since + 2.0 * half
         right = place_at(fit, surfaces, b, p, end, end + pin_x, cell + end)
         # A cubic lies within its Bezier points.
         second = left.overlap + 2.0 * THIRD * half * left.rise
@@ -178,8 +178,8 @@ def add_part(
         if high > 0.0 or high > sums.overlap:
             g = segment_between(left, right, half, quartic, cube)
             if high > sums.overlap:
-                sums = with_peak(g, cell + begin, sums)
-            places = fit.bearing_place + cell + begin, fit.pin_place + cell + begin
+                sums = with_peak(g, cell + since, sums)
+            places = fit.bearing_place + cell + since, fit.pin_place + cell + since
             if low <= 0.0:
                 sums = add_pressed(g, sums, *places, shares)
             else:

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.campaign import service_life
+from presswear.campaign import service_life, wear_histories
 from presswear.engines import driver
 from presswear.physics.ideal import bottom_of
 from presswear.physics.wear import map_shape
@@ -196,18 +196,18 @@ def worn_at(rates: list[float], noise: float, seed: int = 1) -> service_life.Ref
 @pytest.mark.parametrize(
     ("rates", "names", "ends"),
     [
-        ([1.0] * 12, [service_life.STEADY], [12e3]),
-        ([3.0] * 4 + [1.0] * 8, [service_life.RUNNING_IN, service_life.STEADY], [4e3, 12e3]),
-        ([1.0] * 8 + [2.0] * 4, [service_life.STEADY, service_life.ACCELERATED], [8e3, 12e3]),
+        ([1.0] * 12, [wear_histories.STEADY], [12e3]),
+        ([3.0] * 4 + [1.0] * 8, [wear_histories.RUNNING_IN, wear_histories.STEADY], [4e3, 12e3]),
+        ([1.0] * 8 + [2.0] * 4, [wear_histories.STEADY, wear_histories.ACCELERATED], [8e3, 12e3]),
         (
             [3.0] * 4 + [1.0] * 8 + [2.0] * 4,
-            [service_life.RUNNING_IN, service_life.STEADY, service_life.ACCELERATED],
+            [wear_histories.RUNNING_IN, wear_histories.STEADY, wear_histories.ACCELERATED],
             [4e3, 12e3, 16e3],
         ),
     ],
 )
 def test_wear_phases(rates: list[float], names: list[str], ends: list[float]) -> None:
-    phases = service_life.wear_phases(worn_at(rates, 0.1), "A")
+    phases = wear_histories.wear_phases(worn_at(rates, 0.1), "A")
     assert [phase.name for phase in phases] == names
     assert [phase.until for phase in phases] == pytest.approx([end + 4.0 for end in ends])
     for phase in phases:
@@ -216,7 +216,7 @@ def test_wear_phases(rates: list[float], names: list[str], ends: list[float]) ->
 
 
 def test_noise_is_no_wear_phase() -> None:
-    phases = [service_life.wear_phases(worn_at([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
+    phases = [wear_histories.wear_phases(worn_at([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
     assert sum(len(each) > 1 for each in phases) <= 10
 
 
@@ -226,7 +226,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     worn = np.zeros((2, *map_shape(joints)))
     worn[0, 0, 1, 7] = 3e-6  # the pin of A in one bin
     worn[1, 1, 0, :] = 1e-6  # the bearing of C all around
-    levels = service_life.levels_of(scene, worn, tuple(FOLLOWED))
+    levels = wear_histories.levels_of(scene, worn, tuple(FOLLOWED))
     assert levels["A.depth"].tolist() == [3e-6, 0.0]
     assert levels["C.depth"].tolist() == [0.0, 1e-6]
     around = 2.0 * np.pi * joints[1].bearing_radius * joints[1].width * 1e-6
@@ -237,7 +237,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     rows[:, :, CYCLE_FIXED.index("bottom_height")] = ideal.height + off
     column = len(CYCLE_FIXED) + len(CYCLE_JOINT) + CYCLE_JOINT.index("force_max")
     rows[0, :, column] = 10.0, 20.0, 30.0, 40.0
-    samples = service_life.samples_of(scene, rows)
+    samples = wear_histories.samples_of(scene, rows)
     assert samples["bdc_error"] == pytest.approx([2.5, 5.0])
     assert samples["bdc_drift"] == pytest.approx([2.5, 5.0])
     assert samples["repeatability"] == pytest.approx([5.0 / 3.0, 0.0])
@@ -398,7 +398,7 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
     coarse = evenly_worn(10, 1.04e6, A=5e-11, C=4.5e-11)
     both = coarse, evenly_worn(40, 1.04e6, A=4.7e-11, C=4.9e-11)
     limits = (Limit("depth", joint, 0.05e-3) for joint in "AC")
-    life = service_life.life_result(scene, problem(*limits), both)
+    life = wear_histories.life_result(scene, problem(*limits), both)
     first = life.first
     assert (first.key, life.limits[0].step) == ("C.depth", None)
     assert (first.strokes, first.sampling, first.step) == (life.strokes, life.sampling, life.step)

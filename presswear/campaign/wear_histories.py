@@ -1,0 +1,348 @@
+"""Wear histories of a scene, from which ``service_life`` computes the life, and its results."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations, pairwise, takewhile
+from typing import Any
+
+import numpy as np
+
+from presswear.campaign import wear_update
+from presswear.campaign.ensemble import EnsembleState, Runner
+from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
+from presswear.campaign.service_life import (
+    MIN_BLOCK,
+    MIN_CYCLES,
+    BlockPlan,
+    Blocks,
+    LifeProblem,
+    LoadBlock,
+    Refinement,
+    Refinements,
+    estimate_life,
+    run_refinements,
+)
+from presswear.linkage.elements import ClearanceJoint
+from presswear.physics.ideal import bottom_of
+from presswear.physics.statics import total_clearance
+from presswear.physics.wear import worn_volume
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
+from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
+from presswear.results.stage import WearStep
+from presswear.scene.options import Service
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+from presswear.tools.errors import RunFailed
+
+_MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
+_MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
+MAX_PHASES = 3
+MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
+RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
+
+
+@dataclass(frozen=True)
+class LifeState:
+    """State of a service life."""
+
+    refinements: tuple[Refinement, ...] = ()  # the last one may be unfinished
+    place: tuple[int, int] = (0, 0)  # refinement and service interval of the present runs
+    running: EnsembleState = EnsembleState()  # these runs, from the start of the interval
+
+
+def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
+    """Return the quantities of surfaces of shape (histories, joints, 2, bins), m, by key.
+
+    The total clearance takes long and is computed only if a limit is on it.
+    """
+    levels = {}
+    for k, joint in enumerate(scene.linkage().clearances):
+        item = depth[:, k, :, : joint.bins]
+        levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
+        levels[f"{joint.name}.wear_volume"] = np.array([worn_volume(joint, one) for one in item])
+    if "total_clearance" in limited:
+        values = [total_clearance(linkage_on(scene, one)) for one in depth]
+        levels["total_clearance"] = np.array(values)
+    return levels
+
+
+def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
+    """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
+    samples = {}
+    for k, joint in enumerate(scene.linkage().clearances):
+        column = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k + CYCLE_JOINT.index("force_max")
+        samples[f"{joint.name}.force_max"] = rows[:, :, column].mean(axis=1)
+    ideal = bottom_of(scene.ideal)
+    if ideal is not None:
+        off = rows[:, :, CYCLE_FIXED.index("bottom_height")] - ideal.height
+        mean = off.mean(axis=1)
+        samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": off.var(axis=1, ddof=1)}
+    return samples
+
+
+@dataclass
+class WearHistories:
+    """Wear histories of a scene."""
+
+    runner: Runner
+    initial: Array  # depth of the surfaces at the start, (replicates, joints, 2, bins), m
+    limited: tuple[str, ...]  # names that limits are on
+    state: LifeState = field(default_factory=LifeState)
+    keep: Callable[[LifeState], None] = lambda state: None  # called whenever it has changed
+
+    def store(self, **changes: Any) -> None:
+        """Change the state and keep it."""
+        self.state = replace(self.state, **changes)
+        self.keep(self.state)
+
+    def advance(self, number: int, before: Blocks, plan: BlockPlan | Service) -> LoadBlock:
+        """Run the next block, or replace or turn a bushing; see ``Advance``."""
+        if isinstance(plan, Service):
+            return self._maintain(before[-1], plan)
+        runner, scene = self.runner, self.runner.scene
+        count = scene.replicate_count
+        interval, strokes = (before[-1].interval, before[-1].strokes) if before else (0, 0.0)
+        blocks = [block for block in before if block.interval == interval]
+        # A service interval starts on the surfaces after maintenance, or on those of the scene.
+        first = blocks[0].depth if blocks and not blocks[0].cycles else self.initial
+        earlier = blocks[-1].depth if blocks else first
+        finished = STARTUP_CYCLES + sum(block.cycles for block in blocks)
+        running = EnsembleState((None,) * count)
+        if self.state.place == (number, interval):
+            running = self.state.running
+            runner.done -= running.cycles / count
+        running = replace(running, until=(finished + plan.cycles,) * count)
+        self.state = replace(self.state, place=(number, interval), running=running)
+        left = max(MIN_CYCLES - sum(block.cycles for block in before), MIN_BLOCK)
+        runner.later = left + (2 * MIN_CYCLES if number == 1 else 0)
+        runner.later += scene.wear_updates * wear_update.FIRST_REFINEMENT
+
+        wear = wear_update.wear_per_cycle(plan.share, plan.extra)
+        label = f"life, refinement {number}, {strokes:.3g} strokes"
+        place = number + _MAX_INTERVALS * interval
+        spec = RunSpec(_MAX_CYCLES, wear=wear, number=place, label=label)
+        ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
+        if ensemble.failure:
+            if not before:
+                raise RunFailed(ensemble.failure, ensemble.finding)
+            return replace(before[-1], cycles=0, ended_by=ensemble.failure)
+        joints, recorders = ensemble.linkage.clearances, ensemble.recorders
+        depth = ensemble.surface_depth
+        worn = worn_out(joints, depth)
+        # A history whose surfaces are worn out ends early: all are taken back to that cycle.
+        counts = np.array([len(recorder.cycles) - finished for recorder in recorders])
+        cycles = int(counts.min())
+        part = (cycles / counts)[:, np.newaxis, np.newaxis, np.newaxis]
+        depth = np.where(part < 1.0, earlier + part * (depth - earlier), depth)
+        rows = np.array([recorder.cycles[finished : finished + cycles] for recorder in recorders])
+        removed = (depth - earlier).mean(axis=0) / (plan.share * cycles)
+        return LoadBlock(
+            strokes + plan.share * cycles,
+            cycles,
+            interval,
+            levels_of(scene, depth, self.limited),
+            samples_of(scene, rows),
+            wear_update.largest_change(joints, removed),
+            removed,
+            depth,
+            f"{worn.joint}: {worn.what}" if worn else "",
+            ensemble.state.wall - running.wall,
+        )
+
+    def _maintain(self, last: LoadBlock, service: Service) -> LoadBlock:
+        depth, joints = last.depth.copy(), self.runner.scene.linkage().clearances
+        k = [joint.name for joint in joints].index(service.joint)
+        bushing = depth[:, k, 0, : joints[k].bins]
+        half_turn = joints[k].bins // 2
+        bushing[...] = np.roll(bushing, half_turn, axis=1) if service.is_turned else 0.0
+        levels = levels_of(self.runner.scene, depth, self.limited)
+        interval = last.interval + 1
+        return replace(last, cycles=0, interval=interval, levels=levels, rate=0.0, depth=depth)
+
+
+def run_life(
+    runner: Runner, initial: Array, state: LifeState, keep: Callable[[LifeState], None]
+) -> tuple[tuple[Refinement, ...], LifeResult]:
+    """Run the service life of a scene, or resume it; return its refinements as well.
+
+    InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
+    """
+    scene = runner.scene
+    life, joints = scene.life, scene.clearance_joints
+    assert life is not None
+    limits, services = life.limits(joints), life.services(joints)
+    problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
+    limited = tuple(limit.name for limit in limits)
+    histories = WearHistories(runner, initial, limited, state, keep)
+    done = run_refinements(
+        problem, histories.advance, state.refinements, lambda r: histories.store(refinements=r)
+    )
+    return done, life_result(scene, problem, done)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:
+    """Return the life as results store it."""
+    last, end = refinements[-1], refinements[-1].blocks[-1]
+    life = estimate_life(refinements, problem.limits)
+    ended: Ended = "limit"
+    message = ""
+    if math.isinf(life.strokes):
+        ended, message = "cycles", f"within {last.cycles} cycles of all replicates"
+        if end.strokes >= problem.at_most:
+            ended, message = "at_most", f"within {problem.at_most:.4g} strokes"
+        message = f"no limit is exceeded {message}"
+        if end.ended_by:
+            ended, message = "worn", end.ended_by
+    limits = []
+    for limit in problem.limits:
+        item = estimate_life(refinements, [limit])
+        if item.strokes == life.strokes:
+            item = life  # here coarser refinements that another limit ended count too
+        errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
+        reached = (float(values[-1]) for values in last.band(limit.key))
+        limits.append(LimitResult(limit.key, limit.unit, limit.value, *errors, *reached))
+    stored = []
+    for each in refinements:
+        strokes, error = each.crossing(problem.limits), each.sampling_error(problem.limits)
+        stored.append(RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error)))
+    curves = {"strokes": last.strokes}
+    for key in (*last.blocks[0].levels, *last.blocks[0].samples):
+        value, half = last.band(key)
+        curves[key] = np.column_stack([value, value - half, value + half])
+    # A life is inversely proportional to the wear coefficients, all of them high or low together.
+    joints, services = scene.clearance_joints, problem.services[: end.interval]
+    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
+    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
+    errors = _finite(life.sampling), _finite(life.step), scatter
+    phases = tuple(phase for name in joints for phase in wear_phases(last, name))
+    words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
+    strokes, details = min(life.strokes, end.strokes), (tuple(limits), tuple(stored), phases)
+    return LifeResult(ended, message, strokes, *errors, *details, words, curves)
+
+
+def wear_between(
+    refinements: Refinements,
+    joints: Sequence[ClearanceJoint],
+    initial: Array,
+    since: float,
+    until: float,
+) -> wear_update.WearUpdate:
+    """Return the wear between two numbers of strokes, by the last refinement.
+
+    Surfaces are interpolated between the ends of blocks; at maintenance they are those after it.
+    """
+    last, coarser = refinements[-1], None
+    surfaces_at = _interpolated(last, initial)
+    added = surfaces_at(until)[1] - surfaces_at(since)[1]
+    if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
+        coarser_at = _interpolated(refinements[-2], initial)
+        coarser = coarser_at(until)[1] - coarser_at(since)[1]
+    steps, at = [], since
+    for block in last.blocks:
+        end = min(block.strokes, until)
+        if end <= at:
+            continue
+        depth, lost = surfaces_at(end)
+        change = (lost - surfaces_at(at)[1]).mean(axis=0) / block.cycles
+        forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
+        steps.append(
+            WearStep(
+                cycles_per_update=end - at,
+                cycles=block.cycles * len(initial),
+                factor=(end - at) / block.cycles,
+                clearance_change=wear_update.largest_change(joints, change),
+                max_depth=wear_update.by_side(joints, depth.max(axis=3).mean(axis=0)),
+                peak_force=wear_update.by_joint(joints, forces),
+                wall_s=block.wall_s,
+            )
+        )
+        at = end
+    return wear_update.WearUpdate(surfaces_at(until)[0], added, tuple(steps), coarser)
+
+
+def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
+    """Return a function of strokes: depth of the surfaces and material lost, stacked, m.
+
+    A bushing that was replaced has lost its material all the same.
+    """
+    depth = np.array([initial, *(block.depth for block in refinement.blocks)])
+    added = np.diff(depth, axis=0, prepend=depth[:1])
+    added[1:][[not block.cycles for block in refinement.blocks]] = 0.0
+    values = np.stack([depth, np.cumsum(added, axis=0)], axis=1)
+    ends = np.append(0.0, refinement.strokes)
+
+    def at(strokes: float) -> Array:
+        k = int(np.searchsorted(ends, strokes, side="right"))
+        if k == len(ends):
+            return np.asarray(values[-1])
+        part = (strokes - ends[k - 1]) / (ends[k] - ends[k - 1])
+        return np.asarray(values[k - 1] + part * (values[k] - values[k - 1]))
+
+    return at
+
+
+def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
+    """Return the phases of a joint's wear: running-in, steady, accelerated.
+
+    Wear rates that are constant between a few changes are fitted to those of the blocks: as many
+    as the Bayesian information criterion allows, in which a change that may be anywhere counts
+    twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
+    """
+    cycles, strokes = np.array([block.cycles for block in refinement.blocks]), refinement.strokes
+    finished = np.flatnonzero(cycles[1:])
+    if not finished.size:
+        return ()
+    volume = np.array([block.levels[f"{joint}.wear_volume"] for block in refinement.blocks])
+    rates = np.diff(volume, axis=0)[finished] / np.diff(strokes)[finished, np.newaxis]
+    weights = cycles[finished + 1].astype(float)
+    edges = list(_phase_edges(rates.mean(axis=1), weights))
+    while True:
+        means = [np.average(rates[a:b], axis=0, weights=weights[a:b]) for a, b in pairwise(edges)]
+        # The same histories ran in both phases: their differences are judged.
+        alike = [
+            k
+            for k, (first, second) in enumerate(pairwise(means), 1)
+            if abs(float((second - first).mean()))
+            <= max(half_width(second - first) or 0.0, MIN_RATE_CHANGE * float(first.mean()))
+        ]
+        if not alike:
+            break
+        del edges[alike[0]]
+    values = [float(mean.mean()) for mean in means]
+    # Falling rates at first are running-in, rising last ones accelerated.
+    rises = np.sign(np.diff(values)).tolist()
+    falling = len(list(takewhile(lambda rise: rise < 0, rises)))
+    rising = len(list(takewhile(lambda rise: rise > 0, reversed(rises))))
+    names = [RUNNING_IN] * falling + [STEADY] * (len(values) - falling - rising)
+    names += [ACCELERATED] * rising
+    since, until = strokes[finished], strokes[finished + 1]
+    return tuple(
+        Phase(joint, name, float(since[a]), float(until[b - 1]), value, half_width(mean) or 0.0)
+        for name, value, mean, (a, b) in zip(names, values, means, pairwise(edges), strict=True)
+    )
+
+
+def _phase_edges(rates: Array, weights: Array) -> tuple[int, ...]:
+    """Return the indices at which phases start, and the end of the last."""
+    count, total = rates.size, float(weights.sum())
+    least = 1e-12 * float(np.mean(rates**2)) or 1e-300
+
+    def criterion(edges: tuple[int, ...]) -> float:
+        rest = 0.0
+        for a, b in pairwise(edges):
+            mean = float(np.average(rates[a:b], weights=weights[a:b]))
+            rest += float(weights[a:b] @ (rates[a:b] - mean) ** 2) / total
+        return count * math.log(max(rest, least)) + (3 * len(edges) - 5) * math.log(count)
+
+    partitions = (
+        (0, *inner, count)
+        for parts in range(1, max(min(MAX_PHASES, count // 2), 1) + 1)
+        for inner in combinations(range(1, count), parts - 1)
+    )
+    return min(partitions, key=criterion)
