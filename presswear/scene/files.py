@@ -35,7 +35,12 @@ SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
 SWEEP = "sweep"  # table of the values that a sweep of the scene varies, which the scene ignores
 _PARTS = "process", "servo", "life"
-_GROUPS = "mechanism", "bearings", "settings"  # tables whose keys are those of the settings
+_GROUPS = (
+    "mechanism",
+    "bearings",
+    "limits",
+    "settings",
+)  # tables whose keys are those of the settings
 _KEYS = ("title", *_GROUPS, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"
@@ -47,7 +52,8 @@ _HEAD = """\
 # counterclockwise. To switch on a line or a table, remove the # at the beginning of its lines.
 """
 _OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switched off
-    **{"torque_limit": "1 kN m", "viscosity": "0.1 Pa s", "cycles": 20},
+    **{"torque_limit": "1 kN m", "pressure_limit": "40 MPa", "pv_limit": "1 MPa m/s"},
+    **{"viscosity": "0.1 Pa s", "cycles": 20},
     **{"process": "blanking", "servo": "dwell", "life": "limits"},
 }
 _BEARING = (
@@ -55,6 +61,7 @@ _BEARING = (
     *("youngs_modulus", "poisson_ratio", "wear_coefficient", "viscosity"),
 )
 _SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
+_LIMITS = "torque_limit", "pressure_limit", "pv_limit"
 _RUN = "conventions", "wear_updates", "cycles", "engine"
 
 
@@ -67,7 +74,7 @@ def example_file(kind: str) -> str:
         first = files("presswear.scene").joinpath("points.toml").read_text("utf-8")
         mechanism = linkage_from(tomllib.loads(first)["mechanism"], kind)
     else:
-        mechanism = MECHANISMS[kind](torque_limit=_OFF["torque_limit"])
+        mechanism = MECHANISMS[kind]()
         numbers = [setting for setting in settings_in(mechanism) if not setting.is_part]
         first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
     joints = ",".join(mechanism.default_joints) or "B"
@@ -86,6 +93,7 @@ def example_file(kind: str) -> str:
             for part in _PARTS
             if part in settings
         ),
+        _table("limits", [settings[key] for key in _LIMITS if key in settings], "#"),
         _table("settings", [settings[key] for key in _RUN]),
     ]
     return "\n".join([_HEAD, f'title = "My {kind}"\n', *tables])

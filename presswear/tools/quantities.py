@@ -47,7 +47,10 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "s/m": {"s/m": 1.0, "s/mm": 1e3},
     "N s/m": {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3},
 }
-_WRITTEN_IN = {"m": "mm", "rad": "deg", "rad/s": "rpm", "Pa": "GPa"}  # units of example files
+_WRITTEN_IN = {  # units of example files, the largest first
+    **{"m": ("mm",), "rad": ("deg",), "rad/s": ("rpm",), "W/m^2": ("MPa m/s",)},
+    **{"Pa": ("GPa", "MPa"), "N": ("kN", "N"), "N m": ("kN m", "N m")},
+}
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
 _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
@@ -84,8 +87,10 @@ class Quantity:
 
     def written(self, value: float, digits: int = 6) -> str:
         """Return a value with the unit in which engineers write it."""
-        unit = _WRITTEN_IN.get(self.unit, self.unit)
-        return f"{value / _UNITS.get(self.unit, {}).get(unit, 1.0):.{digits}g} {unit}".rstrip()
+        sizes = _UNITS.get(self.unit, {self.unit: 1.0})
+        units = _WRITTEN_IN.get(self.unit, (self.unit,))
+        unit = next((unit for unit in units if abs(value) >= sizes[unit]), units[-1])
+        return f"{value / sizes[unit]:.{digits}g} {unit}".rstrip()
 
     def range_text(self) -> str:
         """Return the allowed range in words, with the unit, its ends rounded inward."""

@@ -76,6 +76,8 @@ def test_a_table_that_is_switched_on_works(kind: str, block: str, tmp_path: Path
     assert scene != plain_scene
     if block.startswith("#[bearings."):
         assert scene.bearing(scene.clearance_joints[0]).clearance == 0.15e-3
+    elif block.startswith("#[limits"):
+        assert scene.bearings.pressure_limit == 40e6
     elif block.startswith("#["):
         part = block[2:].partition("]")[0]
         data = scene.as_dict()
