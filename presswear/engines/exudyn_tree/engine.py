@@ -41,7 +41,6 @@ from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
 
-REMEDY = "a smaller tree_tolerance may help"  # advice that makes a run finer
 SHORTEST_STEP = 1e-13  # s
 FIRST_STEP = 1e-7  # s
 # Calls for forces without an accepted step after which there is no way on: a thousand steps sent
@@ -185,6 +184,7 @@ def prepare(
     if isinstance(tree, str):
         raise InputError(f"engine exudyn-tree needs a linkage without free loops: {tree}")
     longest = settings.longest(plan.cycle)
+    remedy = f"set a smaller tree_tolerance, for example {settings.tolerance / 10.0:.3g}"
     records = recorder.records
     packed, contacts = records.packed, records.contacts
     is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
@@ -246,7 +246,7 @@ def prepare(
         exu.DynamicSolverType.DOPRI5,
         _settings(settings, longest),
         longest,
-        REMEDY,
+        remedy,
         {"sent_back": "rejectedAutomaticStepSizeSteps"},
     )
     solver.sums["proposed"] = FIRST_STEP
@@ -298,6 +298,6 @@ def prepare(
         arrays,
         solver.sums,
         diagnostics,
-        REMEDY,
+        remedy,
         close=container.Reset,
     )
