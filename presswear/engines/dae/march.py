@@ -10,25 +10,16 @@ from typing import Any
 import numpy as np
 
 from presswear.engines.dae.dynamics import (
-    ACCELERATION,
-    AXES,
     DRIVE_INTEGRALS,
-    POSITION,
     POWER,
     POWER_SQUARE,
-    RATE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
     accelerate,
     place,
 )
-from presswear.engines.dae.runge_kutta import (
-    START,
-    classical_step,
-    embedded_step,
-    rates,
-)
+from presswear.engines.dae.runge_kutta import START, classical_step, embedded_step, rates
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import Held, project
 from presswear.physics.contact import note_contacts
@@ -49,7 +40,7 @@ from presswear.physics.touchdown import (
 )
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
+from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, unpack
 
 RUNNING, DONE, BROKEN, STUCK, TRYING, IDLE = range(6)
 
@@ -409,72 +400,6 @@ def march_controlled(address: PackedArguments, end: float) -> int:
         if status != RUNNING:
             return status
     return RUNNING
-
-
-@inlined
-def copy_lane(target: Array, lanes: Array, i: int) -> None:
-    """Copy the numbers of one replicate from those of all, shape (n, lanes)."""
-    for c in range(target.shape[0]):
-        target[c] = lanes[c, i]
-
-
-@compiled
-def propose_steps(address: PackedArguments) -> bool:
-    """Choose the next trial steps of several replicates; return False if one is at its end."""
-    (pack,) = unpack(address)
-    members = pack.run.system.members
-    is_ended = False
-    for i in range(members.used):
-        (run,) = unpack(members.runs[i])
-        if pack.status[i] == RUNNING:
-            is_proposed = propose_step(members.runs[i], pack.end[i])
-            pack.status[i] = TRYING if is_proposed else DONE
-        is_trying = pack.status[i] == TRYING
-        is_ended |= not is_trying and pack.status[i] != IDLE
-        members.time[i] = run.control[0].time
-        members.length[i] = run.control[0].length if is_trying else 0.0
-        for k in range(run.records.onset.shape[0]):
-            pack.onset[k, i] = run.records.onset[k]
-    return not is_ended
-
-
-@compiled
-def judge_steps(address: PackedArguments) -> None:
-    """Judge the trial steps of several replicates, each alone."""
-    (pack,) = unpack(address)
-    members, last = pack.run.system.members, pack.run.last
-    for i in range(members.used):
-        if pack.status[i] != TRYING:
-            continue
-        (run,) = unpack(members.runs[i])
-        copy_lane(run.motion.trial, pack.trial, i)
-        copy_lane(run.motion.slopes[last], pack.slopes[last], i)
-        for r in (POSITION, RATE, ACCELERATION, AXES):  # forces are not needed any more
-            copy_lane(run.system.state[r], members.state[r], i)
-        for k in range(run.system.contacts.shape[0]):
-            copy_lane(run.system.contact_rows[k], members.contacts[k], i)
-        steps, error, end = run.control[0].steps, pack.errors[0, i], pack.end[i]
-        tableau, classical = pack.run.tableau, pack.run.classical
-        pack.status[i] = judge_step(members.runs[i], tableau, classical, error, end)
-        if run.control[0].steps > steps:
-            for c in range(run.motion.y.shape[0]):
-                pack.y[c, i] = run.motion.y[c]
-                pack.slopes[0, c, i] = run.motion.slopes[0, c]
-
-
-@compiled
-def march_together(address: PackedArguments, most: float) -> None:
-    """Integrate several replicates until one of them is at its end, for at most ``most`` turns.
-
-    Each has its own time and step; in a turn every one makes one trial step.
-    """
-    (pack,) = unpack(address)
-    for _ in range(int(most)):
-        if not propose_steps(address):
-            break
-        tableau, moment = pack.run.tableau, pack.moment
-        pack.error[0] = embedded_step(pack.address, tableau, moment[0], moment[1])
-        judge_steps(address)
 
 
 @compiled
