@@ -172,9 +172,7 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
 
 def _print(console: Console, table: "Table") -> None:
     """Print the first rows, with as many responses as the terminal is wide enough for."""
-    from presswear.sweeps.report import text_table
-
-    heads, *rows = text_table(table, SHOWN_ROWS)
+    heads, *rows = table.texts(SHOWN_ROWS)
     widths = (COLUMN_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True))
     fitting = sum(end <= console.width for end in accumulate(widths))
     count = max(fitting, len(table.parameters) + 1)

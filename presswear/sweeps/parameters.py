@@ -13,6 +13,7 @@ from presswear.scene.settings import Setting, setting_of, values_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text
+from presswear.tools.numbers import readable, unit_scale
 from presswear.tools.quantities import Quantity, parse_quantity, plain_number
 
 TOGETHER = "&"
@@ -39,6 +40,27 @@ class Column:
         if self.choices:
             return self.choices[int(value)]
         return int(value) if self.whole else float(value)
+
+
+class Display:
+    """Column in the display unit in which its values read well, and the factor to this unit."""
+
+    def __init__(self, column: Column, values: Array) -> None:
+        self.column, self.factor, self.unit = column, 1.0, column.unit
+        largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+        if largest > 0.0:
+            self.factor, self.unit = unit_scale(column.unit, largest)
+        self.label = f"{column.key} ({self.unit})" if self.unit else column.key
+
+    def number(self, value: float, digits: int = 3) -> str:
+        """Return a value in SI units as text in the display unit, without the unit."""
+        if self.column.choices and not math.isnan(value):
+            return self.column.choices[int(value)]
+        return readable(self.factor * value, digits)
+
+    def text(self, value: float) -> str:
+        """Return a value in SI units as text with the display unit."""
+        return f"{self.number(value)} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True)

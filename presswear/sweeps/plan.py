@@ -19,6 +19,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, settings_of
 from presswear.sweeps.parameters import (
     Column,
+    Display,
     Distribution,
     Group,
     Value,
@@ -263,6 +264,25 @@ class Table:
             columns[f"{column.key}_is_lower_bound"] = self.censored[:, k].tolist()
         columns["error"] = list(self.errors)
         return columns
+
+    def texts(self, count: int) -> list[list[str]]:
+        """Return the titles of the columns and the first rows as texts.
+
+        A lower bound has the sign ``>``, a missing value is a dash.
+        """
+        columns = []
+        for column, values in zip(self.parameters, self.points.T, strict=True):
+            shown = Display(column, values)
+            columns.append([shown.label, *(shown.number(value, 4) for value in values[:count])])
+        for k, column in enumerate(self.responses):
+            shown, texts = Display(column, self.values[:, k]), []
+            for row in range(min(count, len(self.errors))):
+                half = self.half_widths[row, k]
+                interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"
+                sign = ">" if self.censored[row, k] else ""
+                texts.append(f"{sign}{shown.number(self.values[row, k], 4)}{interval}")
+            columns.append([shown.label, *texts])
+        return [list(line) for line in zip(*columns, strict=True)]
 
     def csv(self) -> str:
         """Return the table as CSV; a comment in the second line holds the units."""

@@ -36,7 +36,7 @@ from presswear.show.page import (
     row_table,
 )
 from presswear.show.page import Table as Texts
-from presswear.sweeps.parameters import Column
+from presswear.sweeps.parameters import Column, Display
 from presswear.sweeps.plan import Plan, Table
 from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import (
@@ -55,7 +55,7 @@ from presswear.sweeps.sensitivity import (
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.numbers import readable, unit_scale, whole
+from presswear.tools.numbers import readable, whole
 
 REPORT, ROWS_FILE = "report.html", "table.csv"
 FIRST_ROWS = 20
@@ -141,7 +141,7 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
     if failed := sum(bool(error) for error in table.errors):
         sections.append(Section("Failed runs", tables=[("", _errors(table))]))
     count = whole(len(table.errors))
-    head, *lines = text_table(table, FIRST_ROWS)
+    head, *lines = table.texts(FIRST_ROWS)
     rows = tuple((f"{number}", *line) for number, line in enumerate(lines, start=1))
     note = f"All {count} runs are in {ROWS_FILE}."
     first_rows = Texts(("run", *head), (("", rows),))
@@ -293,48 +293,7 @@ def _errors(table: Table) -> Texts:
     return row_table(ERROR_ROWS, records, numeric=False)
 
 
-def text_table(table: Table, count: int) -> list[list[str]]:
-    """Return the titles of the columns of a table and its first rows as texts.
-
-    A lower bound has the sign ``>``, a missing value is a dash.
-    """
-    columns = []
-    for column, values in zip(table.parameters, table.points.T, strict=True):
-        shown = Display(column, values)
-        columns.append([shown.label, *(shown.number(value, 4) for value in values[:count])])
-    for k, column in enumerate(table.responses):
-        shown, texts = Display(column, table.values[:, k]), []
-        for row in range(min(count, len(table.errors))):
-            half = table.half_widths[row, k]
-            interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"
-            sign = ">" if table.censored[row, k] else ""
-            texts.append(f"{sign}{shown.number(table.values[row, k], 4)}{interval}")
-        columns.append([shown.label, *texts])
-    return [list(line) for line in zip(*columns, strict=True)]
-
-
 # --- Figures, with titles and captions in ``captions.toml`` ---------------------------------------
-
-
-class Display:
-    """Column in the display unit in which its values read well, and the factor to this unit."""
-
-    def __init__(self, column: Column, values: Array) -> None:
-        self.column, self.factor, self.unit = column, 1.0, column.unit
-        largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
-        if largest > 0.0:
-            self.factor, self.unit = unit_scale(column.unit, largest)
-        self.label = f"{column.key} ({self.unit})" if self.unit else column.key
-
-    def number(self, value: float, digits: int = 3) -> str:
-        """Return a value in SI units as text in the display unit, without the unit."""
-        if self.column.choices and not math.isnan(value):
-            return self.column.choices[int(value)]
-        return readable(self.factor * value, digits)
-
-    def text(self, value: float) -> str:
-        """Return a value in SI units as text with the display unit."""
-        return f"{self.number(value)} {self.unit}".rstrip()
 
 
 def _axis(axes: Axes, side: str, column: Column, values: Array, width: float) -> Display:

@@ -99,9 +99,7 @@ class Sweep:
         return text + (f"; {len(errors)} failed, the first: {errors[0]}" if errors else "")
 
     def __str__(self) -> str:
-        from presswear.sweeps.report import text_table  # slow to import
-
-        lines = text_table(self.table, SHOWN_ROWS)
+        lines = self.table.texts(SHOWN_ROWS)
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
         rows = ("  ".join(map(str.ljust, line, widths)).rstrip() for line in lines)
         return "\n".join([*rows, self.summary])
