@@ -235,7 +235,7 @@ class ProcessExecutor(ProcessPoolExecutor):
     def __init__(self, count: int) -> None:
         # A fork would copy the locks of numerical libraries and of the progress bar.
         context = get_context("forkserver" if sys.platform == "linux" else "spawn")
-        context.set_forkserver_preload([__name__, "presswear.campaign.single"])
+        context.set_forkserver_preload([__name__, "presswear.campaign.campaign"])
         self._before = set(active_children())
         super().__init__(count, context, _prepare_worker)
 

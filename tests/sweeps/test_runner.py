@@ -9,6 +9,8 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from importlib.util import find_spec
+from multiprocessing import forkserver
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,14 @@ import pytest
 import presswear as pw
 from presswear.sweeps import runner
 from presswear.sweeps.responses import Response, request
-from presswear.sweeps.runner import Outcome, Progress, SerialExecutor, read_row, run_rows
+from presswear.sweeps.runner import (
+    Outcome,
+    ProcessExecutor,
+    Progress,
+    SerialExecutor,
+    read_row,
+    run_rows,
+)
 from presswear.sweeps.sweep import load_sweep
 from presswear.tools.errors import InputError, RunFailed
 
@@ -108,6 +117,13 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
 def test_another_program_is_refused() -> None:
     with pytest.raises(InputError, match="another program"):
         runner.run_row(SCENE, REQUESTED, None, "this")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only there is a server of forks used")
+def test_modules_that_workers_share_exist() -> None:
+    with ProcessExecutor(1):
+        # A module that is missing is passed over in silence, and every worker imports its own.
+        assert all(find_spec(name) for name in vars(forkserver._forkserver)["_preload_modules"])
 
 
 WORDS = ["sweep", "slider-crank", "--engine", "dae", "--cycles", "3", "--set", "wear_updates=0"]
