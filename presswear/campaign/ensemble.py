@@ -279,7 +279,7 @@ class _Rounds:
         observers = tuple(item for item in runner.observers if item.observes_runs)
         unfinished = [k for k in indices if k <= last and not self._is_over(k)]
         size = 1
-        if unfinished and not (frames or observers):
+        if len(unfinished) > 1 and not (frames or observers):
             size = runner.scene.solver.lanes(self._linkages[unfinished[0]])
         size = min(size, -(-len(unfinished) // runner.workers.count))
         units: dict[int, Job] = {}

@@ -9,6 +9,7 @@ import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -40,6 +41,7 @@ SETTLING = 2  # cycles before the one whose pieces run again
 STEP_CHECK_CYCLES = 50  # from which on the step check costs at most a twentieth of a stage
 
 
+@lru_cache(maxsize=64)
 def start_of(scene: Scene, index: int = 0) -> Start:
     """Return the initial state of a replicate.
 
@@ -92,7 +94,12 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
 
 def linkage_on(scene: Scene, depth: Array) -> Linkage:
     """Return the linkage of a scene on surfaces worn by a depth, m; see ``map_shape``."""
-    surfaces = {}
+    return _linkage_on(scene, depth.shape, depth.tobytes())
+
+
+@lru_cache(maxsize=64)  # each run of a stage requests it three times
+def _linkage_on(scene: Scene, shape: tuple[int, ...], numbers: bytes) -> Linkage:
+    surfaces, depth = {}, np.frombuffer(numbers).reshape(shape)
     for joint, (bearing, pin) in zip(scene.linkage().clearances, depth, strict=True):
         surfaces[joint.name] = Surface(bearing[: joint.bins]), Surface(pin[: joint.bins])
     return scene.linkage(surfaces)

@@ -43,7 +43,10 @@ _HALVINGS = 14  # how often an interval is halved before the linkage is said to 
 
 @dataclass(frozen=True)
 class Motion:
-    """Coordinates of all bodies over time, shapes (n,) and (n, 3 bodies), SI and rad."""
+    """Coordinates of all bodies, or of the body of the output point alone, SI and rad.
+
+    Shapes are (n,) and (n, 3 bodies).
+    """
 
     time: Array
     position: Array
@@ -53,7 +56,7 @@ class Motion:
     def output(self, linkage: Linkage) -> Array:
         """Return position, velocity and acceleration of the output point, shape (n, 3), m, s."""
         probe = linkage.output
-        column = 3 * linkage.index(probe.body)
+        column = 3 * linkage.index(probe.body) if self.position.shape[1] > 3 else 0
         item = slice(column, column + 3)
         q, v, a = (level[:, item] for level in (self.position, self.velocity, self.acceleration))
         cosine, sine = np.cos(q[:, 2] - probe.direction), np.sin(q[:, 2] - probe.direction)
@@ -87,9 +90,9 @@ class IdealMotion:
     def at(self, time: Array, closed: bool = True) -> Motion:
         """Return the motion of every body at some instants, s, to round-off.
 
-        With ``closed`` false by the polynomials between the nodes alone, in a tenth of the time.
-        Under smooth drives positions are known to round-off, velocities to 1e-11 of the greatest
-        and accelerations to 1e-8.
+        With ``closed`` false that of the output's body alone, by the polynomials between the nodes,
+        in a thirtieth of the time. Under smooth drives positions are known to round-off, velocities
+        to 1e-11 of the greatest and accelerations to 1e-8.
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 2.0 * self.rows.linkage.run_up * self.period
@@ -98,8 +101,10 @@ class IdealMotion:
         within = time - cycle * self.period
         nodes = len(self.position) - 1
         place = np.clip((within / self.period * nodes).astype(int), 0, nodes - 1)
-        q, v, a = self.between(place, within * nodes / self.period - place)
-        q = q + cycle[:, None, None] * (self.position[-1] - self.position[0])
+        index = self.rows.linkage.index(self.rows.linkage.output.body)
+        bodies = slice(None) if closed else slice(index, index + 1)
+        q, v, a = self.between(place, within * nodes / self.period - place, bodies)
+        q = q + cycle[:, None, None] * (self.position[-1, bodies] - self.position[0, bodies])
         scale = self.rows.size * np.array([[1.0], [1.0 / self.period], [1.0 / self.period**2]])
         # Where more than round-off is missing
         for some in np.array_split(np.arange(time.size), 1 + time.size // 2000) if closed else ():
@@ -114,11 +119,11 @@ class IdealMotion:
             v = v * rate
         return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
 
-    def between(self, place: NDArray[np.int64], part: Array) -> Levels:
+    def between(self, place: NDArray[np.int64], part: Array, bodies: slice = slice(None)) -> Levels:
         """Return the quintic polynomials through two nodes, at parts of the way between them."""
         h = self.period / (len(self.position) - 1)
         x = part[:, None, None]
-        levels = self.position, self.velocity, self.acceleration
+        levels = [level[:, bodies] for level in (self.position, self.velocity, self.acceleration)]
         q0, v0, a0 = (level[place] for level in levels)
         q1, v1, a1 = (level[place + 1] for level in levels)
         c1, c2 = h * v0, 0.5 * h * h * a0

@@ -54,8 +54,9 @@ class Provenance(TypedDict):
     resumed: NotRequired[list[dict[str, str]]]
 
 
-def provenance() -> Provenance:
-    """Return the provenance of numbers that are computed here and now."""
+@cache
+def _program() -> Provenance:
+    """Return what stays the same while this process runs, without a date."""
     try:
         command = ["git", "-C", str(_SOURCE), "describe", "--always", "--dirty", "--abbrev=12"]
         process = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True)
@@ -74,8 +75,14 @@ def provenance() -> Provenance:
         "revision": revision,
         "source": sha.hexdigest()[:16],  # distinguishes changes of one revision
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "started": "",
     }
+
+
+def provenance() -> Provenance:
+    """Return the provenance of numbers that are computed here and now."""
+    started = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+    return {**_program(), "started": started}
 
 
 def _versions(origin: Provenance) -> dict[str, str]:

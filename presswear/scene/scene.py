@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, cast, get_args
 
 import numpy as np
@@ -286,9 +287,16 @@ class Scene:
 
         ``worn`` has bearing and pin surface by joint; joints without have their initial surfaces.
         """
+        return self._linkage_on(worn) if worn else self._initial_linkage
+
+    @cached_property
+    def _initial_linkage(self) -> Linkage:
+        return self._linkage_on({})
+
+    def _linkage_on(self, worn: Mapping[str, tuple[Surface, Surface]]) -> Linkage:
         ideal = self.loaded
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
-        surfaces |= {**self.surfaces, **(worn or {})}
+        surfaces |= {**self.surfaces, **worn}
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
         return ideal.with_clearances(
             tuple(self.bearing(j.name).joint(j, self.conventions, surfaces[j.name]) for j in joints)

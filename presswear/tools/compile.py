@@ -506,17 +506,40 @@ def _load(typing: Any, packed: Any) -> Any:
 unpack = cast(Callable[[PackedArguments], Any], _load)
 
 
+def _layout(argument: Any) -> Any:
+    """Return a key that is equal for arguments of the same type."""
+    if isinstance(argument, tuple):
+        return type(argument), *map(_layout, argument)
+    if isinstance(argument, np.ndarray):
+        flags = argument.flags
+        memory = flags.c_contiguous, flags.f_contiguous, flags.aligned, flags.writeable
+        return type(argument), argument.dtype, argument.ndim, memory
+    return numba.typeof(argument)
+
+
+# By layout: type of the pointer, size in bytes, and the function that stores the arguments. Numba
+# takes milliseconds to find them.
+_packing: dict[Any, tuple[Any, int, Any]] = {}
+
+
 def pack_arguments(*arguments: Any) -> PackedArguments:
     """Return arguments for kernels that unpack them.
 
     They are arrays, records, or named tuples of such. Arrays may change their values but not their
     memory.
     """
-    context, kind = cpu_target.target_context, numba.typeof(arguments)
-    memory = np.zeros(context.get_abi_sizeof(context.get_value_type(kind)), np.uint8)
+    layout = _layout(arguments)
+    if layout not in _packing:
+        context, kind = cpu_target.target_context, numba.typeof(arguments)
+        fill, kinds = cast(Any, _fill).from_python, (types.CPointer(kind), kind)
+        size = context.get_abi_sizeof(context.get_value_type(kind))
+        fill.compile(kinds)
+        _packing[layout] = kinds[0], size, fill.overloads[kinds].entry_point
+    pointer, size, store = _packing[layout]
+    memory = np.zeros(size, np.uint8)
     packed = PackedArguments(memory.ctypes.data)
-    packed.arguments, packed.kind, packed.memory = arguments, types.CPointer(kind), memory
-    specialised(_fill, packed, arguments)(packed, arguments)
+    packed.arguments, packed.kind, packed.memory = arguments, pointer, memory
+    store(packed, arguments)
     return packed
 
 
