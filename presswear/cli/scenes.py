@@ -10,7 +10,6 @@ from rich.console import Console
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_with
 from presswear.cli.terminal import load_scene, parse_settings, print_lines
-from presswear.linkage.linkage import Linkage, values_of
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import SUFFIX, example_file
@@ -31,13 +30,8 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
         print_lines(console, *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()))
         return 0
     scene = load_scene(arguments.scene)
-    settings = tuple(settings_of(scene))
-    if isinstance(scene.mechanism, Linkage):
-        keys = {setting.key for setting in settings}
-        for key, value, text in values_of(scene.mechanism):
-            if key not in keys:
-                print_lines(console, f"{key:20} {value}  {text}".rstrip())
-    print_lines(console, *(f"{setting.key:20} {setting.described()}" for setting in settings))
+    lines = (f"{setting.key:20} {setting.described()}" for setting in settings_of(scene))
+    print_lines(console, *lines)
     return 0
 
 

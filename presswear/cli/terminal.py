@@ -62,8 +62,8 @@ def load_scene(name: str) -> Scene:
         raise InputError(f"{name} is a Python script; run it with: python {shlex.quote(name)}")
     if name in EXAMPLES and name not in SCENES:
         raise InputError(f"{name} is a mechanism; write a file of it with: presswear new {name}")
-    if Path(name).is_file():
-        raise InputError(f"{name}: the name of the file of a scene must end in {SUFFIX}")
+    if Path(name).suffix[1:].isalpha() or Path(name).exists():
+        raise InputError(f"{name}: expected a scene of presswear list, or a file NAME{SUFFIX}")
     return scene_named(name)
 
 

@@ -6,7 +6,7 @@ the name ``GROUND``; points on it are global.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from itertools import permutations
@@ -15,10 +15,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.elements import (
     ANGLE,
-    BAR_LENGTH,
     GROUND,
-    INERTIA,
-    MASS,
     MIN_INERTIA,
     Attachment,
     Bar,
@@ -28,14 +25,13 @@ from presswear.linkage.elements import (
     Guide,
     OutputPoint,
     Pin,
-    Place,
     Revolute,
     angle,
 )
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, count, quantity
-from presswear.tools.serialize import Checked, make, plain, toml_items
+from presswear.tools.serialize import Checked, make, plain
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
 MAX_TURNS = 1000  # of a drive in a cycle
@@ -388,45 +384,6 @@ def _parts_of(linkage: Linkage) -> _Parts:
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:
     """Return a linkage from what ``as_plain`` returned or a file has; messages name the place."""
     return make(place, assemble, {key: value for key, value in data.items() if key != "kind"})
-
-
-def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
-    """Yield key, value with its unit, and meaning of every value of a linkage."""
-    numbers: dict[str, int] = dict.fromkeys(_TABLES, 0)
-    for table, items in _rows_of(linkage):
-        prefix = f"{table}[{numbers[table]}]." if table else ""
-        for key, value, text in items:
-            yield f"{prefix}{key}", value.replace('"', ""), text
-        if table:
-            numbers[table] += 1
-
-
-def _rows_of(linkage: Linkage) -> Iterator[tuple[str, list[tuple[str, str, str]]]]:
-    """Yield each table of a linkage with its keys, values as TOML, and meanings."""
-    parts = _parts_of(linkage)
-    yield "", [item for item in toml_items(parts) if item[0] not in _TABLES]
-    for table in _TABLES:
-        for row in getattr(parts, table):
-            yield table, list(toml_items(_BarRow.of(row) if isinstance(row, Body) else row))
-
-
-@dataclass(frozen=True)
-class _BarRow:
-    """Body as a file has it: with the length of a bar in place of its two points."""
-
-    name: str
-    length: Annotated[float, BAR_LENGTH] | None
-    mass: Annotated[float, MASS]
-    inertia: Annotated[float, INERTIA]
-    points: Mapping[str, Place]
-
-    @staticmethod
-    def of(body: Body) -> "_BarRow":
-        points = dict(body.points)
-        x = points.get("head", (0.0, 0.0))[0]
-        is_bar = list(points.items()) == [("tail", (-x, 0.0)), ("head", (x, 0.0))]
-        length, rest = (2.0 * x, {}) if is_bar else (None, points)
-        return _BarRow(body.name, length, body.mass, body.inertia, rest)
 
 
 class Branch(NamedTuple):

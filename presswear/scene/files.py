@@ -35,12 +35,7 @@ SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
 SWEEP = "sweep"  # table of the values that a sweep of the scene varies, which the scene ignores
 _PARTS = "process", "servo", "life"
-_GROUPS = (
-    "mechanism",
-    "bearings",
-    "limits",
-    "settings",
-)  # tables whose keys are those of the settings
+_GROUPS = "mechanism", "bearings", "limits", "settings"  # tables of settings
 _KEYS = ("title", *_GROUPS, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"

@@ -2,15 +2,13 @@
 
 Fields carry their meaning (``tools.quantities``) and their annotation. ``check_fields`` converts
 and checks all fields of an instance, so that a constructor takes numbers in SI, texts with units,
-lists of any sort and plain data alike. ``plain``, ``from_plain`` and ``to_toml`` walk over the
-same fields.
+lists of any sort and plain data alike. ``plain`` and ``from_plain`` walk over the same fields.
 """
 
 import inspect
 import json
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from numbers import Real
 from pathlib import Path
@@ -21,7 +19,7 @@ import numpy as np
 
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_checked, write_bytes
-from presswear.tools.quantities import Choice, Quantity, meaning_of, plain_number
+from presswear.tools.quantities import Choice, meaning_of, plain_number
 
 T = TypeVar("T")
 
@@ -222,48 +220,6 @@ def _missing_keys(whole: Any, data: Any) -> Iterator[str]:
         yield from whole.keys() - data.keys()
         for name in whole.keys() & data.keys():
             yield from _missing_keys(whole[name], data[name])
-
-
-def to_toml(value: Any, kind: Any = Any) -> str:
-    """Return a value as TOML, numbers with the unit of the annotation."""
-    origin, inner = get_origin(kind) or kind, get_args(kind)
-    if origin in (Union, UnionType):
-        for one in inner:
-            with suppress(InputError):
-                converted("", value, one)
-                return to_toml(value, one)
-        return to_toml(value)
-    if isinstance(value, bool):
-        return str(value).lower()
-    if origin is Annotated and isinstance(value, int | float):
-        unit = inner[1].unit.split(" or ")[0]
-        return f'"{value!r} {unit}"' if unit else f"{value!r}"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if is_dataclass(value):
-        pairs = [f'{key} = "{word}"' for key, word in _kind_of(value).items()]
-        pairs += (f"{key} = {text}" for key, text, _ in toml_items(value))
-        return f"{{ {', '.join(pairs)} }}"
-    if isinstance(value, Mapping):
-        one = inner[1] if origin is Mapping else Any
-        pairs = [f"{json.dumps(key)} = {to_toml(item, one)}" for key, item in value.items()]
-        return f"{{ {', '.join(pairs)} }}"
-    if isinstance(value, tuple | list):
-        fixed = origin is tuple and inner[-1] is not Ellipsis
-        kinds = inner if fixed else (inner[0] if inner else Any,) * len(value)
-        return f"[{', '.join(to_toml(*pair) for pair in zip(value, kinds, strict=True))}]"
-    return f"{value!r}"
-
-
-def toml_items(owner: Any) -> Iterator[tuple[str, str, str]]:
-    """Yield key, value as TOML and meaning of each field that differs from its default."""
-    for item in fields(owner):
-        value = getattr(owner, item.name)
-        if value is None or value == item.default or value in ((), {}):
-            continue
-        meaning = meaning_of(item, owner)
-        kind = Annotated[float, meaning] if isinstance(meaning, Quantity) else item.type
-        yield item.name, to_toml(value, kind), meaning.text if meaning else ""
 
 
 def typed(data: Any, kind: type[T], place: str) -> T:

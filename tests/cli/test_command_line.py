@@ -37,6 +37,9 @@ run nonsense: nonsense & wear-times
 run weartimes: 'weartimes'; did you mean wear-times?
 run x.toml: x.toml: there is no such file
 run wear-times --set colour=red: unknown key 'colour'; presswear list SCENE shows all keys
+run press.txt: press.txt: expected a scene of presswear list, or a file NAME.toml
+run .: .: expected a scene of presswear list
+run six-bar: six-bar is a mechanism; write a file of it with: presswear new six-bar
 run study.py: study.py is a Python script; run it with: python study.py
 run wear-times --set clearence=1mm: did you mean clearance?
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
@@ -201,7 +204,7 @@ def test_interrupt_that_became_error(monkeypatch: pytest.MonkeyPatch, command: C
         command("list")
 
 
-@pytest.mark.parametrize(("kind", "key"), [("press", "length_2"), ("points", "bodies[0].mass")])
+@pytest.mark.parametrize(("kind", "key"), [("press", "length_2"), ("points", "cycle")])
 def test_a_new_file_is_listed_drawn_and_run(
     kind: str, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:

@@ -15,7 +15,7 @@ from scipy.integrate import quad
 
 from presswear.linkage.drives import MAX_PIECES, Drive, Follow, Rise
 from presswear.linkage.elements import GROUND, Attachment, Bar, Body, Guide, OutputPoint, Pin
-from presswear.linkage.linkage import MAX_TURNS, Linkage, assemble, linkage_from, values_of
+from presswear.linkage.linkage import MAX_TURNS, Linkage, assemble, linkage_from
 from presswear.linkage.loads import (
     Blanking,
     Coining,
@@ -95,20 +95,6 @@ EVERY = [
 def test_a_linkage_is_read_back_bit_for_bit(linkage: Linkage) -> None:
     stored = json.loads(json.dumps(linkage.as_plain()))
     assert linkage_from(stored, "here") == linkage
-
-
-def test_every_value_is_listed_with_its_unit() -> None:
-    values = {key: (value, text) for key, value, text in values_of(LOADED)}
-    guess = dict(LOADED.guess)
-    assert values["springs[0].stiffness"] == ("50.0 N/m", "stiffness")
-    assert values["joints[1].first"][0] == "crank.head"
-    assert values["bodies[0].length"][0] == "0.05 m"
-    text = "{{ coupler = {coupler} rad, rocker = {rocker} rad }}".format(**guess)
-    assert values["guess"][0] == text
-    assert values["cycle"][0] == "0.5 s"
-    lively = {key: value for key, value, _ in values_of(LIVELY)}
-    assert lively["loads[1].law"] == "5.0 N"
-    assert "table = [[-0.1 m, 0.0 N], [0.1 m, -5.0 N]]" in lively["loads[2].law"]
 
 
 def test_the_output_point_moves_along_its_guide() -> None:
