@@ -160,7 +160,7 @@ def scene_of(draw: Random) -> Scene:
     bearings = _bearings(draw, min(getattr(mechanism, name) for name in lengths))
     if conventions.contact == "foundation":
         bearings = replace(bearings, exponent=1.5)
-    joints = draw.choice([*mechanism.allowed_joints, "".join(mechanism.allowed_joints), "none"])
+    joints = draw.choice([*mechanism.allowed_joints, ",".join(mechanism.allowed_joints), "none"])
     parts: dict[str, Any] = {
         "mechanism": mechanism,
         "bearings": bearings,
