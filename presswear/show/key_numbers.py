@@ -30,11 +30,9 @@ def measured(
         advice = f"run at least {ENOUGH}" if strokes < ENOUGH else "they scatter too much"
         return KeyNumber(name, f"too few strokes ({strokes})", advice, meaning)
     factor, shown = numbers.unit_scale(unit, abs(mean))
-    if high - low <= 1e-4 * abs(mean):
-        return KeyNumber(name, f"{numbers.readable(factor * mean)} {shown}", "", meaning)
     digits = 3 if high - low < 0.2 * abs(mean) else 2
     texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
-    interval = f"{texts[1]} to {texts[2]} {shown}"
+    interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
     return KeyNumber(name, f"{texts[0]} {shown}", interval, meaning)
 
 
@@ -60,7 +58,7 @@ def _life(scene: Scene, life: LifeResult) -> KeyNumber:
     if first is None:
         value = f"more than {numbers.large(life.strokes)} strokes"
         return KeyNumber("Service life", value, "", f"No limit is exceeded in {hours} hours.")
-    value = f"{numbers.large(life.strokes, digits=digits_of(life.error))} strokes"
+    value = f"{numbers.large(life.strokes, digits=digits_of(life.total_error))} strokes"
     interval = span_of(life.strokes, life.total_error)
     meaning = f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
     if interval:

@@ -34,32 +34,31 @@ MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 
 def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
-    scene, joints, side = result.scene, result.scene.clearance_joints, style.square_side(len(shown))
-    count = 1 + len(joints)
-    height = 0.7 + (0.75 * side + 0.35) * count
-    sheet, grid = style.panels(count, len(shown), height, sharex="row", sharey="row")
+    scene, joints = result.scene, result.scene.clearance_joints
+    share = "row" if len(shown) > 1 else False  # both stages of a joint have the same scale
+    sharing = {"sharex": share, "sharey": share}
+    sheet, places, _ = style.joint_panels(["", *joints], shown, 2.4, **sharing)
     factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
-    for column, stage in zip(grid.T, shown, strict=True):
+    for axes, joint, stage in places:
         data = style.between(stage.data, *press.settled_span(scene, stage.data))
         look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
-        column[0].plot(1e3 * data.displacement, data.velocity, **look)
-        column[0].set_xlabel(style.wrapped(f"displacement of the {scene.output} (mm)", side))
-        for axes, joint in zip(column[1:], joints, strict=True):
-            distance = np.hypot(*data.joints[joint].eccentricity.T)
-            # Times of successive rows may differ by round-off only.
-            time, rows = np.unique(data.time, return_index=True)
-            axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
-            clearance = factor * scene.bearing(joint).clearance
-            axes.axvline(clearance, color=style.REFERENCE, linewidth=0.7, linestyle="dashed")
-            axes.set_xlabel(f"|e| in joint {joint} ({unit})")
-    style.title_stages(grid, shown, side)
-    for axes, label in zip(grid[:, 0], ("velocity", *["d|e|/dt"] * len(joints)), strict=True):
-        axes.set_ylabel(f"{label} (m/s)")
+        if not joint:
+            axes.plot(1e3 * data.displacement, data.velocity, **look)
+            axes.set_title(f"{scene.output}, {stage.pen.label}", loc="left", fontweight="bold")
+            axes.set(xlabel="displacement (mm)", ylabel="velocity (m/s)")
+            continue
+        distance = np.hypot(*data.joints[joint].eccentricity.T)
+        # Times of successive rows may differ by round-off only.
+        time, rows = np.unique(data.time, return_index=True)
+        axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
+        clearance = factor * scene.bearing(joint).clearance
+        axes.axvline(clearance, color=style.REFERENCE, linewidth=0.7, linestyle="dashed")
+        axes.set(xlabel=f"|e| ({unit})", ylabel="d|e|/dt (m/s)")
     return style.finished("phase", sheet, scene=scene)
 
 
 def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
-    """Draw the position of each pin once per cycle, a panel for each stage."""
+    """Draw the position of each pin once per cycle, in the first and last stage."""
     scene, phase, counts = result.scene, 1.0, []
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
@@ -72,6 +71,7 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
         return points.T
 
     sheet, circle = pin_panels(result, shown, draw)
+    shown = [*shown[:1], *shown[1:][-1:]]
     periods = [f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown]
     content = {"angle": 360.0 * (phase % 1.0), "fewest": min(counts), "periods": periods}
     return style.finished("poincare", sheet, [circle], scene=scene, **content)
@@ -80,28 +80,28 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
 def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
     scene, joints = result.scene, result.scene.clearance_joints
-    impacts = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
-    if not any(speed.any() for row in impacts for _, speed in row):
+    impacts = {(j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown}
+    if not any(speed.any() for _, speed in impacts.values()):
         return []
-    height = 0.7 + 1.5 * len(joints)
-    sheet, grid = style.panels(len(joints), len(shown), height, sharex=True, sharey=True)
-    for data, row, joint in zip(impacts, grid, joints, strict=True):
-        for (when, speed), axes, stage in zip(data, row, shown, strict=True):
-            axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
-            # Most touchdowns of a resting pin are far slower than those that end a flight.
-            axes.set_yscale("log", subs=style.SUBTICKS)
-        row[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
-    style.title_stages(grid, shown, (style.WIDTH - 0.9) / len(shown))
-    _label_phase(grid, result)
-    fewest = min(len(speed) for row in impacts for _, speed in row)
+    sheet, places, lowest = style.joint_panels(joints, shown, 1.6, sharex=True, sharey=True)
+    counts = []
+    for k, (axes, joint, stage) in enumerate(places):
+        when, speed = impacts[joint, stage.data.index]
+        counts.append(len(speed))
+        axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
+        # Most touchdowns of a resting pin are far slower than those that end a flight.
+        axes.set_yscale("log", subs=style.SUBTICKS)
+        if k % len(lowest) == 0:
+            axes.set_ylabel("closing speed (m/s)")
+    _label_phase(lowest, result)
+    fewest = min(counts)
     return style.finished("impacts", sheet, scene=scene, fewest=fewest)
 
 
-def _label_phase(grid: Any, result: Result) -> None:
-    """Label the axes below the lowest row of a grid with the phase of the cycle."""
-    for axes in grid[-1]:
-        label = f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)"
-        axes.set_xlabel(style.wrapped(label, style.WIDTH / len(grid[-1]) - 0.3))
+def _label_phase(lowest: list[Axes], result: Result) -> None:
+    """Label the lowest panels with the phase of the cycle."""
+    for axes in lowest:
+        axes.set_xlabel(f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)")
         axes.set_xticks(np.arange(0.0, 361.0, 90.0))
         axes.set_xlim(0.0, 360.0)
 
@@ -109,22 +109,22 @@ def _label_phase(grid: Any, result: Result) -> None:
 def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
     scene, joints = result.scene, result.scene.clearance_joints
-    height = 0.9 + 1.6 * len(shown)
-    sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey=True)
-    for row, stage in zip(grid, shown, strict=True):
-        for axes, joint in zip(row, joints, strict=True):
-            line = timeline_of(scene, stage.data, joint)
-            parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
-            parts = np.column_stack([parts, parts[:, -1]])
-            edges = np.linspace(0.0, 360.0, BINS + 1)
-            axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
-            axes.set_ylim(0.0, 100.0)
-            axes.grid(False)
-            shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
-            text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
-            axes.set_title(f"{stage.pen.label}, {joint}\n{text} %", fontsize=7.0)
-        row[0].set_ylabel("part of the time (%)")
-    _label_phase(grid, result)
+    sheet, places, lowest = style.joint_panels(joints, shown, 1.7, sharex=True, sharey=True)
+    for k, (axes, joint, stage) in enumerate(places):
+        line = timeline_of(scene, stage.data, joint)
+        parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
+        parts = np.column_stack([parts, parts[:, -1]])
+        edges = np.linspace(0.0, 360.0, BINS + 1)
+        axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
+        axes.set_ylim(0.0, 100.0)
+        axes.grid(False)
+        shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
+        text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
+        title = f"joint {joint}, {stage.pen.label}\n{text} %"
+        axes.set_title(title, loc="left", fontsize=7.0)
+        if k % len(lowest) == 0:
+            axes.set_ylabel("part of the time (%)")
+    _label_phase(lowest, result)
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
     return style.finished("modes", sheet, pens)
 
@@ -132,8 +132,9 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
 def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
     scene, joints = result.scene, result.scene.clearance_joints
-    sheet, grid = style.panels(1 + len(joints), 1, 0.6 + 1.9 * (1 + len(joints)), sharex=True)
-    column, resonances = grid[:, 0], []
+    columns = 1 + (len(joints) > 2)
+    sheet, column, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
+    resonances = []
     for stage in shown:
         for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
             stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
@@ -155,7 +156,8 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
     column[-1].set_xlim(0.2, MAX_ORDER)
-    column[-1].set_xlabel("frequency in turns of the cycle (orders)")
+    for axes in lowest:
+        axes.set_xlabel("frequency in turns of the cycle (orders)")
     content = {"harmonics": _HARMONICS, "resonances": resonances}
     return style.finished("spectrum", sheet, [one.pen for one in shown], scene=scene, **content)
 

@@ -1,6 +1,5 @@
 """Figure of a service life: every monitored quantity over the strokes."""
 
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +12,6 @@ from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
 
-_COLUMNS = 3
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
 _HEADROOM = 1.15, 1.4  # height of a panel over its largest value, without and with a note
 _NARROW = 0.2  # fraction of the strokes below which the name of a phase is upright
@@ -38,28 +36,20 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     life = result.life
     if life is None or len(stages) < len(result.stages):
         return []
-    # One row of panels per joint, then those of the press.
     joints = result.scene.clearance_joints
-    rows = [[key for key in life.curves if key.startswith(f"{name}.")] for name in joints]
-    common = [key for key in life.curves if key != "strokes" and "." not in key]
-    rows += [common[k : k + _COLUMNS] for k in range(0, len(common), _COLUMNS)]
-    rows = [row for row in rows if row]
+    keys = [key for name in joints for key in life.curves if key.startswith(f"{name}.")]
+    keys += [key for key in life.curves if key != "strokes" and "." not in key]
     high = life.interval.high if life.ended == "limit" else None
     end = max(float(life.curves["strokes"][-1]), high or 0.0)
     factor, unit = count_scale(end)
     if not unit and end >= 1e4:  # ticks of thousands are too long for narrow panels
         factor, unit = 1e-3, "thousand"
     scale = _Scale(life, services_done(result), end, factor, f"{unit} strokes".strip())
-    height = 0.6 + min(1.5, (style.TALLEST - 1.2) / len(rows)) * len(rows)
-    sheet, grid = style.panels(len(rows), _COLUMNS, height, sharex=True)
-    for panels, (keys, below) in zip(grid, pairwise([*rows, []]), strict=True):
-        for axes, key in zip(panels, keys, strict=False):
-            _draw_quantity(axes, key, scale)
-        for axes in panels[len(keys) :]:
-            axes.set_axis_off()
-        for axes in panels[len(below) : len(keys)]:
-            axes.tick_params(labelbottom=True)
-            axes.set_xlabel(f"({scale.unit})")
+    sheet, panels, lowest = style.panel_list(len(keys), 1.6, sharex=True)
+    for axes, key in zip(panels, keys, strict=True):
+        _draw_quantity(axes, key, scale)
+    for axes in lowest:
+        axes.set_xlabel(f"({scale.unit})")
     pens = [_MEAN, _LIMIT, *[_LIFE] * (life.ended == "limit"), *[_SERVICE] * bool(scale.services)]
     curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
     first = life.first if life.ended == "limit" else None
@@ -100,8 +90,7 @@ def _draw_quantity(axes: Axes, key: str, scale: _Scale) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.set_ylabel(f"({unit})")
     is_first = life.first is not None and life.first.key == key
-    title = style.wrapped(words_of(key), 0.7 * style.WIDTH / _COLUMNS)
-    title += ": first" if is_first else ""
+    title = words_of(key) + (": first" if is_first else "")
     axes.set_title(title, loc="left", fontweight="bold" if is_first else "normal")
     _draw_marks(axes, joint, scale, joint != "" and name == "wear_volume")
 

@@ -18,13 +18,14 @@ from presswear.show.replay.shapes import across, attachments, body_outline, poin
 from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
 
-_HEIGHTS = (3.2, 6.4)  # least and greatest height of the figure, inches
+_HEIGHTS = (3.2, 5.2)  # least and greatest height of the figure, inches
 _EDGES = 0.65, 0.55  # width and height of the figure beside the axes, inches
 _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring
 _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
+_MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _UP, _LEFT = np.array([0.0, 1.0]), np.array([-1.0, 0.0])
 
 
@@ -49,6 +50,8 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     wide, tall = high - low
     height = min(max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
     sheet, ((axes,),) = style.panels(1, 1, height)
+    width = (height - _EDGES[1]) * wide / tall + _EDGES[0]
+    sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
     for path in paths.values():
         axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
@@ -74,7 +77,15 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
     content: dict[str, Any] = {"linkage": linkage, "time": 1e3 * time, "period": 1e3 * period}
+    content["clearance"] = _common_clearance(scene)
     return style.finished("mechanism", sheet, **content)[0]
+
+
+def _common_clearance(scene: Scene) -> float | None:
+    """Return the clearance of all joints if many have the same, m: the caption states it."""
+    sizes = {scene.bearing(name).clearance for name in scene.clearance_joints}
+    many = len(scene.clearance_joints) > _MANY_LABELS
+    return sizes.pop() if many and len(sizes) == 1 else None
 
 
 def _unit(vector: Array) -> Array:
@@ -117,7 +128,7 @@ def _draw_joints(
             axes.plot(*place, "o", markersize=11, fillstyle="none", color="black", zorder=5)
         axes.plot(*place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6)
         lines = [", ".join(names)]
-        for name in loose:
+        for name in loose if _common_clearance(scene) is None else ():
             of_joint = f" of {name}" if len(names) > 1 else ""
             lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
         is_block = any(
@@ -151,16 +162,24 @@ def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size:
     )
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
-    # The name is beside a block, above a plate, above a bar or to the right of an upright one.
-    ends = {(end.x, end.y) for _, end in attachments(linkage, name)}
-    ends = ends if len(ends) > 1 else ends | {(0.0, 0.0)}
-    is_block = len(ends) == 1 or any(guide.body == name for guide in linkage.guides)
-    direction = _LEFT - _UP if is_block else _UP
-    if len(ends) == 2 and not is_block:
-        first, second = sorted(ends)
-        x, y = beside = _unit(across(np.subtract(second, first)) @ turn)
-        direction = beside if (y if abs(y) > 0.2 else x) >= 0.0 else -beside
-    _label(axes, name, centre, direction, 12.0 if is_block else 7.0, color=colour)
+    # The name is beside a block, outside of the longest edge of a plate, or beside a bar.
+    ends = [(end.x, end.y) for _, end in attachments(linkage, name)]
+    corners = np.unique([*ends, (0.0, 0.0)] if len(set(ends)) == 1 else ends, axis=0)
+    place, direction, gap = centre, _LEFT - _UP, 12.0
+    if len(corners) > 1 and not any(guide.body == name for guide in linkage.guides):
+        around = corners - corners.mean(axis=0)
+        corners = corners[np.argsort(np.arctan2(*around.T))] @ turn
+        edges = np.roll(corners, -1, axis=0) - corners
+        k = int(np.hypot(*edges.T).argmax())
+        x, y = direction = _unit(across(edges[k]))
+        is_plate, gap = len(corners) > 2, 7.0
+        place = centre + corners[k] + 0.5 * edges[k] if is_plate else centre
+        if is_plate:
+            inwards = corners.mean(axis=0) - corners[k] - 0.5 * edges[k]
+            direction = -direction if direction @ inwards > 0.0 else direction
+        elif (y if abs(y) > 0.2 else x) < 0.0:
+            direction = -direction
+    _label(axes, name, place, direction, gap, color=colour)
 
 
 def _draw_guides_and_forces(

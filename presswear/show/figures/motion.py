@@ -20,6 +20,8 @@ from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
 _TAIL = 0.005  # fraction of the time beyond either end of a panel of the drives
+_TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
+_FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
 _MOMENTS = {
     "contact": ("v", "triangle down: touches the work"),
@@ -112,7 +114,7 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     scene = result.scene
     shown, window = settled(result, moving)
     heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
-    height = 0.9 + min(1.15, (style.TALLEST - 0.9) / sum(heights)) * sum(heights)
+    height = 0.9 + min(1.15, (_TALLEST - 0.9) / sum(heights)) * sum(heights)
     sheet, grid = style.panels(len(heights), 1, height, sharex=True, height_ratios=heights)
     column, jagged = grid[:, 0], grid[3 : 3 + len(shown), 0]
     time = np.linspace(window.start, window.end, 2001)
@@ -133,7 +135,8 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         axes.set_ylabel(label)
     for axes, stage in zip(jagged, shown, strict=True):
         peaks = stage.data.each_cycle("acceleration_max")
-        _draw_jagged(axes, stage, stage.data.acceleration, peaks, window, "m/s²")
+        largest = _draw_jagged(axes, stage, stage.data.acceleration, peaks, window)
+        style.note(axes, f"{stage.pen.label}, largest {readable(largest)} m/s²")
         IDEAL.draw(axes, time, acceleration)
         axes.set_ylabel("acceleration\n(m/s²)")
     everything = np.concatenate([acceleration, *(stage.data.acceleration for stage in shown)])
@@ -155,9 +158,9 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
 
 
 def _draw_jagged(
-    axes: Axes, stage: ShownStage, values: Array, each_cycle: Array, window: Window, unit: str
+    axes: Axes, stage: ShownStage, values: Array, each_cycle: Array, window: Window
 ) -> float:
-    """Draw a series with impacts, note its largest magnitude and return it.
+    """Draw a series with impacts and return its largest magnitude.
 
     The series is thinned, so the largest values of each cycle count as well.
     """
@@ -166,34 +169,33 @@ def _draw_jagged(
     peaks = each_cycle[start:end]
     largest = max(float(np.abs(values).max()), float(peaks.max(initial=0.0)))
     axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
-    style.note(axes, f"{stage.pen.label}, largest {readable(largest)} {unit}")
     return largest
 
 
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
-    """Draw the normal force at each clearance joint over time, a panel for each stage."""
+    """Draw the normal force at each clearance joint over time, in the first and last stage."""
     joints = result.scene.clearance_joints
     shown, window = settled(result, moving)
-    height = 0.5 + 1.35 * len(shown)
-    sheet, grid = style.panels(len(shown), len(joints), height, sharex=True, sharey="col")
-    for column, joint in zip(grid.T, joints, strict=True):
-        largest = 0.0
-        for axes, stage in zip(column, shown, strict=True):
-            series = stage.data.joints[joint]
-            peaks = series.each_cycle("force_max")
-            peak = _draw_jagged(axes, stage, series.force[:, 0], peaks, window, "N")
-            axes.set_ylabel("normal force (N)")
-            largest = max(largest, peak)
-        column[0].set_title(f"joint {joint}", loc="left", fontweight="bold")
-        column[0].set_ylim(0.0, 1.25 * largest if largest > 0.0 else 1.0)
-        window.label(column[-1])
+    sheet, places, lowest = style.joint_panels(joints, shown, 1.5, sharex=True)
+    largest = dict.fromkeys(joints, 0.0)
+    for axes, joint, stage in places:
+        series = stage.data.joints[joint]
+        peak = _draw_jagged(axes, stage, series.force[:, 0], series.each_cycle("force_max"), window)
+        style.note(axes, f"largest {readable(peak)} N")
+        axes.set_ylabel("normal force (N)")
+        largest[joint] = max(largest[joint], peak)
+    for axes, joint, _ in places:
+        axes.set_ylim(0.0, 1.25 * largest[joint] or 1.0)
+    for axes in lowest:
+        window.label(axes)
     return style.finished("force", sheet, window=window)
 
 
 def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
-    """Draw the height of bottom dead centre over the ideal in each stroke, a panel per stage."""
+    """Draw the height of bottom dead centre over the ideal in each stroke, first and last stage."""
     scene = result.scene
     shown = [stage for stage in shown if stage.data.statistics.bdc]
+    shown = [*shown[:1], *shown[1:][-1:]]
     if not shown or not scene.clearance_joints:
         return []
     strokes = [press.bottom_errors(scene, stage.data) for stage in shown]
@@ -217,7 +219,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
 
 
 def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
-    """Draw the path of each pin centre inside its bearing, a panel for each stage."""
+    """Draw the path of each pin centre inside its bearing, in the first and last stage."""
     shown, window = settled(result, moving)
     is_bounded = False
 
@@ -246,33 +248,32 @@ def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
 def pin_panels(
     result: Result, shown: Shown, draw: Callable[[Axes, ShownStage, str, float], Array]
 ) -> tuple[Sheet, Pen]:
-    """Draw positions of the pin centres in square panels, a row for each joint.
+    """Draw positions of the pin centres in square panels, one for each joint and stage.
 
     ``draw`` draws a stage of a joint with a factor from metres, and returns positions, m, shape
     (2, n). The pen of the clearance circle is returned with the sheet.
     """
-    scene, side = result.scene, style.square_side(len(shown))
+    scene = result.scene
     gaps = {joint: scene.bearing(joint).clearance for joint in scene.clearance_joints}
     widest = max(gaps.values())
     factor, unit = unit_scale("m", widest)
-    height = 0.95 + (side + 0.1) * len(gaps)
-    sheet, grid = style.panels(len(gaps), len(shown), height, sharex=True, sharey=True)
+    height = 3.1 if len(gaps) <= _FEW_JOINTS else 2.3
+    sheet, places, lowest = style.joint_panels(gaps, shown, height, sharex=True, sharey=True)
     around = np.linspace(0.0, 2.0 * math.pi, 361)
     circle = np.array([np.cos(around), np.sin(around)])
-    for row, (joint, gap) in zip(grid, gaps.items(), strict=True):
-        for axes, stage in zip(row, shown, strict=True):
-            positions = draw(axes, stage, joint, factor)
-            widest = max(widest, float(np.hypot(*positions).max(initial=0.0)))
-            _ROUND_GAP.draw(axes, *(factor * gap * circle))
-            axes.set_aspect("equal")
-            for axis in (axes.xaxis, axes.yaxis):
-                axis.set_major_locator(MaxNLocator(4, symmetric=True))
-        row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
+    for k, (axes, joint, stage) in enumerate(places):
+        positions = draw(axes, stage, joint, factor)
+        widest = max(widest, float(np.hypot(*positions).max(initial=0.0)))
+        _ROUND_GAP.draw(axes, *(factor * gaps[joint] * circle))
+        axes.set_aspect("equal")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MaxNLocator(4, symmetric=True))
+        if k % len(lowest) == 0:
+            axes.set_ylabel(f"$e_y$ ({unit})")
     edge = 1.06 * factor * widest
-    grid[0, 0].set(xlim=(-edge, edge), ylim=(-edge, edge))
-    for axes in grid[-1]:
+    places[0][0].set(xlim=(-edge, edge), ylim=(-edge, edge))
+    for axes in lowest:
         axes.set_xlabel(f"$e_x$ ({unit})")
-    style.title_stages(grid, shown, side)
     joints: dict[str, list[str]] = {}
     for joint, gap in gaps.items():
         joints.setdefault(quantity_text(gap, "m"), []).append(joint)
@@ -290,8 +291,8 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     joints = scene.clearance_joints if all(one.data.has_joint_series for one, _ in shown) else ()
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)
-    sheet, grid = style.panels(1 + len(joints), 1, 0.8 + 1.7 * (1 + len(joints)), sharex=True)
-    column = grid[:, 0]
+    count = 1 + len(joints)
+    sheet, column, lowest = style.panel_list(count, 1.7, 1 + (count > 3), sharex=True)
     for stage, strokes in shown:
         data, height = stage.data, press.height_of(scene, stage.data)
         force = press.process_force(scene, data)
@@ -311,7 +312,8 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     for axes, name in zip(column, ("of the work", *(f"at {name}" for name in joints)), strict=True):
         axes.set_ylabel(f"force {name} (N)")
     column[-1].set_xlim(factor * reach, 0.0)
-    column[-1].set_xlabel(f"height over the ideal bottom dead centre ({unit})")
+    for axes in lowest:
+        axes.set_xlabel(f"height over bottom dead centre ({unit})")
     return style.finished("tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene)
 
 

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import as_file, files
+from itertools import product
 from textwrap import fill
 from typing import Any
 
@@ -29,7 +30,6 @@ __all__ = ["Axes", "Sheet"]
 LineStyle = str | tuple[float, tuple[float, ...]]
 
 WIDTH = 7.0  # inches, the text width of an A4 page, so that 8 pt print as 8 pt
-TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 DOTS_PER_INCH = 200
 SHOWN_STAGES = 5  # stages in a figure; of more, evenly spaced ones are shown
 SHOWN_CYCLES = 2  # cycles whose motion is shown
@@ -229,22 +229,41 @@ def panels(
 ) -> tuple[Sheet, Any]:
     """Return a sheet of the common width and its grid of axes, an array of shape (rows, columns).
 
-    The height, inches, is limited to that of a page; ``sharing`` goes to ``Figure.subplots``.
-    A figure with a colour bar needs matplotlib's ``constrained`` layout.
+    The height is in inches; ``sharing`` goes to ``Figure.subplots``. A figure with a colour bar
+    needs matplotlib's ``constrained`` layout.
     """
-    sheet = Sheet(figsize=(WIDTH, min(height, TALLEST)), layout=layout or PanelLayout())
+    sheet = Sheet(figsize=(WIDTH, height), layout=layout or PanelLayout())
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
 
 
-def square_side(columns: int) -> float:
-    """Return the side of square panels beside each other, inches."""
-    return (WIDTH - 0.9) / max(columns, 2) - 0.1
+def panel_list(
+    count: int, height: float, columns: int = 2, **sharing: Any
+) -> tuple[Sheet, list[Axes], list[Axes]]:
+    """Return a sheet of rows of a height in inches, its panels, and the lowest of each column."""
+    columns = min(count, columns)
+    rows = math.ceil(count / columns)
+    sheet, grid = panels(rows, columns, 0.6 + height * rows, **sharing)
+    shown = list(grid.flat)[:count]
+    for axes in grid.flat[count:]:
+        axes.set_axis_off()
+    for axes in shown[-columns:]:
+        axes.tick_params(labelbottom=True)
+    return sheet, shown, shown[-columns:]
 
 
-def title_stages(grid: Any, stages: Shown, width: float) -> None:
-    """Write the names of stages above the columns of a grid, in lines of a width in inches."""
-    for axes, stage in zip(grid[0], stages, strict=True):
-        axes.set_title(wrapped(stage.pen.label, width))
+def joint_panels(
+    joints: Iterable[str], stages: Shown, height: float, **sharing: Any
+) -> tuple[Sheet, list[tuple[Axes, str, ShownStage]], list[Axes]]:
+    """Return a sheet with a panel for each joint in the first and in the last stage.
+
+    ``height`` is that of a row, inches. The panels come with their joint and stage, and the lowest
+    ones of both columns once more.
+    """
+    places = list(product(joints, [*stages[:1], *stages[1:][-1:]]))
+    sheet, shown, lowest = panel_list(len(places), height, **sharing)
+    for axes, (joint, stage) in zip(shown, places, strict=True):
+        axes.set_title(f"joint {joint}, {stage.pen.label}", loc="left", fontweight="bold")
+    return sheet, [(axes, *place) for axes, place in zip(shown, places, strict=True)], lowest
 
 
 def finished(

@@ -44,18 +44,18 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     pens = {pen.label: pen for lines in curves for pen, _ in lines}
     if not pens:
         return []
-    sheet, grid = style.panels(len(joints), 1 + turns, 0.5 + 2.3 * len(joints))
-    for axes, (joint, sides), lines in zip(grid.flat, places, curves, strict=True):
+    sheet, panels, _ = style.panel_list(len(places), 1.9)
+    for axes, (joint, sides), lines in zip(panels, places, curves, strict=True):
         _draw_depth(axes, shown[0].data.joints[joint].angle, lines)
         axes.set_xlabel(style.angle_label(result, sides[0]))
-        axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
-        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
+        axes.set_ylabel("depth (µm)")
+        axes.set_title(f"joint {joint}, {' + '.join(sides)}", loc="left", fontweight="bold")
     content = {
         "turns": turns,
-        "is_shifted": any(axes.get_xlim()[0] for axes in grid.flat),
+        "is_shifted": any(axes.get_xlim()[0] for axes in panels),
         "has_next": any(pen.colour == style.MUTED for pen in pens.values()),
         "in_steps": result.grew_in_steps,
-        "is_log": any(axes.get_yscale() == "log" for axes in grid.flat),
+        "is_log": any(axes.get_yscale() == "log" for axes in panels),
     }
     return style.finished("wear", sheet, pens.values(), _RIGHT, **content)
 
@@ -129,8 +129,8 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     updates = [(cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied]
     named = updates if len(updates) <= _NAMED_UPDATES else updates[-1:]
     marker = "." if last - first < _MARKED_STEPS else ""
-    sheet, (row,) = style.panels(1, len(joints), 2.9)
-    for axes, joint in zip(row, joints, strict=True):
+    sheet, panels, _ = style.panel_list(len(joints), 2.3)
+    for axes, joint in zip(panels, joints, strict=True):
         for side, pen in _SURFACES.items():
             depths = [float(result.stages[0].joints[joint].depth(side).max())]
             depths += [step.max_depth[joint][side] for step in steps]

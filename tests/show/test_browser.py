@@ -1,0 +1,80 @@
+"""Reports in a real browser; skipped where Debian's chromium and its driver are missing."""
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import made_up_result as made
+import pytest
+from selenium.webdriver import Chrome, ChromeOptions
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from presswear.show.report import write_report
+
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+MAX_BYTES, MAX_HEIGHT = 2e6, 6000
+
+pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="no chromium with its driver")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Chrome]:
+    options = ChromeOptions()
+    options.binary_location = str(BROWSER)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(flag)
+    driver = Chrome(options=options, service=Service(DRIVER))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    return write_report(replace(made.made_up(made.BOTH, 2), path=folder))
+
+
+def show(browser: Chrome, report: Path, width: int) -> None:
+    size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    browser.get(report.as_uri())
+
+
+def test_the_first_screen_has_drawing_and_key_numbers(browser: Chrome, report: Path) -> None:
+    show(browser, report, 1280)
+    numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
+    assert 6 <= len(numbers) <= 10
+    drawing = browser.find_element(By.CSS_SELECTOR, "img.drawing")
+    for part in (drawing, *numbers):
+        assert part.rect["y"] + part.rect["height"] <= 800
+    assert browser.execute_script("return arguments[0].naturalWidth", drawing) > 0
+    assert browser.execute_script("return document.body.scrollHeight") < MAX_HEIGHT
+    assert report.stat().st_size < MAX_BYTES
+    assert browser.execute("getLog", {"type": "browser"})["value"] == []  # no error in the console
+
+
+def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -> None:
+    show(browser, report, 400)
+    for part in browser.find_elements(By.CSS_SELECTOR, "details"):
+        browser.execute_script("arguments[0].open = true", part)
+    widths = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+    wide, visible = browser.execute_script(widths)
+    assert wide == visible
+    value = browser.find_element(By.CSS_SELECTOR, ".key .value")
+    assert value.rect["y"] < 800
+
+
+def test_parts_open_by_mouse_keyboard_and_contents(browser: Chrome, report: Path) -> None:
+    show(browser, report, 1280)
+    closed = browser.find_elements(By.CSS_SELECTOR, "details:not([open])")
+    assert len(closed) >= 4
+    closed[0].find_element(By.TAG_NAME, "summary").click()
+    closed[1].find_element(By.TAG_NAME, "summary").send_keys(Keys.ENTER)
+    links = browser.find_elements(By.CSS_SELECTOR, "nav a")
+    name = closed[2].find_element(By.TAG_NAME, "summary").text
+    next(link for link in links if link.text == name).click()
+    assert browser.find_elements(By.CSS_SELECTOR, "details:not([open])") == closed[3:]

@@ -1,0 +1,70 @@
+"""Key numbers and warnings of made-up results."""
+
+from dataclasses import replace
+
+import made_up_result as made
+import pytest
+from made_up_result import altered, lived, made_up
+
+import presswear as pw
+from presswear.recording.statistics import Estimate
+from presswear.show.key_numbers import key_numbers, measured, warnings
+
+
+@pytest.mark.parametrize(
+    ("estimate", "value", "interval"),
+    [
+        (Estimate.symmetric(225e3, 0.0, 30), "225 kN", ""),
+        (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N"),
+        (Estimate.symmetric(150.0, 260.0, 3).positive, "too few strokes (3)", "run at least 20"),
+        (Estimate(150.0, samples=1), "too few strokes (1)", "run at least 20"),
+        (Estimate.symmetric(150.0, 3.0, 3), "150 N", "147 to 153 N"),
+        (Estimate.symmetric(-150.0, 100.0, 3), "−150 N", "−250 to −50 N"),
+    ],
+)
+def test_intervals_are_asymmetric_or_left_out(
+    estimate: Estimate, value: str, interval: str
+) -> None:
+    assert measured("force", estimate, "N", "")[1:3] == (value, interval)
+
+
+def test_an_interval_of_a_positive_number_is_that_of_its_logarithm() -> None:
+    wide = Estimate.symmetric(2.0, 1.0, 5).positive
+    assert wide.low is not None
+    assert wide.high is not None
+    assert wide.low * wide.high == pytest.approx(4.0)
+    assert wide.high == pytest.approx(2.0 * 1.6487, rel=1e-4)
+    assert Estimate.symmetric(1.0, 3.0, 2).positive == Estimate(1.0, samples=2)
+
+
+def test_loads_stand_beside_their_limits() -> None:
+    bearing = pw.Bearing(bearing_radius=0.01, width=0.02, pressure_limit=1e5)
+    scene = replace(made.ONE, bearings={"C": bearing})
+    result = made_up(scene, 2)
+    numbers = {number.name: number for number in key_numbers(result)}
+    assert 6 <= len(numbers) <= 10
+    force = result.stages[1].statistics.joints["C"].peak_force_per_cycle.mean
+    assert numbers["Pin pressure p"].value == f"{1e-6 * force / 4e-4:.2f} MPa"
+    assert "Limit: 0.100 MPa." in numbers["Pin pressure p"].meaning
+    assert "not given (pv_limit)" in numbers["p v"].meaning
+    assert any("exceeds pressure_limit = 0.100 MPa" in line for line in warnings(result))
+    allowed = replace(bearing, pressure_limit=1e9)
+    free = made_up(replace(scene, bearings={"C": allowed}), 2)
+    assert not any("exceeds" in line for line in warnings(free))
+
+
+def test_a_life_comes_first_and_names_its_joint() -> None:
+    first, *_, last = key_numbers(lived(made_up(made.BODY, 3)))
+    assert (first.name, first.value) == ("Service life", "5 million strokes")
+    assert first.interval == "3 to 8.3 million strokes"
+    assert (last.value, last.meaning) == ("joint C", "It ends the service life.")
+
+
+def test_energy_made_by_contacts_is_a_warning() -> None:
+    result = made_up(made.BOTH, 2)
+    statistics = replace(result.stages[1].statistics, energy_made_fraction=0.12)
+    lines = warnings(altered(result, 1, statistics=statistics))
+    expected = "First wear: contact forces create 12 % of the energy"
+    assert any(line.startswith(expected) for line in lines)
+    assert not any("create" in line for line in warnings(result))
+    assert any(line.startswith("Few strokes: peak forces are means of 2") for line in lines)
