@@ -189,8 +189,10 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> N
         errors.append(exact - peak.depth.mean / SHAPE[0].max())
         # Of first order: half the steps are off by twice as much.
         assert peak.step_error == pytest.approx(errors[-1], rel=0.15)
-        assert peak.depth.half_width == pytest.approx(peak.step_error)
-        assert peak.depth.high == pytest.approx(peak.depth.mean + (peak.step_error or 0.0))
+        # The interval of the logarithm
+        part = (peak.step_error or 0.0) / peak.depth.mean
+        assert peak.depth.high == pytest.approx(peak.depth.mean * math.exp(part))
+        assert peak.depth.low == pytest.approx(peak.depth.mean * math.exp(-part))
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
 
@@ -258,11 +260,15 @@ def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> N
     volume = worn_volume(wear_times().linkage().clearances[0], jump)
     added = np.array([first + 0.3, second + 2.7]) * volume
     assert statistics.wear_volume.mean == pytest.approx(2.45 * volume, abs=0.0)
-    expected = math.hypot(half_of(*added), 2.45 * volume - added.mean())
-    assert statistics.wear_volume.half_width == pytest.approx(expected, abs=0.0)
+    # More than ten times the mean would be in the interval.
+    assert (
+        math.hypot(half_of(*added), 2.45 * volume - added.mean()) > math.log(10.0) * 2.45 * volume
+    )
+    assert statistics.wear_volume.high is None
     force = statistics.peak_force_per_cycle
     assert force.mean == 350.0
-    assert force.half_width == pytest.approx(math.hypot(half_of(500.0, 600.0), 550.0 - 350.0))
+    half = math.hypot(half_of(500.0, 600.0), 550.0 - 350.0)
+    assert force.high == pytest.approx(350.0 * math.exp(half / 350.0))
 
 
 def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
@@ -299,7 +305,8 @@ def test_failed_set_does_not_mix_with_the_other(campaign: Campaign) -> None:
     assert seen.status == "failed"
     force = seen.stages[1].joints["A"].statistics.peak_force_per_cycle
     assert force.mean == 500.0
-    assert force.half_width == pytest.approx(math.hypot(half_of(700.0, 800.0), 750.0 - 500.0))
+    half = math.hypot(half_of(700.0, 800.0), 750.0 - 500.0)
+    assert force.high == pytest.approx(500.0 * math.exp(half / 500.0))
 
 
 @pytest.mark.parametrize(

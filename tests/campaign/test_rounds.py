@@ -198,6 +198,6 @@ def test_progress_has_frames_for_a_window(jobs: int) -> None:
         assert 0 < len(film.time) <= 60
         assert film.joints.shape[1:] == (2, 6)
         assert np.isfinite(film.position).all()
-    assert any("of 2 replicates" in each.word for each in progress)
+    assert any("cycle 3 of 6" in each.word for each in progress)
     parts = [each.part for each in progress]
     assert parts == sorted(parts)

@@ -27,6 +27,8 @@ NOT_UNITS_OF = {
     "kg m^2": "kg, m, kg m, kg m^3, g m^2",
     "Pa": "m, kg, mPa, 1/Pa, N",
     "1/Pa": "Pa, m, /GPa, 1/m, /",
+    "Pa s": "Pa, s, N s/m, kg, 1/s",
+    "W/m^2": "m, kg, s, rad, 1/Pa",
     "1/m": "m, 1/Pa, 1/s, /",
     "s/m": "s, m, m/s, N s/m",
     "N s/m": "N, N/m, s/m, N m, kg",

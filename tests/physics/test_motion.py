@@ -230,9 +230,10 @@ def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
     """No worse than it says, and no better than ``at`` is needed for."""
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 5003)
     near, exact = scene.ideal.at(time, closed=False), scene.ideal.at(time)
+    output = 3 * scene.base_linkage.index(scene.base_linkage.output.body)
     for level, within in (("position", 1e-14), ("velocity", 1e-11), ("acceleration", 1e-8)):
-        one, other = getattr(near, level), getattr(exact, level)
-        error = np.abs(one - other).max() / np.abs(other).max()
+        one, others = getattr(near, level), getattr(exact, level)
+        error = np.abs(one - others[:, output : output + 3]).max() / np.abs(others).max()
         assert error < within
     assert error > 1e-12
 

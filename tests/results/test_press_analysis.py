@@ -237,7 +237,10 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     for name, own in sizes.items():
         half = float(student.ppf(0.975, 2)) * own.std(ddof=1) / math.sqrt(3.0)
         assert found.peak_by_phase[name].mean == pytest.approx(own.mean())
-        assert found.peak_by_phase[name].half_width == pytest.approx(half)
+        # The interval of the logarithm
+        ends = own.mean() * np.exp(np.array([-half, half]) / own.mean())
+        peak = found.peak_by_phase[name]
+        assert (peak.low, peak.high) == pytest.approx(tuple(ends))
         assert found.peak_by_phase[name].samples == 3
     # Both push the same way: nothing is reversed.
     assert found.reversed_fraction.mean == 0.0
