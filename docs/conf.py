@@ -17,6 +17,7 @@ sys.path.insert(0, str(DOCS))
 import draw  # noqa: E402
 import formulas  # noqa: E402
 import lines  # noqa: E402
+import readme  # noqa: E402
 
 from presswear.tools.quantities import Quantity, meaning_of  # noqa: E402
 
@@ -120,9 +121,10 @@ def _document_fields(
 
 
 def setup(app: Sphinx) -> None:
-    """Register MathML formulas, pictures, command lines and fields of data classes."""
+    """Register MathML formulas, pictures, tables, command lines and fields of data classes."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
     app.connect("builder-inited", _start_lines)
     app.connect("builder-inited", _draw)
+    app.connect("builder-inited", lambda app: readme.fill())
     app.connect("build-finished", _check_lines)
     app.connect("autodoc-process-docstring", _document_fields, priority=1)  # before numpydoc

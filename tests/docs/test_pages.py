@@ -1,19 +1,25 @@
 """Commands, names and links in the documentation exist."""
 
+import ast
 import math
 import re
 import shlex
+import textwrap
+from collections.abc import Iterator
 from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
 import pytest
 from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
+from readme import result_table
 
 import presswear as pw
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_for
 from presswear.cli.terminal import parse_settings
+from presswear.recording import observe
 from presswear.scene.settings import changed
 
 ROOT = Path(__file__).parents[2]
@@ -115,6 +121,93 @@ def test_links_lead_to_existing_files(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
         drawn = "_drawn" in target  # by the build, from docs/draw.py
         assert drawn or "://" in target or (page.parent / target).exists(), target
+
+
+def texts(tree: ast.AST) -> Iterator[str]:
+    """Yield the texts in a module; values in them are the character 0."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.JoinedStr):
+            parts = [part.value if isinstance(part, ast.Constant) else "\0" for part in node.values]
+            yield "".join(map(str, parts))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def test_messages_on_the_page_are_in_the_package() -> None:
+    page = (DOCS / "how-to" / "messages.md").read_text()
+    messages = re.findall(r"(?m)^\| `([^`]+)` \|", page)
+    assert len(messages) >= 20
+    sources = [path.read_text() for path in (ROOT / "presswear").rglob("*.py")]
+    known = "\n".join(text for source in sources for text in texts(ast.parse(source)))
+    for message in messages:
+        for part in filter(None, re.split(r" ?…[:;,]? ?", message)):
+            assert part in known, f"{message}: {part!r}"
+
+
+def test_arrays_on_the_page_are_those_of_a_stage() -> None:
+    changes = {"drive_torque": "on", "sections": 2, "engine": "dae", "wear_updates": 0}
+    stage = pw.run(pw.scenes.clearance_c(cycles=3, replicates=2, **changes)).stages[0]
+    page = (DOCS / "how-to" / "results.md").read_text()
+    rows = re.findall(r"(?m)^\| (`.+?) \| ([\w, ]+) \| .+ \| .+ \|$", page)
+    sizes: dict[str, int] = {}
+    listed = set()
+    for names, shape in rows:
+        for name in re.findall(r"`(\w+)`", names):
+            if (array := stage.arrays.get(name.replace("J_", "C_"))) is None:
+                assert name == "J_angle"
+                continue
+            listed.add(name.replace("J_", "C_"))
+            for word, size in zip(shape.split(", "), array.shape, strict=True):
+                expected = int(word) if word.isdigit() else sizes.setdefault(word, size)
+                assert size == expected or word == "columns", f"{name}: {word}"
+    assert listed == set(stage.arrays)
+    columns = {*observe.CYCLE_FIXED, *observe.CYCLE_JOINT, *observe.CYCLE_DRIVE}
+    assert columns <= set(re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :]))
+
+
+def test_examples_of_the_reference_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every public name is in an example."""
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"(?s)```python\n(.*?)```", (DOCS / "api.md").read_text())
+    code = "\n".join(blocks)
+    exec(code, {})
+    assert set(pw.__all__) <= set(re.findall(r"\bpw\.(\w+)", code))
+
+
+def estimates(text: str) -> dict[str, list[float]]:
+    rows = re.findall(r"(?m)^\| (.*) \| (\S+) \| (\S+) to (\S+) \|$", text)
+    return {label: [float(x) for x in numbers] for label, *numbers in rows}
+
+
+def test_table_in_the_readme_is_that_of_a_run() -> None:
+    """Intervals overlap; digits depend on the processor, because the motion is chaotic."""
+    (text,) = re.findall(r"(?s)<!-- result -->(.*)<!-- end -->", (ROOT / "README.md").read_text())
+    stored, computed = estimates(text), estimates(result_table())
+    assert list(stored) == list(computed)
+    assert len(stored) == 7
+    for label, (mean, low, high) in computed.items():
+        assert low < mean < high, label
+        assert stored[label][1] < high, label
+        assert stored[label][2] > low, label
+
+
+def test_times_in_the_readme_are_those_of_the_benchmark() -> None:
+    pages = [ROOT / "README.md", DOCS / "validation" / "cost.md"]
+    readme, cost = (
+        re.findall(r"(?m)^\| [^|]+(?: \| [\d.-]+){3} \|$", page.read_text()) for page in pages
+    )
+    assert len(readme) == 4
+    assert set(readme) <= set(cost)
+
+
+def test_mechanism_in_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (code,) = re.findall(
+        r"(?m)^    import presswear as pw\n(?:(?:    .*)?\n)+", (ROOT / "README.md").read_text()
+    )
+    names: dict[str, Any] = {}
+    exec(textwrap.dedent(code), names)
+    assert pw.load("results/four-bar").stages[1].joints["B"].statistics.contacts > 0
 
 
 def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> None:
