@@ -126,7 +126,8 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
                 continue
             analysis = analyze(part, column.key, plan, limits.get(column.key))
             answers += [f"At {name}: {line}" if name else line for line in findings(analysis)]
-            numbers.append(_key_number(analysis, name))
+            if analysis.points.means[analysis.points.has_value].any():
+                numbers.append(_key_number(analysis, name))
             with matplotlib.rc_context(SETTINGS):
                 drawn = illustrated(drawings(analysis), into)
             heading = f"{column.key} at {name}" if name else column.key

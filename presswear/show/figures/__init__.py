@@ -1,5 +1,6 @@
 """Figures of a result: drawn in a script or a notebook, or written as PNG files."""
 
+import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
@@ -13,7 +14,7 @@ from PIL import Image
 
 from presswear.results.result import Result
 from presswear.show.figures import dynamics, life, mechanism, motion, style, wear
-from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, Axes, Drawing, Stages
+from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, WIDTH, Axes, Drawing, Stages
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
 
@@ -91,7 +92,9 @@ def save(drawing: Drawing, folder: Path) -> Path:
 
 def rendered(drawing: Drawing) -> Image.Image:
     """Return the image of a drawing."""
-    drawing.sheet.dpi = DOTS_PER_INCH
+    # A tall sheet, of a mechanism with many joints, has no more dots than a square one.
+    tall = max(drawing.sheet.get_figheight() / WIDTH, 1.0)
+    drawing.sheet.dpi = round(DOTS_PER_INCH / math.sqrt(tall))
     # Drawn once: ``savefig`` draws everything twice to lay it out.
     canvas = FigureCanvasAgg(drawing.sheet)
     with matplotlib.rc_context(SETTINGS):
@@ -101,9 +104,8 @@ def rendered(drawing: Drawing) -> Image.Image:
 
 def write(image: Image.Image, path: Path) -> Path:
     """Write an image into a PNG file, whose folder is created where needed; return the path."""
-    dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
     path.parent.mkdir(parents=True, exist_ok=True)
     # A palette makes the file three times smaller, and is faster to write.
     few = image.convert("RGB").quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-    write_whole(path, lambda file: few.save(file, format="png", dpi=dpi))
+    write_whole(path, lambda file: few.save(file, format="png"))
     return path

@@ -22,6 +22,7 @@ _TICKS = 60.0  # degrees between ticks of an axis of angles
 _MARKED_STEPS = 60  # most steps whose ends are marked; more would be a thick line
 _NAMED_UPDATES = 2  # most wear updates named beside each other; of more, the last is named
 _SURFACES = {side: Pen(side, *line) for side, line in zip(SIDES, style.LINES, strict=False)}
+_MAX_OUTLINES = 4  # joints whose worn surfaces are drawn, each in a figure
 _DRAWN_DEPTH = 0.25  # largest wear depth in an outline, relative to the bearing radius
 _MATERIAL = "0.91"  # colour
 _NEW = Pen("no wear", style.REFERENCE, "dotted", 0.8)
@@ -165,9 +166,15 @@ class _View(NamedTuple):
 
 
 def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
-    """Draw the outline of pin and worn bearing, and an enlargement, of each worn joint."""
+    """Draw outline and enlargement of pin and bearing of the joints that are worn most."""
     drawings = []
-    for joint in result.scene.clearance_joints:
+    last = shown[-1].data.joints
+
+    def depth(joint: str) -> float:
+        return max(float(last[joint].depth(side).max()) for side in SIDES)
+
+    deepest = sorted(result.scene.clearance_joints, key=depth, reverse=True)[:_MAX_OUTLINES]
+    for joint in (name for name in result.scene.clearance_joints if name in deepest):
         maps = [(stage, stage.data.joints[joint]) for stage in shown]
         worn = [s for s, one in maps if any(np.any(one.depth(side) > 0.0) for side in SIDES)]
         if worn:
