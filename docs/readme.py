@@ -13,7 +13,7 @@ README = Path(__file__).parents[1] / "README.md"
 
 def result_table() -> str:
     """Compute the table: the command above it in README, in memory."""
-    result = pw.run(pw.scenes.wear_times(wear_updates=1, cycles=5, engine="dae"))
+    result = pw.run(pw.scenes.wear_times(wear_updates=1, cycles=20, engine="dae"))
     new, worn = (stage.statistics for stage in result.stages)
     rows: list[tuple[str, pw.Estimate]] = []
     for name in ("A", "C"):
