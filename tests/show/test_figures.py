@@ -23,6 +23,7 @@ import presswear as pw
 from presswear.campaign.campaign import run
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.oil_film import oil_film
 from presswear.results.press_analysis import ideal_curves
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.settings import changed
@@ -35,7 +36,7 @@ from presswear.tools.numbers import readable
 UNIT = re.compile(
     r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
 )
-NOT_MADE_UP = ("life", "tonnage")  # figures that need what made-up results lack
+NOT_MADE_UP = ("life", "tonnage", "oil")  # figures that need what made-up results lack
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
 MOTION = [
     *("response.png", "bottom-dead-centre.png", "contact-force.png", "centre-trajectory.png"),
@@ -54,6 +55,8 @@ def legend_of(sheet: Sheet) -> list[str]:
 SEVEN = replace(made.BOTH, joints="O2,O7,A,B,C,D,E")
 RESULTS = [made_up(made.BOTH, 3), lived(made_up(made.BODY, 2)), grown(), made_up(SEVEN, 2)]
 RESULTS.append(made_up(replace(made.BODY, joints="A,B,C,D"), 1))
+OILED = made_up(changed(made.BOTH, {"viscosity": "0.1 Pa s", "clearance": "0.05 mm"}), 1)
+RESULTS.append(OILED)
 
 
 @pytest.mark.parametrize("result", RESULTS)
@@ -111,6 +114,18 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
         words = " ".join([*legend_of(sheet), *texts])
         assert "first wear" in words
         assert "second wear" not in words
+
+
+def test_oil_film_is_that_of_each_joint() -> None:
+    for axes, name in zip(OILED.plot("oil"), ("A", "C"), strict=True):
+        film = oil_film(OILED.scene, name)
+        assert film is not None
+        drawn, *levels = (np.asarray(line.get_ydata(), dtype=float) for line in axes.lines)
+        np.testing.assert_allclose(drawn, 1e6 * film.thickness)
+        assert [level[0] for level in levels] == pytest.approx(
+            [3e6 * film.roughness, 1e6 * film.roughness]
+        )
+        assert axes.get_title(loc="left") == f"joint {name}: {film.friction}"
 
 
 @pytest.mark.parametrize(

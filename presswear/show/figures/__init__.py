@@ -40,6 +40,7 @@ NAMES: dict[str, tuple[Callable[[Result, Stages], Any] | None, Callable[..., lis
     "modes": (style.settled_stages, dynamics.contact_modes),
     "spectrum": (style.settled_stages, dynamics.spectrum),
     "drives": (style.moving_stages, motion.drive_work),
+    "oil": (None, motion.film_thickness),
 }
 _PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets only shown ones
 

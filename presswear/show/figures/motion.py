@@ -12,9 +12,10 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
+from presswear.results.oil_film import FULL_FILM, oil_film
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage
+from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage, Stages
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
@@ -31,6 +32,9 @@ _MOMENTS = {
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
+_FILM = Pen("film of a steady bearing", style.LINES[0][0])
+_FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
+_DRY = Pen("dry below", style.LINES[1][0], "dotted")
 
 
 @dataclass(frozen=True)
@@ -361,3 +365,27 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     for axes in grid[-1]:
         window.label(axes)
     return style.finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)
+
+
+def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
+    """Draw the oil film that each joint with a viscosity would have over the phase of the cycle."""
+    scene = result.scene
+    films = {name: oil_film(scene, name) for name in scene.clearance_joints}
+    oiled = {name: film for name, film in films.items() if film is not None}
+    if not oiled or scene.has_untrusted_loads:
+        return []
+    sheet, panels, lowest = style.panel_list(len(oiled), 1.9, sharex=True)
+    for axes, (name, film) in zip(panels, oiled.items(), strict=True):
+        phase = 360.0 * (film.time - film.time[0]) / scene.mechanism.period
+        _FILM.draw(axes, phase, film.thickness * style.MICRONS)
+        for pen, factor in ((_FULL, FULL_FILM), (_DRY, 1.0)):
+            level = factor * film.roughness * style.MICRONS
+            axes.axhline(level, **pen.look)
+        axes.set_yscale("log")
+        axes.set_title(f"joint {name}: {film.friction}", loc="left", fontweight="bold")
+        axes.set_ylabel("film (µm)")
+        axes.set_xlim(0.0, 360.0)
+        axes.xaxis.set_major_locator(MultipleLocator(90.0))
+    for axes in lowest:
+        axes.set_xlabel(f"{scene.mechanism.linkage().phase} since the start (degrees)")
+    return style.finished("oil", sheet, [_FILM, _FULL, _DRY], full=FULL_FILM)
