@@ -36,7 +36,7 @@ BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
 MIN_BLOCKS_FOR_REFUSAL = 16  # after which a limit that seems exceeded when new is taken to be so
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
 MIN_REFINEMENT = 1.5  # ratio of cycles of two refinements that show the error of the step
-STEP_SAFETY = 2.0  # factor on this error where a single coarser refinement shows it
+SAFE_REFINEMENT, STEP_SAFETY = 2.5, 2.0  # factor on this error below a larger ratio
 MAX_STEP_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # from block to block, from refinement to refinement
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
@@ -339,7 +339,7 @@ def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEsti
 
     The error of the step goes as one over the cycles, or faster: by each coarser refinement, that
     of the last one is their distance over the ratio of the cycles less one.  The largest is taken,
-    of a single one twice as much.
+    and doubled if even the coarsest has more than 1 / 2.5 of the cycles.
     """
     last = refinements[-1]
     ends = [item.crossing(limits) for item in refinements]
@@ -352,5 +352,6 @@ def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEsti
         for end, count in zip(ends[:-1], cycles[:-1], strict=True)
         if 0.0 < MIN_REFINEMENT * count <= cycles[-1] < math.inf
     ]
-    step = max(steps, default=math.inf) * (STEP_SAFETY if len(steps) == 1 else 1.0)
+    is_safe = SAFE_REFINEMENT * cycles[0] <= cycles[-1]
+    step = max(steps, default=math.inf) * (1.0 if is_safe else STEP_SAFETY)
     return LifeEstimate(ends[-1], last.sampling_error(limits), step)
