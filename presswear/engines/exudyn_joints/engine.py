@@ -49,7 +49,7 @@ from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
 
-REMEDY = "more steps_per_contact may help"  # advice that makes a run finer
+REMEDY = "more steps_per_contact, or engine = dae, may help"  # advice that makes a run finer
 
 # Names that Exudyn gives to coordinates, rates, accelerations and multipliers
 _SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
