@@ -2,10 +2,9 @@
 
 import argparse
 import logging
-import re
 import time as clock
-from collections.abc import Callable
-from contextlib import closing, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,7 @@ from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.files import name_for
 from presswear.tools.numbers import unit_scale
 from presswear.tools.processes import check_stopped
 
@@ -256,18 +256,9 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
         variant = changed(scene, settings)
         if variant.modelled() == scene.modelled():
             raise InputError(f"{label}: changes nothing, so there is nothing to compare")
-        scenes[re.sub(r"[^A-Za-z0-9.+=,_-]+", "-", label).strip("-")] = variant
+        scenes[name_for(label)] = variant
     folder = terminal.output_folder(arguments, "lives")
-    shares = dict.fromkeys(scenes, 0.0)
-    with terminal.resumable_steps(console, "lives", folder, "finished lives are stored") as report:
-
-        def show(name: str, share: float, words: str) -> None:
-            check_stopped()
-            shares[name] = share
-            report(f"{name}: {words}", sum(shares.values()) / len(shares))
-            if share == 1.0:
-                terminal.print_lines(console, f"finished {name}: {words}")
-
+    with _several_runs(console, "lives", folder, len(scenes)) as show:
         results = run_scenes(scenes, folder, jobs=arguments.jobs, on_progress=show)
     plain = results["plain"].life
     for name, result in results.items():
@@ -279,4 +270,43 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
                 line = f"{ratio} times as long, longer with a probability of {longer}; {line}"
         terminal.print_lines(console, f"{name}: {line}")
     terminal.print_lines(console, f"results in {folder}; presswear report FOLDER writes a report")
+    return 0
+
+
+@contextmanager
+def _several_runs(
+    console: Console, name: str, folder: Path, count: int
+) -> Iterator[Callable[[str, float, str], None]]:
+    """Show the progress of several runs in a folder; yield a function for ``run_scenes``."""
+    shares: dict[str, float] = {}
+    with terminal.resumable_steps(console, name, folder, "finished runs are stored") as report:
+
+        def show(run: str, share: float, words: str) -> None:
+            check_stopped()
+            shares[run] = share
+            report(f"{run}: {words}", sum(shares.values()) / count)
+            if share == 1.0:
+                terminal.print_lines(console, f"finished {run}: {words}")
+
+        yield show
+
+
+def improve(arguments: argparse.Namespace, console: Console) -> int:
+    """Change each joint in one way at a time, and rank the changes."""
+    from presswear.show.figures import save
+    from presswear.sweeps.improve import changes_of, improve
+
+    scene = terminal.load_scene(arguments.scene)
+    options = {"engine": arguments.engine, "cycles": arguments.cycles}
+    settings = terminal.parse_settings(arguments.set)
+    scene = changed(scene, terminal.merge_options(settings, options))
+    folder = terminal.output_folder(arguments, f"{scene.name}-improve")
+    with _several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as show:
+        improvement = improve(scene, folder, arguments.jobs, show)
+    for key, items in improvement.effects.items():
+        terminal.print_lines(console, f"{key}, factor:", *(f"  {item}" for item in items))
+    for change, reason in improvement.failures.items():
+        terminal.print_lines(console, f"{change}: the run fails: {reason}")
+    terminal.print_lines(console, *improvement.sentences)
+    terminal.print_lines(console, f"picture in {save(improvement.draw(), folder)}")
     return 0

@@ -70,33 +70,6 @@ def sweep(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def improve(arguments: argparse.Namespace, console: Console) -> int:
-    """Change each joint in one way at a time, and rank the changes."""
-    from presswear.show.figures import save
-    from presswear.sweeps.improve import improve
-
-    settings = terminal.parse_settings(arguments.set)
-    options = {"engine": arguments.engine, "cycles": arguments.cycles}
-    scene = terminal.load_scene(arguments.scene)
-    scene = changed(scene, terminal.merge_options(settings, options))
-    folder = terminal.output_folder(arguments, f"{scene.name}-improve")
-    name, stored = "improve", "finished runs are stored"
-    with terminal.resumable_steps(console, name, folder, stored) as report:
-
-        def show(progress: "Progress") -> None:
-            check_stopped()
-            report(f"{progress.done} of {progress.rows} runs", progress.done / progress.rows)
-
-        improvement = improve(scene, folder, arguments.jobs, show)
-    for key, items in improvement.effects.items():
-        terminal.print_lines(console, f"{key}, factor:", *(f"  {item}" for item in items))
-    for label, reason in improvement.failures.items():
-        terminal.print_lines(console, f"{label}: the run fails: {reason}")
-    terminal.print_lines(console, *improvement.sentences)
-    terminal.print_lines(console, f"picture in {save(improvement.draw(), folder)}")
-    return 0
-
-
 def _check_time(progress: "Progress") -> None:
     """Refuse a sweep whose remaining rows take long; completed rows are kept."""
     left = progress.rows - progress.done

@@ -7,6 +7,7 @@ Das hydrodynamische, zylindrische Gleitlager endlicher Breite unter instationaer
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -89,23 +90,28 @@ def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
     return np.asarray(clearance * np.where(high <= math.log(2.0 * _LEAST_GAP), 0.0, np.exp(high)))
 
 
-def oil_film(scene: Scene, joint: str) -> OilFilm | None:
-    """Return the film in a joint over a cycle after the run-up; None without a viscosity."""
-    bearing = scene.bearing(joint)
-    if bearing.viscosity is None:
-        return None
+@lru_cache(maxsize=16)  # a report has the films in sentences and in a figure
+def oil_films(scene: Scene) -> dict[str, OilFilm]:
+    """Return the films over a cycle after the run-up, of the clearance joints with a viscosity."""
+    oiled = {name for name in scene.clearance_joints if scene.bearing(name).viscosity is not None}
+    if not oiled:
+        return {}
     linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
     # The laws of loads are followed through a cycle before.
     time = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * INSTANTS, endpoint=False)
-    place, pin = next((k, one) for k, one in enumerate(linkage.revolutes) if one.name == joint)
-    held = constraint_forces(linkage, ideal, time)[INSTANTS:, 2 * place : 2 * place + 2]
-    force, time = held @ np.array([1.0, 1j]), time[INSTANTS:]
-    velocity = ideal.at(time).velocity
-    turning = -2.0 * np.gradient(np.unwrap(np.angle(force)), time)
-    for body in {pin.first.body, pin.second.body} - {GROUND}:
-        turning += velocity[:, 3 * linkage.index(body) + 2]
-    film = thickness(bearing, np.abs(force), np.abs(turning))
-    return OilFilm(time, np.abs(force), np.abs(turning), film, math.sqrt(2.0) * bearing.roughness)
+    held, time = constraint_forces(linkage, ideal, time)[INSTANTS:], time[INSTANTS:]
+    velocity, films = ideal.at(time).velocity, {}
+    for k, pin in enumerate(linkage.revolutes):  # each has two rows
+        if pin.name not in oiled:
+            continue
+        bearing, force = scene.bearing(pin.name), held[:, 2 * k] + 1j * held[:, 2 * k + 1]
+        turning = -2.0 * np.gradient(np.unwrap(np.angle(force)), time)
+        for body in {pin.first.body, pin.second.body} - {GROUND}:
+            turning += velocity[:, 3 * linkage.index(body) + 2]
+        size, speed = np.abs(force), np.abs(turning)
+        film = thickness(bearing, size, speed)
+        films[pin.name] = OilFilm(time, size, speed, film, math.sqrt(2.0) * bearing.roughness)
+    return films
 
 
 def dry_contact(scene: Scene) -> list[str]:
@@ -119,7 +125,7 @@ def dry_contact(scene: Scene) -> list[str]:
             text += ", too wide for a film"
         usual = "{} to {} with oil, up to twice that with grease".format(*OIL_CLEARANCES)
         text += f" (bearing makers give {usual})."
-        film = oil_film(scene, name)
+        film = oil_films(scene).get(name)
         if film is None:
             sentences.append(f"{text} No viscosity is specified: the contact is dry.")
             continue

@@ -207,9 +207,9 @@ def warnings(result: Result) -> list[str]:
     errors = [stage.statistics.peak_force_step_error or 0.0 for stage in stages]
     if (error := max(errors, default=0.0)) > _STEP_ERROR:
         part = numbers.readable(100.0 * error, 2)
-        lines.append(
-            f"Finer time steps change peak forces by {part} %: use more steps_per_contact."
-        )
+        name = scene.solver.tolerance_name
+        advice = f"a smaller {name}" if name else "more steps_per_contact"
+        lines.append(f"Finer time steps change peak forces by {part} %: use {advice}.")
     joints = [joint for stage in stages for joint in stage.statistics.joints.values()]
     strokes = min((one.peak_force_per_cycle.samples for one in joints), default=ENOUGH)
     if strokes < ENOUGH:

@@ -3,59 +3,45 @@
 Each joint is changed in one way at a time, and every change is run like the mechanism as it is.
 """
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 from matplotlib import rc_context
 
+from presswear.campaign.campaign import run_scenes
 from presswear.linkage.laws import MATERIALS
 from presswear.recording.statistics import Estimate
-from presswear.results.folder import program_digest
+from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import style
 from presswear.show.figures.style import SETTINGS, Drawing
-from presswear.sweeps import runner
-from presswear.sweeps.responses import request
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import digest
+from presswear.tools.files import name_for
 
 CLEARANCE, SIZE = 0.5, 1.25  # factors on the clearance, and on radius and width of a bearing
 LIFE, FORCE, BOTTOM = "life", "peak force", "error of bottom dead centre"
+PLAIN = "as it is"
 SHOWN = 10  # changes in a panel of the figure, the best first
 BAR = 0.28  # height of a bar with its gap, inches
-
-
-@dataclass(frozen=True)
-class Change:
-    """Change of a joint, in words and in settings; no joint: the mechanism as it is."""
-
-    joint: str
-    words: str
-    settings: dict[str, float | str]
-
-    @property
-    def label(self) -> str:
-        """Joint and change in words."""
-        return f"joint {self.joint}, {self.words}"
 
 
 @dataclass(frozen=True)
 class Effect:
     """Factor by which a change multiplies a quantity, with its 95 % interval."""
 
-    change: Change
+    change: str
     factor: Estimate
-    is_better: bool  # whether the interval excludes no change, on the good side
+    is_better: bool  # whether the whole interval lies on the good side of one
 
     def __str__(self) -> str:
         low, high = self.factor.low, self.factor.high
         interval = "" if low is None or high is None else f" ({low:.2f} to {high:.2f})"
-        return f"{self.change.label}: {self.factor.mean:.2f}{interval}"
+        return f"{self.change}: {self.factor.mean:.2f}{interval}"
 
 
 @dataclass(frozen=True)
@@ -91,27 +77,29 @@ class Improvement:
                     if one.factor.low is not None and one.factor.high is not None:
                         axes.plot([one.factor.low, one.factor.high], [place] * 2, color="black")
                 axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
-                axes.set_yticks(range(len(shown)), [one.change.label for one in shown])
+                axes.set_yticks(range(len(shown)), [one.change for one in shown])
                 axes.invert_yaxis()
                 axes.set_xlabel(f"{key}, factor")
             return style.finished("improve", sheet)[0]
 
 
-def changes_of(scene: Scene) -> list[Change]:
-    """Return the changes that are tried; `InputError` if no joint has clearance."""
+def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Return the settings that are tried, by change; `InputError` if no joint has clearance."""
     if not scene.clearance_joints:
         raise InputError(f"{scene.name}: no joint has clearance, so none can be improved")
-    changes = []
+    changes: dict[str, dict[str, Any]] = {}
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
-        smaller = {f"{name}.clearance": CLEARANCE * bearing.clearance}
-        keys = ("bearing_radius", "width")
-        larger = {f"{name}.{key}": SIZE * getattr(bearing, key) for key in keys}
-        changes.append(Change(name, f"clearance times {CLEARANCE:g}", {**smaller}))
-        changes.append(Change(name, f"radius and width times {SIZE:g}", {**larger}))
+        changes[f"joint {name}, clearance times {CLEARANCE:g}"] = {
+            f"{name}.clearance": CLEARANCE * bearing.clearance
+        }
+        changes[f"joint {name}, radius and width times {SIZE:g}"] = {
+            f"{name}.bearing_radius": SIZE * bearing.bearing_radius,
+            f"{name}.width": SIZE * bearing.width,
+        }
         for word, pair in MATERIALS.items():
             if pair != bearing.materials:
-                changes.append(Change(name, f"materials {word}", {f"{name}.materials": word}))
+                changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
     return changes
 
 
@@ -119,16 +107,16 @@ def improve(
     scene: Scene,
     folder: Path,
     jobs: int | None = None,
-    on_progress: Callable[[runner.Progress], object] = lambda progress: None,
+    on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
 ) -> Improvement:
-    """Run the mechanism as it is and with each change; return the effects of the changes.
+    """Run a mechanism as it is and with each change, and return the effects of the changes.
 
     Parameters
     ----------
     scene : Scene
-        At least one wear update is run; a service life is not.
+        One wear update is run, and no service life.
     folder : Path
-        Runs that it holds are not repeated.
+        Each run has a folder in it; see `run_scenes` for this and the other parameters.
 
     Raises
     ------
@@ -138,56 +126,54 @@ def improve(
         If the mechanism as it is cannot be run.
     """
     scene = replace(scene, life=None, wear_updates=1)
-    changes = [Change("", "as it is", {}), *changes_of(scene)]
-    scenes = [changed(scene, change.settings) for change in changes]
-    program, names = program_digest(), []
-    for one in scenes:
+    changes = changes_of(scene)
+    scenes = {name_for(change): changed(scene, values) for change, values in changes.items()}
+    scenes = {name_for(PLAIN): scene, **scenes}
+    for one in scenes.values():
         one.check()
-        names.append(digest(json.dumps([one.as_dict(), program], sort_keys=True).encode()))
-    requested = request(scene)
-    makers = {name: partial(lambda one: one, one) for name, one in zip(names, scenes, strict=True)}
-    folder.mkdir(parents=True, exist_ok=True)
-    with runner.open_executor("", jobs) as (executor, slots):
-        runner.run_rows(folder, makers, requested, executor, slots, on_progress=on_progress)
-    plain, *others = (runner.read_row(folder, name) or runner.Outcome() for name in names)
-    if plain.error:
-        raise RunFailed(f"the mechanism as it is: {plain.error}")
-    before = _quantities(scene, plain)
+    plain, *others = run_scenes(scenes, folder, jobs=jobs, on_progress=on_progress).values()
+    if plain.status == "failed":
+        raise RunFailed(f"the mechanism {PLAIN}: {plain.message}")
+    before, failures = _quantities(plain), dict[str, str]()
     effects: dict[str, list[Effect]] = {key: [] for key in before}
-    for change, outcome in zip(changes[1:], others, strict=True):
-        for key, value in _quantities(scene, outcome).items():
+    for change, result in zip(changes, others, strict=True):
+        if result.status == "failed":
+            failures[change] = result.message
+            continue
+        for key, value in _quantities(result).items():
             if key in effects:
                 effects[key].append(_effect(change, key, value, before[key]))
     for key, items in effects.items():
         items.sort(key=lambda item: item.factor.mean, reverse=key == LIFE)
-    pairs = zip(changes[1:], others, strict=True)
-    return Improvement(effects, {one.label: each.error for one, each in pairs if each.error})
+    return Improvement(effects, failures)
 
 
-def _quantities(scene: Scene, outcome: runner.Outcome) -> dict[str, Estimate]:
-    """Return the quantities of a run; none if it failed.
+def _quantities(result: Result) -> dict[str, Estimate]:
+    """Return peak force and error of bottom dead centre on the worn surfaces of a result.
 
-    The life is that until a depth is reached: inversely proportional to the largest depth.
+    And for the life, which is inversely proportional to it, the depth of the wear update.
     """
-    values_of: dict[str, Estimate] = {}
-    for key, name in ((LIFE, "depth"), (FORCE, "force_max")):
-        each = [outcome.response(f"{joint}.{name}@last") for joint in scene.clearance_joints]
-        values = [(one.value, one.half_width) for one in each if one and one.value]
-        if values:
-            values_of[key] = Estimate.symmetric(*max(values))
-    bottom = outcome.response("bdc_error@last")
-    if bottom and bottom.value:
-        values_of[BOTTOM] = Estimate.symmetric(abs(bottom.value), bottom.half_width)
-    return values_of
+    first, last = (stage.statistics for stage in (result.stages[0], result.stages[-1]))
+    peaks = [joint.wear_peaks.items() for joint in first.joints.values()]
+    depths = [peak.depth for joint in peaks for side, peak in joint if side != "both"]
+    forces = [joint.peak_force_per_cycle for joint in last.joints.values()]
+    greatest = {
+        LIFE: max(depths, key=attrgetter("mean"), default=None),
+        FORCE: max(forces, key=attrgetter("mean"), default=None),
+        BOTTOM: last.bdc.error if last.bdc else None,
+    }
+    return {key: value for key, value in greatest.items() if value is not None and value.mean}
 
 
-def _effect(change: Change, key: str, value: Estimate, plain: Estimate) -> Effect:
+def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
     """Return the ratio of two independent numbers, with the interval of its logarithm."""
     if key == LIFE:
         value, plain = plain, value
-    ratio = value.mean / plain.mean
-    if value.half_width is None or plain.half_width is None:
-        return Effect(change, Estimate(ratio), False)
-    half = math.hypot(value.half_width / value.mean, plain.half_width / plain.mean)
-    low, high = ratio * math.exp(-half), ratio * math.exp(half)
+    ratio, halves = abs(value.mean / plain.mean), []
+    for one in (value, plain):
+        if one.low is None or one.high is None or one.low * one.high <= 0.0:
+            return Effect(change, Estimate(ratio), False)
+        halves.append(0.5 * abs(math.log(one.high / one.low)))
+    factor = math.exp(math.hypot(*halves))
+    low, high = ratio / factor, ratio * factor
     return Effect(change, Estimate(ratio, low, high), low > 1.0 if key == LIFE else high < 1.0)

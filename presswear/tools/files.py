@@ -8,6 +8,7 @@ import errno
 import hashlib
 import os
 import platform
+import re
 import sys
 import tempfile
 import time
@@ -104,6 +105,11 @@ def check_name(path: Path) -> None:
         raise InputError(f"{text!r}: a name of printable characters is expected")
     if any(len(part.encode()) > MAX_NAME for part in path.parts):
         raise InputError(f"{text}: names of at most {MAX_NAME} bytes are expected")
+
+
+def name_for(text: str) -> str:
+    """Return a text as the name of a folder: a hyphen stands in for other characters."""
+    return re.sub(r"[^A-Za-z0-9.+=_-]+", "-", text).strip("-")
 
 
 def check_ending(path: Path, *endings: str, option: str = "") -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.results.oil_film import DRY, FULL, dry_contact, oil_film, sommerfeld, thickness
+from presswear.results.oil_film import DRY, FULL, dry_contact, oil_films, sommerfeld, thickness
 from presswear.scene.bearing import Bearing
 
 # Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over diameter and
@@ -37,13 +37,10 @@ def test_film_carries_its_force() -> None:
 
 def test_wide_clearance_carries_nothing_and_thick_oil_everything() -> None:
     thin, thick = (pw.scenes.slider_crank(viscosity=f"{n} Pa s") for n in (1e-5, 1e3))
-    (joint,) = thin.clearance_joints
-    dry, full = oil_film(thin, joint), oil_film(thick, joint)
-    assert dry is not None
-    assert full is not None
+    (dry,), (full,) = oil_films(thin).values(), oil_films(thick).values()
     assert dry.friction != FULL
     assert full.shares[DRY] < dry.shares[DRY]
-    assert oil_film(pw.scenes.slider_crank(), joint) is None
+    assert oil_films(pw.scenes.slider_crank()) == {}
 
 
 def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
@@ -56,8 +53,7 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
         output="rod.tail",
     )
     scene = pw.Scene(weight, bearings={"A": BUSH})
-    film = oil_film(scene, "A")
-    assert film is not None
+    film = oil_films(scene)["A"]
     assert film.force == pytest.approx(np.full(film.force.size, 100.0), rel=1e-3)
     assert film.speed == pytest.approx(np.full(film.speed.size, 15.0), rel=1e-3)
 

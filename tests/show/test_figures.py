@@ -23,7 +23,7 @@ import presswear as pw
 from presswear.campaign.campaign import run
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.oil_film import oil_film
+from presswear.results.oil_film import oil_films
 from presswear.results.press_analysis import ideal_curves
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.settings import changed
@@ -118,8 +118,7 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
 
 def test_oil_film_is_that_of_each_joint() -> None:
     for axes, name in zip(OILED.plot("oil"), ("A", "C"), strict=True):
-        film = oil_film(OILED.scene, name)
-        assert film is not None
+        film = oil_films(OILED.scene)[name]
         drawn, *levels = (np.asarray(line.get_ydata(), dtype=float) for line in axes.lines)
         np.testing.assert_allclose(drawn, 1e6 * film.thickness)
         assert [level[0] for level in levels] == pytest.approx(

@@ -68,3 +68,18 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
     assert any(line.startswith(expected) for line in lines)
     assert not any("create" in line for line in warnings(result))
     assert any(line.startswith("Few strokes: peak forces are means of 2") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("engine", "advice"),
+    [
+        ("dae", "a smaller integration_tolerance"),
+        ("exudyn-tree", "a smaller tree_tolerance"),
+        ("exudyn-joints", "more steps_per_contact"),
+    ],
+)
+def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(engine: str, advice: str) -> None:
+    result = made_up(replace(made.BOTH, engine=engine), 1)
+    statistics = replace(result.stages[0].statistics, peak_force_step_error=0.3)
+    lines = warnings(altered(result, 0, statistics=statistics))
+    assert f"Finer time steps change peak forces by 30 %: use {advice}." in lines

@@ -11,7 +11,6 @@ from presswear.sweeps.improve import (
     BOTTOM,
     FORCE,
     LIFE,
-    Change,
     Improvement,
     _effect,
     changes_of,
@@ -20,23 +19,22 @@ from presswear.sweeps.improve import (
 from presswear.tools.errors import InputError
 
 SMALL = {"engine": "dae", "cycles": 3, "replicates": 2, "cycles_per_update": 1e3}
-CHANGE = Change("B", "clearance times 0.5", {})
+CHANGE = "joint B, clearance times 0.5"
 
 
 def test_each_joint_is_changed_in_each_way() -> None:
     scene = pw.scenes.wear_times()
     changes = changes_of(scene)
-    assert {change.joint for change in changes} == {"A", "C"}
-    assert len({change.label for change in changes}) == len(changes)
-    smaller = next(change for change in changes if change.label == "joint C, clearance times 0.5")
-    assert smaller.settings == {"C.clearance": 0.5 * scene.bearing("C").clearance}
+    assert {change.split(",")[0] for change in changes} == {"joint A", "joint C"}
+    half = {"C.clearance": 0.5 * scene.bearing("C").clearance}
+    assert changes["joint C, clearance times 0.5"] == half
     with pytest.raises(InputError, match="no joint has clearance"):
         changes_of(pw.scenes.ideal())
 
 
 def test_factors_have_the_intervals_of_ratios() -> None:
     """Relative errors of 3 and 4 per cent add to 5; a shorter life is a larger depth."""
-    new, old = Estimate.symmetric(2.0, 0.06), Estimate.symmetric(1.0, 0.04)
+    new, old = Estimate.symmetric(2.0, 0.06).positive, Estimate.symmetric(1.0, 0.04).positive
     force, life = _effect(CHANGE, FORCE, new, old), _effect(CHANGE, LIFE, new, old)
     assert (force.factor.mean, life.factor.mean) == (2.0, 0.5)
     assert force.factor.high == pytest.approx(2.0 * math.exp(0.05))
@@ -44,6 +42,10 @@ def test_factors_have_the_intervals_of_ratios() -> None:
     assert not force.is_better
     assert not life.is_better
     assert _effect(CHANGE, FORCE, old, new).is_better
+    below = Estimate(-1.0, -math.exp(0.04), -math.exp(-0.04))  # of bottom dead centre
+    assert _effect(CHANGE, BOTTOM, below, below).factor.high == pytest.approx(
+        math.exp(0.04 * 2**0.5)
+    )
     wide = Estimate.symmetric(1.0, 1.0)
     assert not _effect(CHANGE, FORCE, wide, new).is_better
     assert not _effect(CHANGE, FORCE, Estimate(1.0), new).is_better
@@ -64,11 +66,10 @@ def test_a_mechanism_is_improved(tmp_path: Path) -> None:
     scene = pw.scenes.slider_crank(**SMALL)
     found = improve(scene, tmp_path, jobs=1)
     assert list(found.effects) == [LIFE, FORCE, BOTTOM]
-    labels = {change.label for change in changes_of(scene)}
     for items in found.effects.values():
-        assert {item.change.label for item in items} | found.failures.keys() == labels
+        assert {item.change for item in items} | found.failures.keys() == changes_of(scene).keys()
         assert all(item.factor.mean > 0.0 for item in items)
     # Finished runs are not repeated.
-    files = {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.json")}
+    files = {file: file.stat().st_mtime_ns for file in tmp_path.rglob("stage-*.npz")}
     assert improve(scene, tmp_path, jobs=1) == found
-    assert {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.json")} == files
+    assert {file: file.stat().st_mtime_ns for file in tmp_path.rglob("stage-*.npz")} == files

@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
-from presswear.results.oil_film import FULL_FILM, oil_film
+from presswear.results.oil_film import FULL_FILM, oil_films
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage, Stages
@@ -370,12 +370,11 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
 def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the oil film that each joint with a viscosity would have over the phase of the cycle."""
     scene = result.scene
-    films = {name: oil_film(scene, name) for name in scene.clearance_joints}
-    oiled = {name: film for name, film in films.items() if film is not None}
-    if not oiled or scene.has_untrusted_loads:
+    films = {} if scene.has_untrusted_loads else oil_films(scene)
+    if not films:
         return []
-    sheet, panels, lowest = style.panel_list(len(oiled), 1.9, sharex=True)
-    for axes, (name, film) in zip(panels, oiled.items(), strict=True):
+    sheet, panels, lowest = style.panel_list(len(films), 1.9, sharex=True)
+    for axes, (name, film) in zip(panels, films.items(), strict=True):
         phase = 360.0 * (film.time - film.time[0]) / scene.mechanism.period
         _FILM.draw(axes, phase, film.thickness * style.MICRONS)
         for pen, factor in ((_FULL, FULL_FILM), (_DRY, 1.0)):
