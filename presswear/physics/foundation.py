@@ -239,7 +239,9 @@ def press(
     start = -ahead * width - into
     cosine, sine = turned(start)
     parts = rest, eccentricity * cosine, eccentricity * sine
-    bulge = 0.126 * eccentricity * width * width - clearance  # of the cosine over its chord
+    # Overlap plus clearance at the ends of a cell that touches; e width^2 / 8 is the bulge of the
+    # cosine, the rest more than round-off
+    needed = clearance - 0.126 * eccentricity * width * width
     sums = ArcIntegrals(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     left, left_cell = NOWHERE, -1
     for first in range(0, cells, TOGETHER):
@@ -247,9 +249,9 @@ def press(
         bounds = overlap_at_nodes(surfaces, b, p, first, *parts)
         bounds = max(bounds, overlap_at_nodes(surfaces, b + 1, p + 1, first + 1, *parts))
         bounds += lanes_at(surfaces, BEARING + BULGE, b) + lanes_at(surfaces, PIN + BULGE, p)
-        if anywhere(bounds > min(sums.overlap, 0.0) - bulge):
+        if anywhere(bounds > needed + min(sums.overlap, 0.0)):
             for i in range(first, min(first + TOGETHER, cells)):
-                if lane_of(bounds, i - first) <= min(sums.overlap, 0.0) - bulge:
+                if lane_of(bounds, i - first) <= needed + min(sums.overlap, 0.0):
                     continue
                 k, m, cell = (b + i - first) % count, (p + i - first) % count, start + i * width
                 if left_cell != i:
