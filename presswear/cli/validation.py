@@ -139,25 +139,22 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.results.folder import provenance
     from presswear.show.figures import save
     from presswear.tools.serialize import write_json
-    from presswear.validation import timing, work_precision
+    from presswear.validation import benchmark, benchmark_problems
 
-    module: Any = work_precision
-    measure: Any = work_precision.work_precision
-    full: Any = work_precision.FULL
+    extent: Any = benchmark_problems.QUICK if arguments.quick else benchmark_problems.FULL
     if arguments.features:
-        module, measure = timing, timing.feature_costs
-        full = timing.FeatureExtent()
-    extent = module.QUICK if arguments.quick else full
+        extent = benchmark.QUICK_FEATURES if arguments.quick else benchmark.FeatureExtent()
     extent = replace(extent, repeats=arguments.repeats or extent.repeats)
+    measure: Any = benchmark.feature_costs if arguments.features else benchmark.work_precision
     with only_writer(folder):
         with terminal.named_progress(console, "benchmark") as report:
             measured = measure(scene, extent, report)
-        file = "features.csv" if arguments.features else "benchmark.csv"
-        timing.write_csv(module.table(measured), folder / file)
         if arguments.features:
+            benchmark.write_csv(measured, folder / "features.csv")
             _print_features(console, measured)
         else:
-            save(work_precision.draw_work_precision(measured), folder)
+            benchmark.write_csv(benchmark.table(measured), folder / "benchmark.csv")
+            save(benchmark.draw_work_precision(measured), folder)
             _print_methods(console, measured)
         write_json(folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()})
     print_lines(console, f"results in {folder}")
@@ -181,12 +178,12 @@ def _print_methods(console: Console, points: Any) -> None:
             console.print(words, highlight=False, markup=False)
 
 
-def _print_features(console: Console, costs: Any) -> None:
+def _print_features(console: Console, table: Any) -> None:
     rows = []
-    for cost in costs:
-        times = f"{cost.timing.per_second:.3f}", f"{1e6 * cost.timing.per_step:.2f}"
-        ratios = f"{cost.step_ratio:.2f}", f"{cost.cpu_ratio:.2f}"
-        rows.append([f"{cost.feature}: {cost.state}", cost.engine, *times, *ratios])
+    for row in table:
+        times = f"{row['cpu_s_per_simulated_s']:.3f}", f"{1e6 * row['cpu_s_per_step']:.2f}"
+        ratios = f"{row['ratio_per_step']:.2f}", f"{row['ratio_per_simulated_second']:.2f}"
+        rows.append([f"{row['feature']}: {row['state']}", row["engine"], *times, *ratios])
     numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
     print_table(console, ("feature", "engine"), numbers, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"

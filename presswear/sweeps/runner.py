@@ -77,21 +77,19 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
     start = time.perf_counter()
     try:
         result = run(scene, folder, jobs=1, check=False)
-        is_failed = result.status == "failed"
-        values = {} if is_failed else responses_of(result, requested)
-        seconds = time.perf_counter() - start
-        return Outcome(values, len(result.stages), result.message if is_failed else "", seconds)
+        message, stages = result.message if result.status == "failed" else "", len(result.stages)
+        values = {} if message else responses_of(result, requested)
     except (OSError, MemoryError):
         raise
+    # A user function may raise anything. Its error belongs to this row and must not end the sweep.
     except Exception as error:
-        # Any error may follow a signal; a user function may raise anything.
-        if is_stopped():
+        if is_stopped():  # any error may follow a signal
             raise KeyboardInterrupt from None
         if isinstance(error, RunFailed) and error.finding is None:
             raise
-        expected = isinstance(error, InputError | RunFailed)
-        message = f"{error}" if expected else f"{type(error).__name__}: {error}"
-        return Outcome(error=message, seconds=time.perf_counter() - start)
+        kind = "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
+        values, stages, message = {}, 0, f"{kind}{error}"
+    return Outcome(values, stages, message, time.perf_counter() - start)
 
 
 def read_row(folder: Path, name: str) -> Outcome | None:
@@ -184,6 +182,8 @@ def _outcome(future: Future[Outcome]) -> Outcome:
         return future.result()
     except (InputError, RunFailed):
         raise
+    # Executors of any package are accepted, and they have no common error for a broken worker, a
+    # lost connection or an argument that cannot be sent.
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".rstrip(": ")
         remedy = 'a script that starts processes needs if __name__ == "__main__":'
@@ -195,10 +195,7 @@ class SerialExecutor(Executor):
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
         future: Future[Any] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
+        future.set_result(fn(*args, **kwargs))
         return future
 
 
@@ -217,9 +214,8 @@ def open_executor(
             yield opened
     elif on:
         executor = _user_executor(on)
-        slots = getattr(executor, "_max_workers", None) or getattr(executor, "max_workers", None)
         try:
-            yield executor, slots if isinstance(slots, int) else count
+            yield executor, getattr(executor, "_max_workers", count)
         finally:
             executor.shutdown(wait=False, cancel_futures=True)
     elif count == 1 or current_process().daemon:

@@ -26,7 +26,8 @@ from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.catalog import wear_times
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
-from presswear.validation.work_precision import QUICK, measure, wear_cycles, work_per_cycle
+from presswear.validation.benchmark import measure
+from presswear.validation.benchmark_problems import QUICK, wear_cycles, work_per_cycle
 
 END = 0.05  # s
 MAX_APART = 1e-7  # m, distance of the last tolerance from the in-house solver
@@ -185,7 +186,7 @@ def main() -> None:
     plan = Plan(END, 1, 1, torques=False)
     exact = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(linkage, start, plan)
     end = state_of(linkage, exact.end)
-    problem = wear_cycles(scene, QUICK)
+    problem = wear_cycles(scene, QUICK, lambda *_: None)
     long = replace(problem.plan, cycles=QUICK.reference_cycles)
     mean = work_per_cycle(InHouse("dopri5", 1e-8).simulate(linkage, start, long)).mean(axis=0)
     interval = ", ".join(f"{100.0 * value:.0f} %" for value in problem.quantities.values())
@@ -209,7 +210,11 @@ def main() -> None:
                 if each.value == value and name in (each.family, each.engine.word)
             ][:1]
             points = measure(replace(problem, methods=tuple(chosen)), 2, lambda *_: None)
-            b = [(100.0 * max(p.errors.values()), p.timing.per_second) for p in points if p.timing]
+            b = [
+                (100.0 * max(p.errors.values()), p.timing.cpu / p.timing.simulated)
+                for p in points
+                if p.timing
+            ]
             numbers = distance(press, ends[0][0], end), min(cost for _, cost in ends)
             show(f"{name} {value:g}", *numbers, *(b[0] if b else (math.nan, math.nan)))
     by_hand = [run_by_hand(press, y, END, 1e-5, longest) for _ in range(repeats + 1)]

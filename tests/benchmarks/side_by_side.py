@@ -33,7 +33,7 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, specialised
 from presswear.tools.errors import RunFailed
-from presswear.validation.work_precision import joints_over_impacts
+from presswear.validation.benchmark_problems import joints_over_impacts
 
 Method = Callable[[Start, float], tuple[Array, float]]  # final state and cost, s/s, at a setting
 

@@ -13,8 +13,8 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine
 from presswear.scene.bearing import CONVENTIONS
+from presswear.validation.benchmark_problems import GAP
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
-from presswear.validation.work_precision import GAP
 
 
 def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -> Run:

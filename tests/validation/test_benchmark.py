@@ -13,10 +13,11 @@ from scipy.integrate import solve_ivp
 import presswear as pw
 from presswear.linkage.laws import delivered_restitution
 from presswear.scene.settings import changed
-from presswear.validation import timing, work_precision
+from presswear.validation import benchmark, benchmark_problems
+from presswear.validation.benchmark import Point, first_run
+from presswear.validation.benchmark_problems import Extent, contact_methods
 from presswear.validation.cases import order_of
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
-from presswear.validation.work_precision import Extent, Point, contact_methods, first_run
 
 SHORT = Extent(
     repeats=2,
@@ -42,7 +43,7 @@ def silent(name: str, part: float) -> None:
 @pytest.fixture(scope="module")
 def points() -> list[Point]:
     progress: list[float] = []
-    points = work_precision.work_precision(SCENE, SHORT, lambda name, part: progress.append(part))
+    points = benchmark.work_precision(SCENE, SHORT, lambda name, part: progress.append(part))
     assert progress == sorted(progress)
     assert 0.0 == progress[0] < progress[-1] <= 1.0
     assert all(point.timing or point.failure for point in points)
@@ -108,7 +109,7 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
 
 
 def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
-    problem = work_precision.single_impact(SCENE, SHORT)
+    problem = benchmark_problems.single_impact(SCENE, SHORT, silent)
     tight = pw.InHouse(integration_tolerance=1e-12, free_step=1.0)
     linkages = problem.linkage, Impact(0.9).linkage
     runs = [tight.simulate(each, problem.start, problem.plan) for each in linkages]
@@ -156,7 +157,8 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
 
 
 def test_the_work_per_cycle_of_the_reference_has_no_error() -> None:
-    problem = work_precision.wear_cycles(SCENE, replace(SHORT, wear_cycles=4, reference_cycles=4))
+    extent = replace(SHORT, wear_cycles=4, reference_cycles=4)
+    problem = benchmark_problems.wear_cycles(SCENE, extent, silent)
     engine = pw.InHouse("dopri5", 1e-8).for_cycle(SCENE.mechanism.period)
     run = engine.simulate(problem.linkage, problem.start, problem.plan)
     assert list(problem.errors(run)) == [0.0, 0.0]
@@ -168,7 +170,7 @@ def test_the_work_per_cycle_of_the_reference_has_no_error() -> None:
 
 @pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
 def test_a_method_that_fails_is_a_point(words: str) -> None:
-    problem = work_precision.single_impact(SCENE, SHORT)
+    problem = benchmark_problems.single_impact(SCENE, SHORT, silent)
 
     def errors(run: object) -> list[float]:
         if "error" in words:
@@ -182,9 +184,9 @@ def test_a_method_that_fails_is_a_point(words: str) -> None:
 
 def test_a_scene_without_clearance_is_refused() -> None:
     with pytest.raises(pw.InputError, match="no clearance"):
-        work_precision.work_precision(replace(SCENE, joints="none"), SHORT, silent)
+        benchmark.work_precision(replace(SCENE, joints="none"), SHORT, silent)
     with pytest.raises(pw.InputError, match="clearance at A and C"):
-        timing.feature_costs(replace(SCENE, joints="A"), timing.FeatureExtent(), silent)
+        benchmark.feature_costs(replace(SCENE, joints="A"), benchmark.FeatureExtent(), silent)
 
 
 def rows_of(file: Path) -> list[dict[str, str]]:
@@ -201,9 +203,9 @@ def test_the_command_writes_table_and_figure(
         extents.append(extent)
         return points
 
-    monkeypatch.setattr(work_precision, "work_precision", measured)
+    monkeypatch.setattr(benchmark, "work_precision", measured)
     shown = command(f"benchmark --quick --repeats 3 --out {folder}")
-    assert extents == [replace(work_precision.QUICK, repeats=3)]
+    assert extents == [replace(benchmark_problems.QUICK, repeats=3)]
     assert "step 0.0001 failed" in shown
     assert max(len(line) for line in shown.splitlines() if str(folder) not in line) <= 80
     assert (folder / "benchmark.png").stat().st_size > 10_000
@@ -219,46 +221,45 @@ def test_the_command_writes_table_and_figure(
 
 
 @pytest.fixture(scope="module")
-def costs() -> list[timing.FeatureCost]:
-    extent = timing.FeatureExtent(repeats=2, tree_cycles=0.1, joints_cycles=0.02, wear_cycles=1)
-    return timing.feature_costs(SCENE, extent, silent)
+def costs() -> list[dict[str, Any]]:
+    extent = benchmark.FeatureExtent(repeats=2, tree_cycles=0.1, joints_cycles=0.02, wear_cycles=1)
+    return benchmark.feature_costs(SCENE, extent, silent)
 
 
-def test_every_feature_is_timed_on_and_off(costs: list[timing.FeatureCost]) -> None:
-    switches = [(name, state) for name in timing.SWITCHES for state in ("off", "on")]
-    clearances = [("clearance", state) for state in timing.CLEARANCES]
+def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
+    switches = [(name, state) for name in benchmark.SWITCHES for state in ("off", "on")]
+    clearances = [("clearance", state) for state in benchmark.CLEARANCES]
     for engine, expected in (
         ("exudyn", clearances),
         ("exudyn-tree", switches),
         ("exudyn-joints", clearances + switches),
     ):
-        rows = [cost for cost in costs if cost.engine == engine]
-        assert [(cost.feature, cost.state) for cost in rows] == expected
-        for cost in rows:
-            off = next(each for each in rows if each.feature == cost.feature)
-            assert cost.step_ratio == cost.timing.per_step / off.timing.per_step
-            assert cost.cpu_ratio == cost.timing.per_second / off.timing.per_second
-            assert cost.timing.cpu == min(cost.timing.times)
-    tree = {(c.feature, c.state): c.timing.steps for c in costs if c.engine == "exudyn-tree"}
+        rows = [row for row in costs if row["engine"] == engine]
+        assert [(row["feature"], row["state"]) for row in rows] == expected
+        for row in rows:
+            off = next(each for each in rows if each["feature"] == row["feature"])
+            assert row["cpu_s_per_step"] == row["cpu_s"] / (row["steps"] + row["rejected_steps"])
+            assert row["ratio_per_step"] == row["cpu_s_per_step"] / off["cpu_s_per_step"]
+    tree = {(r["feature"], r["state"]): r["steps"] for r in costs if r["engine"] == "exudyn-tree"}
     # Neither wear account nor stored torques change the motion.
-    for feature in timing.SWITCHES:
+    for feature in benchmark.SWITCHES:
         is_equal = feature in ("wear account", "torques stored")
         assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
 
 
 def test_the_features_command_writes_its_table(
-    costs: list[timing.FeatureCost], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
+    costs: list[dict[str, Any]], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
 ) -> None:
-    monkeypatch.setattr(timing, "feature_costs", lambda *arguments: costs)
+    monkeypatch.setattr(benchmark, "feature_costs", lambda *arguments: costs)
     folder = tmp_path / "out"
     assert "torques stored: on" in command(f"benchmark --features --quick --out {folder}")
     ratios = [float(row["ratio_per_step"]) for row in rows_of(folder / "features.csv")]
-    assert ratios == [cost.step_ratio for cost in costs]
+    assert ratios == [row["ratio_per_step"] for row in costs]
 
 
 def test_a_repeat_with_other_steps_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    timed = timing.timed_run("short", SCENE, 0.02)
-    runs = [timed.run(), timing.timed_run("shorter", SCENE, 0.01).run()]
+    timed = benchmark.timed_run("short", SCENE, 0.02)
+    runs = [timed.run(), benchmark.timed_run("shorter", SCENE, 0.01).run()]
     monkeypatch.setattr(type(timed), "run", lambda self: runs.pop(0))
     with pytest.raises(pw.RunFailed, match="other steps"):
-        timing.time_runs([timed], 2, silent)
+        benchmark.time_runs([timed], 2, silent)

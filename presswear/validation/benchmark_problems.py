@@ -1,4 +1,4 @@
-"""Error against CPU time of every engine and integrator on five reference problems.
+"""Reference problems and methods of the benchmark of error against CPU time.
 
 The problems are the ideal mechanism of a scene, Andrews' squeezer, one free impact, and the scene
 with clearance, twice. Its trajectories are compared up to the time at which two starts 1e-9 m
@@ -11,9 +11,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from typing import Any
 
-import matplotlib
 import numpy as np
 
 from presswear.campaign.replicates import start_of
@@ -35,21 +33,10 @@ from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
-from presswear.show.figures.style import (
-    LINES,
-    REFERENCE,
-    SETTINGS,
-    SUBTICKS,
-    WIDTH,
-    Axes,
-    Drawing,
-    Sheet,
-)
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import RunFailed
 from presswear.validation import cases, crosscheck
 from presswear.validation import reference_problems as references
-from presswear.validation.timing import TimedRun, Timing, time_runs
 
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
 TRAPEZOIDAL, EQUAL = "trapezoidal rule", "trapezoidal rule, equal steps"
@@ -81,7 +68,7 @@ class Extent:
     reference_cycles: int  # cycles of the reference for wear
 
 
-_FILE = files("presswear.validation").joinpath("work_precision.toml")
+_FILE = files("presswear.validation").joinpath("benchmark_problems.toml")
 FULL, QUICK = (Extent(**values) for values in tomllib.loads(_FILE.read_text("utf-8")).values())
 
 
@@ -123,17 +110,6 @@ class Problem:
     methods: tuple[Method, ...]
     # Errors of a completed run in the order of ``quantities``; RunFailed if it lacks some.
     errors: Callable[[Run], Iterable[float]]
-
-
-@dataclass(frozen=True)
-class Point:
-    """Result of a method on a problem; ``timing`` is None and ``errors`` empty if it failed."""
-
-    problem: Problem
-    method: Method
-    errors: Mapping[str, float]
-    timing: Timing | None = None
-    failure: str = ""
 
 
 def dae_methods(
@@ -214,7 +190,7 @@ def constraint_error(linkage: Linkage, run: Run) -> float:
     return float(np.abs(phi).max())
 
 
-def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
+def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return the mechanism of a scene with every joint ideal, whose reference is a closed form."""
     linkage, period = followed(scene.mechanism.linkage()), scene.mechanism.period
     motion = scene.ideal.at(np.zeros(1))
@@ -238,7 +214,7 @@ def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
     )
 
 
-def andrews(extent: Extent) -> Problem:
+def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return Andrews' squeezer; the reference is the solution of the IVP test set.
 
     The uncertainty of the printed values is their distance from a solution at tolerance 1e-13.
@@ -252,13 +228,13 @@ def andrews(extent: Extent) -> Problem:
         rates = references.andrews_angles(run.end.velocity) - references.ANDREWS_RATES
         return [np.abs(angles).max(), np.abs(rates).max(), constraint_error(linkage, run)]
 
-    angles, rates, _ = map(float, errors(finite(TIGHT.simulate(linkage, start, plan))))
+    angles, rates, _ = map(float, errors(cases.finished(TIGHT.simulate(linkage, start, plan))))
     quantities = {"angles (rad)": angles, "rates (rad/s)": rates, "constraints (m)": 1e-12}
     methods = smooth_methods(extent, duration, Numerics(), None)
     return Problem("Andrews' squeezer", quantities, linkage, start, plan, methods, errors)
 
 
-def single_impact(scene: Scene, extent: Extent) -> Problem:
+def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return one free impact of a shaft in a ring, with the numerics of a scene.
 
     The reference is the closed form of the restitution and a quadrature of the contact time. Guides
@@ -318,7 +294,7 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     has_tree = isinstance(tree_of(linkage), Tree)
     second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
     exact, check = (
-        finite(engine.for_cycle(period).simulate(linkage, start, plan))
+        cases.finished(engine.for_cycle(period).simulate(linkage, start, plan))
         for engine in (TIGHT, second)
     )
     names = (
@@ -356,7 +332,7 @@ def work_per_cycle(run: Run) -> Array:
     return after_startup(np.column_stack(columns))
 
 
-def wear_cycles(scene: Scene, extent: Extent) -> Problem:
+def wear_cycles(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return cycles of the unworn linkage of a scene, for the work that wears its joints.
 
     The work per cycle, normal force times slip, is compared with its mean over the many cycles of
@@ -367,7 +343,7 @@ def wear_cycles(scene: Scene, extent: Extent) -> Problem:
     plan = Plan(period, extent.wear_cycles, 1, torques=False)
     long = replace(plan, cycles=extent.reference_cycles)
     engine = InHouse("dopri5", 1e-8).for_cycle(period)
-    reference = work_per_cycle(finite(engine.simulate(linkage, start, long)))
+    reference = work_per_cycle(cases.finished(engine.simulate(linkage, start, long)))
     mean, scatter = reference.mean(axis=0), reference.std(axis=0, ddof=1)
     counted = max(extent.wear_cycles - STARTUP_CYCLES, 1)
     uncertainty = 1.96 * scatter / mean * math.sqrt(1.0 / counted + 1.0 / len(reference))
@@ -387,142 +363,5 @@ def wear_cycles(scene: Scene, extent: Extent) -> Problem:
     )
 
 
-def finite(run: Run) -> Run:
-    """Return a run; RunFailed if it failed or its final state is not finite."""
-    end = cases.finished(run).end
-    if not (np.all(np.isfinite(end.position)) and np.all(np.isfinite(end.velocity))):
-        raise RunFailed(f"the state is no longer finite (t = {run.time:.6g} s)")
-    return run
-
-
-def first_run(problem: Problem, method: Method) -> Point:
-    """Run a method once for its errors; a failure of any kind becomes a point with a failure."""
-    plan = problem.plan
-    plan = replace(plan, report=cases.guarded(plan.cycle, plan.cycles).report)
-    try:
-        with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
-            run = finite(method.engine.simulate(problem.linkage, problem.start, plan))
-            errors = dict(zip(problem.quantities, map(float, problem.errors(run)), strict=True))
-        for name, error in errors.items():
-            if not math.isfinite(error):
-                raise RunFailed(f"error of {name} is not finite")
-    except (InputError, RunFailed, ArithmeticError) as error:
-        return Point(problem, method, {}, failure=str(error) or type(error).__name__)
-    return Point(problem, method, errors)
-
-
-def measure(problem: Problem, repeats: int, report: cases.Progress) -> list[Point]:
-    """Run all methods of a problem once for their errors, then in turn for their CPU times."""
-    points, weight = [], 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
-    for i, method in enumerate(problem.methods):
-        report(method.label, weight * i / len(problem.methods))
-        points.append(first_run(problem, method))
-    runs = [
-        TimedRun(p.method.label, problem.linkage, problem.start, p.method.engine, problem.plan)
-        for p in points
-        if not p.failure
-    ]
-    timings = iter(time_runs(runs, repeats, cases.part_of(report, weight, 1.0 - weight)))
-    return [p if p.failure else replace(p, timing=next(timings)) for p in points]
-
-
-def work_precision(scene: Scene, extent: Extent, report: cases.Progress) -> list[Point]:
-    """Measure errors and CPU times of every engine and integrator.
-
-    `InputError` if the scene has no clearance, `RunFailed` if a reference solution fails.
-    """
-    if not scene.clearance_joints:
-        raise InputError(f"scene {scene.name} has no clearance: choose a scene with clearance")
-    makers: tuple[tuple[float, int, Callable[[], Problem]], ...] = (
-        (0.12, extent.repeats, lambda: ideal_mechanism(scene, extent)),
-        (0.14, extent.repeats, lambda: andrews(extent)),
-        (0.02, extent.repeats, lambda: single_impact(scene, extent)),
-        (
-            *(0.42, extent.repeats),
-            lambda: with_clearance(scene, extent, lambda name, _: report(name, done)),
-        ),
-        (0.30, 1, lambda: wear_cycles(scene, extent)),
-    )
-    points: list[Point] = []
-    done = 0.0
-    for share, repeats, make in makers:
-        report("reference", done)
-        problem = make()
-        prefix = f"{problem.name}: "
-        points += measure(problem, repeats, cases.part_of(report, done, share, prefix=prefix))
-        done += share
-    return points
-
-
-def table(points: Sequence[Point]) -> list[dict[str, object]]:
-    """Return one row for each problem, method and quantity; a method that failed has no numbers."""
-    names = ("integrator", "parameter", "value", "is_default", "is_paper")
-    return [
-        {
-            "problem": point.problem.name,
-            "engine": point.method.engine.word,
-            **{name: getattr(point.method, name) for name in names},
-            "quantity": quantity,
-            "error": point.errors.get(quantity, ""),
-            "reference_uncertainty": uncertainty,
-            **(point.timing.columns() if point.timing else {}),
-            "failure": point.failure,
-        }
-        for point in points
-        for quantity, uncertainty in point.problem.quantities.items()
-    ]
-
-
-_MARKERS = ("o", "s", "^", "D", "v", "P")
-_STYLES = (*LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
-_MARK: dict[str, Any] = {"color": REFERENCE, "markerfacecolor": "none", "linestyle": "none"}
-
-
-@matplotlib.rc_context(SETTINGS)
-def draw_work_precision(points: Sequence[Point]) -> Drawing:
-    """Draw the first two errors of each problem over the CPU time."""
-    problems = list({id(point.problem): point.problem for point in points}.values())
-    families = list(dict.fromkeys(point.method.family for point in points))
-    sheet = Sheet(figsize=(WIDTH, 1.0 + 2.4 * len(problems)), layout="constrained")
-    grid = sheet.subplots(len(problems), 2, squeeze=False)
-    for row, problem in zip(grid, problems, strict=True):
-        timed = [p for p in points if p.problem is problem and p.timing is not None]
-        for axes, quantity in zip(row, list(problem.quantities)[:2], strict=True):
-            _draw_errors(axes, timed, quantity, families)
-            if uncertainty := problem.quantities[quantity]:
-                axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
-            axes.set_title(problem.name)
-    by_label = {
-        label: handle
-        for axes in grid[:, 0]
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    sheet.legend(by_label.values(), by_label, loc="outside upper center", ncols=2)
-    failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
-    caption = (
-        "Least CPU times without compiling; lower left is better. Grey: uncertainty of the "
-        f"reference.{f' Failed: {failed}.' if failed else ''}"
-    )
-    return Drawing("benchmark.png", "Error against CPU time", caption, sheet)
-
-
-def _draw_errors(
-    axes: Axes, points: Sequence[Point], quantity: str, families: Sequence[str]
-) -> None:
-    """Draw one error of all methods of a problem; rings and stars mark default and paper."""
-    axes.set_xscale("log", subs=SUBTICKS)
-    axes.set_yscale("log", subs=SUBTICKS)
-    axes.set(xlabel="CPU time (ms)", ylabel=quantity)
-    for family, marker, (colour, dashes) in zip(families, _MARKERS, _STYLES, strict=False):
-        curve = [
-            (1e3 * p.timing.cpu, max(p.errors[quantity], 1e-17), p.method)
-            for p in points
-            if p.method.family == family and p.timing is not None
-        ]
-        line = np.array([point[:2] for point in curve if not point[2].is_paper]).reshape(-1, 2)
-        axes.plot(*line.T, marker, color=colour, linestyle=dashes, markersize=4.5, label=family)
-        for x, y, method in curve:
-            if method.is_default:
-                axes.plot(x, y, "o", markersize=10.0, label="default setting", **_MARK)
-            if method.is_paper:
-                axes.plot(x, y, "*", markersize=10.0, label="paper, RK4 at 1e-4 s", **_MARK)
+# Each gets a scene, an extent, and a function to report progress.
+MAKERS = (ideal_mechanism, andrews, single_impact, with_clearance, wear_cycles)

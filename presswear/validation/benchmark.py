@@ -1,0 +1,342 @@
+"""Benchmarks: error against CPU time of every method, and the cost of each feature of the model.
+
+CPU time hardly depends on what else the machine does; runs are interleaved all the same. Only the
+solution is timed; compiling, loading and building the model are not. The motion differs between
+runs with and without a feature, and so does the number of steps; the time of a step is the fair
+measure.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import matplotlib
+import numpy as np
+
+from presswear.campaign.campaign import run_stage
+from presswear.campaign.replicates import linkage_on, start_of
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine
+from presswear.linkage.linkage import Linkage
+from presswear.recording.statistics import mean_map
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.show.figures import style
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.files import write_bytes
+from presswear.validation import benchmark_problems as problems
+from presswear.validation.benchmark_problems import Extent, Method, Problem
+from presswear.validation.cases import Progress, finished, guarded, part_of
+
+
+@dataclass(frozen=True)
+class TimedRun:
+    """Run to be timed."""
+
+    name: str
+    linkage: Linkage
+    start: Start
+    engine: Engine
+    plan: Plan
+
+    def run(self) -> Run:
+        """Run once; RunFailed if the run fails."""
+        return finished(self.engine.simulate(self.linkage, self.start, self.plan), self.name)
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Repeated runs with equal steps."""
+
+    model: str  # coordinates and joints that the engine solves for
+    simulated: float  # simulated time, s
+    steps: int
+    rejected: int  # steps that were repeated with a shorter length
+    evaluations: int | None  # of the accelerations, if the engine counts them
+    times: tuple[float, ...]  # CPU times of the solution, s
+
+    @property
+    def cpu(self) -> float:
+        """Least CPU time, s: other programs only make runs longer."""
+        return min(self.times)
+
+    @property
+    def per_step(self) -> float:
+        """CPU time per attempted step, s."""
+        return self.cpu / max(self.steps + self.rejected, 1)
+
+    def columns(self) -> dict[str, object]:
+        """Return the columns of a table."""
+        times = {"cpu_s": self.cpu, "cpu_median_s": median(self.times)}
+        counts = {"steps": self.steps, "rejected_steps": self.rejected}
+        return {**counts, "evaluations": self.evaluations, **times, "cpu_max_s": max(self.times)}
+
+
+def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[Timing]:
+    """Run all in turn, ``repeats`` times.
+
+    `RunFailed` if a run fails, or if a repeat takes other steps than the first run.
+    """
+    timings: list[Timing] = []
+    for repeat in range(repeats):
+        for i, timed in enumerate(runs):
+            report(timed.name, (repeat * len(runs) + i) / (repeats * len(runs)))
+            run = timed.run()
+            numbers, evaluations = run.diagnostics, run.diagnostics.get("evaluations")
+            timing = Timing(
+                str(numbers["model"]).partition(";")[0],
+                run.time,
+                int(numbers["steps"]),
+                int(numbers["steps_sent_back"]),
+                None if evaluations is None else int(evaluations),
+                (run.cpu,),
+            )
+            if repeat == 0:
+                timings.append(timing)
+                continue
+            first = timings[i]
+            if replace(timing, times=first.times) != first:
+                raise RunFailed(f"{timed.name}: a repeated run took other steps")
+            timings[i] = replace(first, times=(*first.times, *timing.times))
+    return timings
+
+
+def write_csv(rows: Sequence[Mapping[str, object]], file: Path) -> None:
+    """Write a table; the columns are those of all rows."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, {name: None for row in rows for name in row})
+    writer.writeheader()
+    writer.writerows(rows)
+    write_bytes(file, text.getvalue().encode())
+
+
+# --- Speed against error --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Point:
+    """Result of a method on a problem; ``timing`` is None and ``errors`` empty if it failed."""
+
+    problem: Problem
+    method: Method
+    errors: Mapping[str, float]
+    timing: Timing | None = None
+    failure: str = ""
+
+
+def first_run(problem: Problem, method: Method) -> Point:
+    """Run a method once for its errors; a failure of any kind becomes a point with a failure."""
+    plan = problem.plan
+    plan = replace(plan, report=guarded(plan.cycle, plan.cycles).report)
+    try:
+        with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
+            run = finished(method.engine.simulate(problem.linkage, problem.start, plan))
+            errors = dict(zip(problem.quantities, map(float, problem.errors(run)), strict=True))
+        for name, error in errors.items():
+            if not math.isfinite(error):
+                raise RunFailed(f"error of {name} is not finite")
+    except (InputError, RunFailed, ArithmeticError) as error:
+        return Point(problem, method, {}, failure=str(error) or type(error).__name__)
+    return Point(problem, method, errors)
+
+
+def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
+    """Run all methods of a problem once for their errors, then in turn for their CPU times."""
+    points, weight = [], 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
+    for i, method in enumerate(problem.methods):
+        report(method.label, weight * i / len(problem.methods))
+        points.append(first_run(problem, method))
+    runs = [
+        TimedRun(p.method.label, problem.linkage, problem.start, p.method.engine, problem.plan)
+        for p in points
+        if not p.failure
+    ]
+    timings = iter(time_runs(runs, repeats, part_of(report, weight, 1.0 - weight)))
+    return [p if p.failure else replace(p, timing=next(timings)) for p in points]
+
+
+def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point]:
+    """Measure errors and CPU times of every engine and integrator.
+
+    `InputError` if the scene has no clearance, `RunFailed` if a reference solution fails.
+    """
+    if not scene.clearance_joints:
+        raise InputError(f"scene {scene.name} has no clearance: choose a scene with clearance")
+    points: list[Point] = []
+    for k, make in enumerate(problems.MAKERS):
+        start, size = k / len(problems.MAKERS), 1.0 / len(problems.MAKERS)
+        problem = make(scene, extent, part_of(report, start, 0.0))
+        repeats = 1 if make is problems.wear_cycles else extent.repeats
+        points += measure(problem, repeats, part_of(report, start, size, f"{problem.name}: "))
+    return points
+
+
+def table(points: Sequence[Point]) -> list[dict[str, object]]:
+    """Return one row for each problem, method and quantity; a method that failed has no numbers."""
+    names = ("integrator", "parameter", "value", "is_default", "is_paper")
+    return [
+        {
+            "problem": point.problem.name,
+            "engine": point.method.engine.word,
+            **{name: getattr(point.method, name) for name in names},
+            "quantity": quantity,
+            "error": point.errors.get(quantity, ""),
+            "reference_uncertainty": uncertainty,
+            **(point.timing.columns() if point.timing else {}),
+            "failure": point.failure,
+        }
+        for point in points
+        for quantity, uncertainty in point.problem.quantities.items()
+    ]
+
+
+_STYLES = (*style.LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
+_CURVES = tuple(zip(("o", "s", "^", "D", "v", "P"), _STYLES, strict=True))
+_MARK: dict[str, Any] = {"color": style.REFERENCE, "markersize": 10.0, "linestyle": "none"}
+_MARK |= {"markerfacecolor": "none"}
+
+
+@matplotlib.rc_context(style.SETTINGS)
+def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
+    """Draw the first two errors of each problem over the CPU time."""
+    listed = list({id(point.problem): point.problem for point in points}.values())
+    families = list(dict.fromkeys(point.method.family for point in points))
+    sheet, grid = style.panels(len(listed), 2, 1.0 + 2.4 * len(listed), "constrained")
+    handles: dict[str, Any] = {}  # of the legend, by label
+    for row, problem in zip(grid, listed, strict=True):
+        timed = [p for p in points if p.problem is problem and p.timing is not None]
+        for axes, quantity in zip(row, list(problem.quantities)[:2], strict=True):
+            _draw_errors(axes, timed, quantity, families)
+            if uncertainty := problem.quantities[quantity]:
+                axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
+            axes.set_title(problem.name)
+        lines, labels = row[0].get_legend_handles_labels()
+        handles |= dict(zip(labels, lines, strict=True))
+    sheet.legend(handles.values(), handles, loc="outside upper center", ncols=2)
+    failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
+    caption = (
+        "Least CPU times without compiling; lower left is better. Grey: uncertainty of the "
+        f"reference.{f' Failed: {failed}.' if failed else ''}"
+    )
+    return style.Drawing("benchmark.png", "Error against CPU time", caption, sheet)
+
+
+def _draw_errors(
+    axes: style.Axes, points: Sequence[Point], quantity: str, families: Sequence[str]
+) -> None:
+    """Draw one error of all methods of a problem; rings and stars mark default and paper."""
+    axes.set_xscale("log", subs=style.SUBTICKS)
+    axes.set_yscale("log", subs=style.SUBTICKS)
+    axes.set(xlabel="CPU time (ms)", ylabel=quantity)
+    for family, (marker, (colour, dashes)) in zip(families, _CURVES, strict=False):
+        curve = [
+            (1e3 * p.timing.cpu, max(p.errors[quantity], 1e-17), p.method)
+            for p in points
+            if p.method.family == family and p.timing is not None
+        ]
+        line = np.array([point[:2] for point in curve if not point[2].is_paper]).reshape(-1, 2)
+        axes.plot(*line.T, marker, color=colour, linestyle=dashes, markersize=4.5, label=family)
+        for x, y, method in curve:
+            if method.is_default:
+                axes.plot(x, y, "o", label="default setting", **_MARK)
+            if method.is_paper:
+                axes.plot(x, y, "*", label="paper, RK4 at 1e-4 s", **_MARK)
+
+
+# --- Cost of features -----------------------------------------------------------------------------
+
+Variants = dict[str, tuple[dict[str, object], Array | None]]  # settings and worn depth by name
+WARM_UP = 0.05  # of a run's time, run before to compile and load
+CLEARANCES = {"none": "none", "A": "A", "C": "C", "A and C": "AC"}
+SWITCHES = {  # names of the runs without and with a feature
+    "friction": ("no friction", "scene"),
+    "worn surfaces": ("scene", "worn surfaces"),
+    "foundation": ("worn surfaces", "foundation"),
+    "wear account": ("no wear account", "scene"),
+    "torques stored": ("scene", "torques stored"),
+}
+
+
+@dataclass(frozen=True)
+class FeatureExtent:
+    """Repeats of each run, and whole simulated cycles, or a fraction of one."""
+
+    repeats: int = 5
+    tree_cycles: float = 2.0
+    joints_cycles: float = 1.0
+    wear_cycles: int = 5  # whose wear makes the worn surfaces
+
+
+QUICK_FEATURES = FeatureExtent(repeats=2, tree_cycles=0.25, joints_cycles=0.1, wear_cycles=1)
+
+
+def timed_run(name: str, scene: Scene, cycles: float, worn: Array | None = None) -> TimedRun:
+    """Return a scene as a run to be timed, on unworn or worn surfaces, all cycles recorded."""
+    period = scene.mechanism.period
+    cycle, count = (period, int(cycles)) if cycles >= 1.0 else (cycles * period, 1)
+    plan = Plan(cycle, count, count, torques=scene.stores_torques)
+    linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
+    return TimedRun(name, linkage, start_of(scene), scene.solver.for_cycle(period), plan)
+
+
+def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list[dict[str, object]]:
+    """Time a scene of the press with each feature on and off, in both models of Exudyn.
+
+    Return one row for each feature and state; ratios are to the row without the feature.
+    `InputError` if the scene has not clearance at A and C, `RunFailed` if a run fails.
+    """
+    if scene.clearance_joints != ("A", "C"):
+        raise InputError(f"scene {scene.name}: --features needs a press with clearance at A and C")
+    report("wear of the worn surfaces", 0.0)
+    stage, ensemble = run_stage(replace(scene, cycles=extent.wear_cycles), 0)
+    if stage.failed:
+        raise RunFailed(stage.message)
+    worn = scene.cycles_per_update * mean_map(ensemble.maps)
+    by_clearance: Variants = {name: ({"joints": word}, None) for name, word in CLEARANCES.items()}
+    switched: Variants = {
+        "scene": ({}, None),
+        "no friction": ({"friction": 0.0}, None),
+        "worn surfaces": ({}, worn),
+        "foundation": ({"contact": "foundation"}, worn),
+        "no wear account": ({"wear_coefficient": 0.0}, None),
+        "torques stored": ({"drive_torque": "on"}, None),
+    }
+    pairs = [("clearance", state, state, "none") for state in CLEARANCES]
+    switches = [
+        (feature, state, run, names[0])
+        for feature, names in SWITCHES.items()
+        for state, run in zip(("off", "on"), names, strict=True)
+    ]
+    few = max(2, (extent.repeats + 1) // 2)
+    groups = (
+        ("exudyn", by_clearance, pairs, extent.tree_cycles, extent.repeats),
+        ("exudyn-tree", switched, switches, extent.tree_cycles, extent.repeats),
+        ("exudyn-joints", by_clearance | switched, pairs + switches, extent.joints_cycles, few),
+    )
+    rows: list[dict[str, object]] = []
+    for i, (engine, variants, compared, cycles, repeats) in enumerate(groups):
+        part = part_of(report, 0.05 + 0.95 * i / len(groups), 0.95 / len(groups))
+        base, runs = replace(scene, engine=engine), []
+        for name, (changes, depth) in variants.items():
+            runs.append(timed_run(name, changed(base, changes), cycles, depth))
+            part(f"{name}: compiling", 0.0)
+            plan = runs[-1].plan
+            replace(runs[-1], plan=replace(plan, cycle=WARM_UP * plan.cycle, cycles=1)).run()
+        timings = dict(zip(variants, time_runs(runs, repeats, part), strict=True))
+        for feature, state, name, without in compared:
+            timing, off = timings[name], timings[without]
+            per_second = timing.cpu / timing.simulated
+            rows.append(
+                {"engine": engine, "feature": feature, "state": state, "model": timing.model}
+                | {"simulated_s": timing.simulated, **timing.columns()}
+                | {"cpu_s_per_simulated_s": per_second, "cpu_s_per_step": timing.per_step}
+                | {"ratio_per_step": timing.per_step / off.per_step}
+                | {"ratio_per_simulated_second": per_second / (off.cpu / off.simulated)}
+            )
+    return rows
