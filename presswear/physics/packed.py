@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import (
     BEARING,
@@ -60,18 +60,20 @@ class Packed(NamedTuple):
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     """Pack a linkage for the kernels; ``wearing``: surfaces that are round now wear in a run."""
-    driven = {drive.body for drive in linkage.drives}
-    bodies = {body.name: body for body in linkage.bodies if body.name not in driven}
+    driven, prescribed = {drive.body for drive in linkage.drives}, prescribed_of(linkage)
+    bodies = {body.name: body for body in linkage.bodies if body.name not in prescribed}
     offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     joints = np.zeros(len(linkage.clearances), JOINT)
     for record, joint in zip(joints, linkage.clearances, strict=True):
-        # Both bodies taken as free: 1/m = sum of 1/m + r^2/I; driven ones do not give way.
+        # Of free bodies: 1/m = sum of 1/m + r^2/I. Drives hold angles, and prescribed bodies whole.
         mobility = 0.0
         for end, point in (("bearing", joint.bearing), ("pin", joint.pin)):
             record[f"{end}_body"] = offset[point.body]
             record[f"{end}_x"], record[f"{end}_y"] = point.x, point.y
             if body := bodies.get(point.body):
-                mobility += 1.0 / body.mass + (point.x**2 + point.y**2) / body.effective_inertia
+                mobility += 1.0 / body.mass
+                if body.name not in driven:
+                    mobility += (point.x**2 + point.y**2) / body.effective_inertia
         record["effective_mass"] = 1.0 / mobility if mobility > 0.0 else math.inf
         for name in ("bearing_radius", "pin_radius", "clearance", "width"):
             record[name] = getattr(joint, name)

@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from two_bodies import JOINT, Pair, joint_load
 
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import GROUND, Attachment, Body
+from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
 from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
@@ -72,15 +72,19 @@ def test_contact_step_divides_half_a_period_at_the_deepest_point(
     assert step == pytest.approx(math.pi * math.sqrt(MASS / tangent) / PARTS, rel=1e-9)
 
 
-def test_the_mass_that_meets_is_that_of_two_free_bodies() -> None:
+def test_the_mass_that_meets_is_that_of_the_parts_that_give_way() -> None:
+    """Those are free bodies, the positions of driven ones, and nothing of prescribed ones."""
     pair = replace(
         Pair(JOINT, np.zeros(6), np.zeros(6)).linkage,
         bodies=(Body("bearing", 0.2, 3e-3), Body("pin", 0.1, 1e-3)),
     )
     bearing, pin = 1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3, 1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3
     assert pack(pair).joints[0]["effective_mass"] == pytest.approx(1 / (bearing + pin), rel=1e-14)
-    held = replace(pair, drives=(Drive("bearing", 1.0),))
-    assert pack(held).joints[0]["effective_mass"] == pytest.approx(1.0 / pin, rel=1e-14)
+    driven = replace(pair, drives=(Drive("bearing", 1.0),))
+    assert pack(driven).joints[0]["effective_mass"] == pytest.approx(1 / (5.0 + pin), rel=1e-14)
+    pivot = Revolute("pivot", Attachment(GROUND, 0.0, 0.0), Attachment("bearing", 0.0, 0.0))
+    held = replace(driven, joints=(*driven.joints, pivot))
+    assert pack(held).joints[0]["effective_mass"] == pytest.approx(1 / pin, rel=1e-14)
 
 
 @dataclass
