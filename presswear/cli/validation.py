@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from presswear.validation.cases import Outcome
 
 MIN_CYCLES, MAX_CYCLES = 1e-3, 100.0  # time over which trajectories are compared, cycles
-Check = tuple[str, str, tuple[float | None, ...], bool]  # quantity, unit, numbers, passed
+Check = tuple[str, str, tuple[float, ...], bool]  # quantity, unit, numbers, passed
 
 
 def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
@@ -77,8 +77,7 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
 def _print_checks(console: Console, names: tuple[str, ...], checks: Iterable[Check]) -> None:
     rows = []
     for quantity, unit, numbers, passed in checks:
-        texts = ["" if value is None else f"{value:.2e}" for value in numbers]
-        rows.append([quantity, *texts, unit, "" if numbers[-1] is None else verdict(passed)])
+        rows.append([quantity, *(f"{value:.2e}" for value in numbers), unit, verdict(passed)])
     print_table(console, ("quantity",), names, rows, ("unit", ""))
 
 

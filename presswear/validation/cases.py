@@ -35,11 +35,11 @@ ENERGY = {"dae": 1e-6, "exudyn-tree": 1e-6, "exudyn-joints": 1e-4}
 
 @dataclass(frozen=True)
 class Check:
-    """Number whose absolute value may be at most a bound; without a bound it is only reported."""
+    """Number whose absolute value may be at most a bound."""
 
     quantity: str
     value: float  # an error if there is a reference
-    bound: float | None
+    bound: float
     unit: str = ""
     reference: float | None = None  # expected number, in the unit that the quantity names
 
@@ -51,7 +51,7 @@ class Check:
     @property
     def passed(self) -> bool:
         """True if the number is within its bound; False for nan."""
-        return self.bound is None or abs(self.value) <= self.bound
+        return abs(self.value) <= self.bound
 
 
 @dataclass(frozen=True)

@@ -268,7 +268,9 @@ def _block_at(x: float, weight: float) -> Array:
     return np.array([x, x * x / (reach + math.sqrt(reach**2 - x * x)) - sunk, 0.0])
 
 
-def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tuple[Linkage, Start]:
+def block(
+    pull: float, press: float, friction: FrictionLaw, speed: float, damping: float = 0.0
+) -> tuple[Linkage, Start]:
     """Return a block of 1 kg that cannot turn on a floor, and its initial state at x = 0.
 
     The floor is a bearing of 10 km on the frame; ``pull`` and ``press`` are constant forces along
@@ -276,16 +278,17 @@ def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tup
     """
     ends = Attachment(GROUND, 0.0, _FLOOR_CLEARANCE), Attachment("block", 0.0, 0.0)
     size = _FLOOR_CLEARANCE + 0.01, _FLOOR_CLEARANCE, 0.02  # radius, clearance, width
-    floor = ClearanceJoint("floor", *ends, *size, NormalLaw(_FLOOR_STIFFNESS), friction)
+    normal = NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
+    floor = ClearanceJoint("floor", *ends, *size, normal, friction)
     heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
     linkage = free_bodies("block on a floor", (heavy,), (floor,), "block", loads=(load,))
     return linkage, Start(_block_at(0.0, press), np.array([speed, 0.0, 0.0]))
 
 
-def on_incline(slope: float, speed: float) -> tuple[Linkage, Start]:
-    """Return a block on an incline with an initial speed, m/s."""
-    angle = math.atan(slope)
-    return block(GRAVITY * math.sin(angle), GRAVITY * math.cos(angle), FRICTION, speed)
+def on_incline(slope: float, speed: float, damping: float = 0.0) -> tuple[Linkage, Start]:
+    """Return a block on an incline with an initial speed, m/s; the damping is of its floor."""
+    pull, press = (GRAVITY * part(math.atan(slope)) for part in (math.sin, math.cos))
+    return block(pull, press, FRICTION, speed, damping)
 
 
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
@@ -339,7 +342,7 @@ def friction_checks() -> Iterator[Check]:
         expected_speed = 0.01 - slowing * time
         if late > 0.0:
             expected_speed = FRICTION.lower + width * math.exp(-slowing * late / width)
-        speed = float(final(block(0.0, GRAVITY, FRICTION, 0.01), time).end.velocity[0])
+        speed = float(final(on_incline(0.0, 0.01), time).end.velocity[0])
         name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
         yield Check.against(name, 1e3 * expected_speed, 1e3 * speed, 1e-6)
 
