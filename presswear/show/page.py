@@ -111,8 +111,13 @@ def column_table(
 
 def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = True) -> Table:
     """Return a table with a line per record and a column per row."""
-    lines = tuple(tuple(column.text(record) for column in columns) for record in records)
-    return Table(tuple(column.head for column in columns), (("", lines),), numeric)
+    lines = (tuple(column.text(record) for column in columns) for record in records)
+    return plain_table((column.head for column in columns), lines, numeric)
+
+
+def plain_table(head: Iterable[str], lines: Iterable[Line], numeric: bool = True) -> Table:
+    """Return a table of one group of lines."""
+    return Table(tuple(head), (("", tuple(lines)),), numeric)
 
 
 class Illustration(NamedTuple):

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,29 +13,10 @@ from matplotlib.colors import Normalize
 from matplotlib.ticker import NullFormatter
 
 from presswear.scene.catalog import title_of
-from presswear.show.figures.style import (
-    LINES,
-    MUTED,
-    REFERENCE,
-    SETTINGS,
-    WIDTH,
-    Axes,
-    Drawing,
-    Pen,
-    finished,
-    panels,
-    wrapped,
-)
-from presswear.show.page import (
-    NOTHING,
-    KeyNumber,
-    Row,
-    Section,
-    illustrated,
-    render_page,
-    row_table,
-)
-from presswear.show.page import Table as Texts
+from presswear.show import page
+from presswear.show.figures import style
+from presswear.show.figures.style import LINES, Drawing, Pen, finished
+from presswear.show.page import NOTHING, Row, Section
 from presswear.sweeps.parameters import Column, Display
 from presswear.sweeps.plan import Plan, Table
 from presswear.sweeps.responses import Limit
@@ -125,57 +106,56 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
             if not np.isfinite(part.values[:, part.index(column.key)]).any():
                 continue
             analysis = analyze(part, column.key, plan, limits.get(column.key))
+            label = f"{column.key} at {name}" if name else column.key
             answers += [f"At {name}: {line}" if name else line for line in findings(analysis)]
             if analysis.points.means[analysis.points.has_value].any():
-                numbers.append(_key_number(analysis, name))
-            with matplotlib.rc_context(SETTINGS):
-                drawn = illustrated(drawings(analysis), into)
-            heading = f"{column.key} at {name}" if name else column.key
-            tables = result_tables(analysis)
-            texts = (f"{column.text}.",), tables, drawn, analysis.notes
-            sections.append(Section(heading, *texts, is_open=len(sections) < OPEN_SECTIONS))
+                numbers.append(_key_number(analysis, label))
+            with matplotlib.rc_context(style.SETTINGS):
+                drawn = page.illustrated(drawings(analysis), into)
+            texts = (f"{column.text}.",), result_tables(analysis), drawn, analysis.notes
+            sections.append(Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS))
     figures = [figure for section in sections for figure in section.figures]
-    values = _columns(table.responses, table.values, plan, table)
-    sections.append(Section("Ranges of responses", tables=[("", values)]))
-    values = _columns(table.parameters, table.points, plan)
-    sections.append(Section("Ranges of parameters", tables=[("", values)]))
-    if failed := sum(bool(error) for error in table.errors):
-        sections.append(Section("Failed runs", tables=[("", _errors(table))]))
-    count = whole(len(table.errors))
-    head, *lines = table.texts(FIRST_ROWS)
-    rows = tuple((f"{number}", *line) for number, line in enumerate(lines, start=1))
-    note = f"All {count} runs are in {ROWS_FILE}."
-    first_rows = Texts(("run", *head), (("", rows),))
-    sections.append(Section("First runs", tables=[("", first_rows)], notes=[note]))
     write_bytes(folder / ROWS_FILE, table.csv().encode())
+    count, failed = whole(len(table.errors)), sum(map(bool, table.errors))
     status = f"{count} runs at {whole(len(plan.points))} points"
-    status += f", {whole(failed)} without values." if failed else "."
-    style = "unfinished" if failed else "completed"
-    title = f"Sweep: {title_of(plan.scene)}"
-    page = render_page(
-        title,
-        sections,
-        status=status,
-        style=style,
+    html = page.render_page(
+        f"Sweep: {title_of(plan.scene)}",
+        [*sections, *_table_sections(table, plan)],
+        status=status + (f", {whole(failed)} without values." if failed else "."),
+        style="unfinished" if failed else "completed",
         key_numbers=numbers[:MAX_NUMBERS],
         picture=figures[0] if figures else None,
         answer=answers,
     )
-    write_bytes(folder / REPORT, page.encode())
+    write_bytes(folder / REPORT, html.encode())
     return folder / REPORT
 
 
-def _key_number(analysis: Analysis, part: str) -> KeyNumber:
+def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
+    """Yield the sections on ranges, failed runs and the first rows."""
+    responses = _columns(table.responses, table.values, plan, table)
+    yield Section("Ranges of responses", tables=[("", responses)])
+    parameters = _columns(table.parameters, table.points, plan)
+    yield Section("Ranges of parameters", tables=[("", parameters)])
+    if any(table.errors):
+        yield Section("Failed runs", tables=[("", _errors(table))])
+    head, *lines = table.texts(FIRST_ROWS)
+    rows = ((f"{number}", *line) for number, line in enumerate(lines, start=1))
+    note = f"All {whole(len(table.errors))} runs are in {ROWS_FILE}."
+    first_rows = page.plain_table(("run", *head), rows)
+    yield Section("First runs", tables=[("", first_rows)], notes=[note])
+
+
+def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
     """Return median and range of a response over the points, and what it depends on most."""
     points, result = analysis.points, analysis.sensitivity
     shown = Display(points.response, points.means)
     low, median, high = map(shown.number, np.nanquantile(points.means, (0.0, 0.5, 1.0)))
-    name = f"{points.response.key} at {part}" if part else points.response.key
     meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: median of the points."
     if result is not None and not points.is_constant:
         meaning += f" It depends most on {points.parameters[result.order[0]].key}."
     value = f"{median} {shown.unit}".strip()
-    return KeyNumber(name, value, f"from {low} to {high} {shown.unit}".strip(), meaning)
+    return page.KeyNumber(name, value, f"from {low} to {high} {shown.unit}".strip(), meaning)
 
 
 def _parts(table: Table, plan: Plan) -> dict[str, Table]:
@@ -240,7 +220,7 @@ def findings(analysis: Analysis) -> list[str]:
     return [*lines, text]
 
 
-def result_tables(analysis: Analysis) -> list[tuple[str, Texts]]:
+def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     """Return the tables of a response with their headings."""
     points, tables = analysis.points, []
     shown = Display(points.response, points.means)
@@ -254,20 +234,20 @@ def result_tables(analysis: Analysis) -> list[tuple[str, Texts]]:
                 cells.append(f"{readable(factor * value)}{interval}")
             lines.append(tuple(cells))
         head = ("parameter", *(f"{name} ({unit})" if unit else name for name in result.names))
-        tables.append((f"{result.title} ({result.method})", Texts(head, (("", tuple(lines)),))))
+        tables.append((f"{result.title} ({result.method})", page.plain_table(head, lines)))
     if (spread := analysis.spread) is not None:
         cells = [f"single runs ({shown.unit or '1'})"]
         for k in (percent - 1 for percent in PERCENTILES):
             value, low, high = map(shown.number, (spread.values[k], spread.low[k], spread.high[k]))
             cells.append(f"{value} ({low} to {high})")
         head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
-        tables.append((f"Distribution, {spread.source}", Texts(head, (("", (tuple(cells),)),))))
+        tables.append((f"Distribution, {spread.source}", page.plain_table(head, [tuple(cells)])))
     return tables
 
 
 def _columns(
     columns: tuple[Column, ...], values: np.ndarray, plan: Plan, table: Table | None = None
-) -> Texts:
+) -> page.Table:
     """Return the ranges of parameters, or of the responses of a table."""
     records = []
     for k, column in enumerate(columns):
@@ -281,26 +261,26 @@ def _columns(
         texts = ("" if column.choices else shown.text(value) for value in ends)
         record = dict(zip(("low", "median", "high"), texts, strict=True))
         records.append({"column": column, "count": count, "remark": remark, **record})
-    return row_table(COLUMN_ROWS, records, numeric=False)
+    return page.row_table(COLUMN_ROWS, records, numeric=False)
 
 
-def _errors(table: Table) -> Texts:
+def _errors(table: Table) -> page.Table:
     """Return the errors with their numbers of runs, the most frequent first."""
     counts = Counter(error for error in table.errors if error)
     records = []
     for error, count in counts.most_common(MAX_ERRORS):
         first = _point(table.parameters, table.points[table.errors.index(error)])
         records.append({"error": error, "count": count, "first": first})
-    return row_table(ERROR_ROWS, records, numeric=False)
+    return page.row_table(ERROR_ROWS, records, numeric=False)
 
 
 # --- Figures, with titles and captions in ``captions.toml`` ---------------------------------------
 
 
-def _axis(axes: Axes, side: str, column: Column, values: Array, width: float) -> Display:
+def _axis(axes: style.Axes, side: str, column: Column, values: Array, width: float) -> Display:
     """Set label, ticks and scale of the x or y axis of a parameter."""
     shown, axis = Display(column, values), axes.xaxis if side == "x" else axes.yaxis
-    axis.set_label_text(wrapped(shown.label.replace("_", " "), width))
+    axis.set_label_text(style.wrapped(shown.label.replace("_", " "), width))
     if column.choices:
         axis.set_ticks(range(len(column.choices)), column.choices)
     elif is_logarithmic(values):
@@ -314,24 +294,24 @@ def bars(points: Points, result: Sensitivity) -> list[Drawing]:
     order, rows = result.order, np.arange(len(result.order))
     shown = Display(points.response, result.values)
     factor = 1.0 if result.is_share else shown.factor
-    sheet, ((axes,),) = panels(1, 1, 1.1 + 0.42 * len(rows))
+    sheet, ((axes,),) = style.panels(1, 1, 1.1 + 0.42 * len(rows))
     pens = [Pen(name, line[0], width=7.0) for name, line in zip(result.names, LINES, strict=False)]
     for k, pen in enumerate(pens):
         y = rows + (k - 0.5 * (len(pens) - 1)) * BAR
         lengths = factor * np.nan_to_num(result.values[k, order])
         halves = factor * np.nan_to_num(result.half_widths[k, order])
         axes.barh(y, lengths, 0.9 * BAR, color=pen.colour)
-        axes.errorbar(lengths, y, xerr=halves, fmt="none", ecolor=REFERENCE, elinewidth=0.9)
+        axes.errorbar(lengths, y, xerr=halves, fmt="none", ecolor=style.REFERENCE, elinewidth=0.9)
     names = [points.parameters[k].key.replace("_", " ") for k in order]
-    axes.set_yticks(rows, [wrapped(name, NAME_WIDTH) for name in names])
+    axes.set_yticks(rows, [style.wrapped(name, NAME_WIDTH) for name in names])
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.grid(visible=False, axis="y")
-    axes.axvline(0.0, color=REFERENCE, linewidth=0.8)
+    axes.axvline(0.0, color=style.REFERENCE, linewidth=0.8)
     axes.set_xlabel(shown.label)
     if result.is_share:
         axes.set(xlim=(0.0, 1.0), xlabel=f"share of the variance of {points.response.key}")
     if not math.isnan(result.noise):
-        axes.axvline(factor * result.noise, color=MUTED, linestyle="dotted")
+        axes.axvline(factor * result.noise, color=style.MUTED, linestyle="dotted")
     return finished("sensitivity", sheet, pens, key=points.response.key, result=result)
 
 
@@ -350,8 +330,8 @@ def curves(points: Points) -> list[Drawing]:
     groups = levels[rest[0]] if rest else np.zeros(1)
     if points.parameters[along].choices or len(groups) > len(LINES):
         return []
-    sheet, ((axes,),) = panels(1, 1, 3.6)
-    x_axis = _axis(axes, "x", points.parameters[along], points.points[:, along], WIDTH)
+    sheet, ((axes,),) = style.panels(1, 1, 3.6)
+    x_axis = _axis(axes, "x", points.parameters[along], points.points[:, along], style.WIDTH)
     y_axis, pens = Display(points.response, points.means), []
     half_widths = points.half_widths(points.noise)
     for value, line in zip(groups, LINES, strict=False):
@@ -373,9 +353,9 @@ def curves(points: Points) -> list[Drawing]:
 
 def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None) -> list[Drawing]:
     """Draw the points over two parameters, with the surrogate at the median of the others."""
-    sheet, ((axes,),) = panels(1, 1, 4.2, "constrained")
+    sheet, ((axes,),) = style.panels(1, 1, 4.2, "constrained")
     across, up = (points.points[:, k] for k in pair)
-    x_axis = _axis(axes, "x", points.parameters[pair[0]], across, WIDTH)
+    x_axis = _axis(axes, "x", points.parameters[pair[0]], across, style.WIDTH)
     y_axis = _axis(axes, "y", points.parameters[pair[1]], up, 4.0)
     shown = Display(points.response, points.means)
     means = shown.factor * points.means
@@ -388,7 +368,7 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
         grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
         for k, values in zip(pair, np.meshgrid(x, y), strict=True):
             grid[:, k] = values.ravel()
-        level = shown.factor * surrogate.predict(grid)[0].reshape(CELLS, CELLS)
+        level = shown.factor * surrogate.predict(grid).reshape(CELLS, CELLS)
         x, y = x_axis.factor * x, y_axis.factor * y
         axes.pcolormesh(x, y, level, norm=norm, cmap=COLOURS, shading="gouraud")
     x, y = x_axis.factor * across, y_axis.factor * up
@@ -396,7 +376,7 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
         rows = rows & points.has_value
         look = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
         axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **look)
-    axes.scatter(x[~points.has_value], y[~points.has_value], color=REFERENCE, marker="x")
+    axes.scatter(x[~points.has_value], y[~points.has_value], color=style.REFERENCE, marker="x")
     axes.grid(visible=False)
     sheet.colorbar(ScalarMappable(norm, COLOURS), ax=axes, label=shown.label)
     names = [points.parameters[k].key for k in pair]
@@ -405,7 +385,7 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
 
 def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Drawing]:
     """Draw the cumulative distribution of a response with its 95 % band and its limit."""
-    sheet, ((axes,),) = panels(1, 1, 3.6)
+    sheet, ((axes,),) = style.panels(1, 1, 3.6)
     shown, percent = Display(points.response, spread.values), 100.0 * PROBABILITIES
     pens = [Pen("cumulative probability, 95 % band", *LINES[0])]
     pens[0].draw(axes, shown.factor * spread.values, percent)
@@ -413,7 +393,7 @@ def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Dr
     low, high = (np.where(np.isnan(end), edge, shown.factor * end) for end, edge in ends)
     axes.fill_betweenx(percent, low, high, color=pens[0].colour, alpha=0.25, linewidth=0.0)
     if limit is not None:
-        pens.append(Pen(f"limit {shown.text(limit.value)}", REFERENCE, LINES[3][1]))
+        pens.append(Pen(f"limit {shown.text(limit.value)}", style.REFERENCE, LINES[3][1]))
         axes.axvline(shown.factor * limit.value, **pens[-1].look)
     axes.set(ylim=(0.0, 100.0), xlabel=shown.label, ylabel="probability of a smaller value (%)")
     return finished("distribution", sheet, pens, key=points.response.key, source=spread.source)

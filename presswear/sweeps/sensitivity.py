@@ -60,15 +60,15 @@ class Points:
 
     @property
     def freedom(self) -> float:
-        """Degrees of freedom of the pooled variance; infinite for intervals of the runs."""
-        is_pooled = self.noise_source == "replicates"
-        return float(np.maximum(self.counts - 1.0, 0.0).sum()) if is_pooled else math.inf
+        """Degrees of freedom of the pooled variance."""
+        return float(np.maximum(self.counts - 1.0, 0.0).sum())
 
     def half_widths(self, variances: Array) -> Array:
         """Return half widths of 95 % intervals of means with some variances; NaN if unknown."""
         if self.noise_source == "none":
             return np.full(len(variances), np.nan)
-        return quantile(self.freedom) * np.sqrt(variances)
+        freedom = self.freedom if self.noise_source == "replicates" else math.inf
+        return quantile(freedom) * np.sqrt(variances)
 
 
 def points_of(table: Table, key: str) -> Points:
@@ -117,7 +117,7 @@ class Sensitivity:
         return [int(k) for k in np.argsort(-strength, kind="stable")]
 
 
-def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
+def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     """Return the sensitivity of a design; None if it has none or too few points.
 
     ``saltelli``: first-order and total Sobol' indices (`SALib.analyze.sobol`). ``sobol`` and
@@ -143,22 +143,20 @@ def sensitivity(points: Points, kind: str, seed: int = 1) -> Sensitivity | None:
         return None
     names = [column.key for column in points.parameters]
     problem = {"num_vars": dimension, "names": names, "bounds": [[0.0, 1.0]] * dimension}
-    options: dict[str, Any] = {"num_resamples": RESAMPLES, "seed": seed}
+    options: dict[str, Any] = {"num_resamples": RESAMPLES, "seed": 1}
     values, noise = points.means[rows], float(points.noise[rows].mean())
     if kind == "morris":
         options["num_levels"] = MORRIS_LEVELS
         indices = morris.analyze(problem, points.points[rows], values, **options)
         # SALib divides by the jump between its own levels, which lie at the ends of the range.
         jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
-        halves = [indices["mu_star_conf"], np.full(dimension, np.nan)]
-        return Sensitivity(
-            "Elementary effects of a jump by half of the range",
-            "Morris 1991; Campolongo, Cariboni and Saltelli 2007",
-            ("mean of the absolute effects", "standard deviation of the effects"),
-            jump * np.array([indices["mu_star"], indices["sigma"]], float),
-            jump * np.array(halves, float),
-            noise=math.nan if points.noise_source == "none" else math.sqrt(4.0 / math.pi * noise),
-        )
+        effects = jump * np.array([indices["mu_star"], indices["sigma"]], float)
+        halves = jump * np.array([indices["mu_star_conf"], np.full(dimension, np.nan)], float)
+        title = "Elementary effects of a jump by half of the range"
+        method = "Morris 1991; Campolongo, Cariboni and Saltelli 2007"
+        labels = ("mean of the absolute effects", "standard deviation of the effects")
+        chaos = math.nan if points.noise_source == "none" else math.sqrt(4.0 / math.pi * noise)
+        return Sensitivity(title, method, labels, effects, halves, noise=chaos)
     if kind == "saltelli":
         indices = sobol.analyze(problem, values, calc_second_order=False, **options)
         method, keys = "Saltelli et al. 2010; total indices after Jansen 1999", ["S1", "ST"]
@@ -282,15 +280,11 @@ class Surrogate:
     points: Points  # points with a value
     process: Any  # regressor of scikit-learn; its noise is chaos and misfit
     is_logarithmic: bool  # whether the process models the logarithm of the response
-    explained: float  # share of the variance that ten-fold cross-validation explains
 
-    def predict(self, points: Array) -> tuple[Array, Array]:
-        """Return the response at points and its standard deviation for a single run, (n,) each.
-
-        Of a logarithmic process these are the median and the deviation of the logarithm.
-        """
-        mean, deviation = self.process.predict(_scaled(self.points, points), return_std=True)
-        return np.exp(mean) if self.is_logarithmic else mean, deviation
+    def predict(self, points: Array) -> Array:
+        """Return the response at points, shape (n,): the median of a logarithmic process."""
+        mean = self.process.predict(_scaled(self.points, points))
+        return np.exp(mean) if self.is_logarithmic else mean
 
     def spread(self, distributions: Sequence[Distribution], limit: Limit | None = None) -> Spread:
         """Return the distribution of single runs when the parameters have distributions.
@@ -312,10 +306,9 @@ class Surrogate:
 
     def outside(self, distributions: Sequence[Distribution]) -> str:
         """Return which parameter has too many values outside the points; empty if none."""
-        probabilities = (np.arange(1000) + 0.5) / 1000
         columns = zip(self.points.parameters, distributions, self.points.points.T, strict=True)
         for column, distribution, values in columns:
-            drawn = distribution.ppf(probabilities)
+            drawn = distribution.ppf((np.arange(1000) + 0.5) / 1000)
             share = float(np.mean((drawn < values.min()) | (drawn > values.max())))
             if share > MAX_OUTSIDE:
                 return f"{100.0 * share:.3g} % of the values of {column.key} lie outside the points"
@@ -389,4 +382,4 @@ def fit(points: Points) -> Surrogate:
         part = f"{100.0 * max(explained, 0.0):.0f} % of the variance"
         fault = f"in cross-validation it explains {part}; it needs {100.0 * needed:.0f} %"
         raise InputError(f"no surrogate of {name}: {fault}")
-    return Surrogate(points, process, logarithmic, explained)
+    return Surrogate(points, process, logarithmic)
