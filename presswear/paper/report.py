@@ -3,7 +3,7 @@
 import math
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
@@ -16,10 +16,10 @@ from presswear.paper.evidence import OF_MAPS, QUANTITIES, Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import DOUBTFUL, PRINTED, RANGES, Place, Printed, printed_at
 from presswear.paper.settings import BASE, GEOMETRIES, JOINTS, JUDGED, LONG, SETTINGS, WEAR
-from presswear.paper.verdicts import Judged, Position, Verdict, compared
+from presswear.paper.verdicts import Judged, Verdict, compared
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES
-from presswear.show.page import NOTHING, Line, Row, Section, Table, row_table, text_of
+from presswear.show.page import NOTHING, Line, Row, Section, Table, plain_table, row_table, text_of
 from presswear.show.report import provenance_table, setting_tables
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
@@ -55,10 +55,9 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         if result.status == "failed"
     }
     runs: list[tuple[str, Table]] = [("", run_table(evidence))]
-    for first in list(evidence.results.values())[:1]:
-        settings = setting_tables(first)
-        runs.append(("Conventions", settings["conventions"]))
-        runs.append(("Parameters of the first setting", settings["parameters"]))
+    if first := next(iter(evidence.results.values()), None):
+        runs.append(("Conventions", setting_tables(first)["conventions"]))
+        runs.append(("Parameters of the first setting", setting_tables(first)["parameters"]))
         if origin := provenance_table(first):
             runs.append(("Provenance", origin))
     assumptions = [
@@ -66,60 +65,41 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         ("Wear coefficient", fit_table(evidence)),
         ("One assumption changed", sensitivity_table(evidence, failures)),
     ]
-    numbers = [
-        ("", number_table(evidence)),
-        ("Ratios of depths", ratio_table(evidence)),
-        ("Ranges of wear", range_table(evidence)),
-    ]
+    numbers = [("", number_table(evidence)), ("Ratios of depths", ratio_table(evidence))]
+    numbers.append(("Ranges of wear", range_table(evidence)))
     counts, trends = [("Verdicts", count_table(claims))], [("", claim_table(evidence, claims))]
-    printed = "Every printed number of sections 5.3 and 5.4"
-    accuracy = [("", long_table(evidence))]
+    parts = (
+        ("Claims on trends", "claims", trends),
+        ("Every printed number of sections 5.3 and 5.4", "numbers", numbers),
+        ("Assumptions, their fit and their effect", "assumptions", assumptions),
+        ("Accuracy of the statistics", "statistics", [("", long_table(evidence))]),
+    )
     return [
         Section("In short", findings(evidence, failures), counts, is_open=True),
-        Section("Claims on trends", [TEXTS["claims"]], trends),
-        Section(printed, [TEXTS["numbers"]], numbers),
-        Section("Assumptions, their fit and their effect", [TEXTS["assumptions"]], assumptions),
-        Section("Accuracy of the statistics", [TEXTS["statistics"]], accuracy),
+        *(Section(heading, [TEXTS[text]], tables) for heading, text, tables in parts),
         Section("Runs", tables=runs),
     ]
 
 
 def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
     """Return the answer of the study in a few sentences."""
-    count = Counter(claim.verdict() for claim in claims)
-    peaks = Counter(
-        one
-        for number, one in verdicts.positions(evidence)
-        if number.quantity not in ("depth", "angle")
+    text = TEMPLATES.from_string(TEXTS["headline"]).render(
+        claims=len(claims),
+        count=Counter(claim.verdict() for claim in claims),
+        same=sum(claim.geometry.startswith("same") for claim in claims),
+        peaks=Counter(one for number, one in verdicts.positions(evidence) if number.is_peak),
     )
-    values = {
-        "claims": len(claims),
-        "holds": count[Verdict.HOLDS],
-        "in_part": count[Verdict.IN_PART],
-        "fails": count[Verdict.FAILS],
-        "undecided": count[Verdict.OPEN] + count[Verdict.MISSING],
-        "same": sum(claim.geometry.startswith("same") for claim in claims),
-        "peaks": peaks.total() - peaks[Position.MISSING],
-        **{one.name.lower(): peaks[one] for one in Position if one.name in ("ABOVE", "BELOW")},
-        "inside": peaks[Position.INSIDE],
-    }
-    return TEMPLATES.from_string(TEXTS["headline"]).render(values).strip()
+    return text.strip()
 
 
 def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     """Return the most important results, each with its numbers, as far as they were computed."""
     ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
     second = ours["second wear"]
-    new, worn = (  # positions of printed peaks, where the stage is known
-        Counter(
-            one.value
-            for number, one in verdicts.positions(evidence)
-            if len(number.places) == 1
-            and one in (Position.INSIDE, Position.ABOVE, Position.BELOW)
-            and (number.place.wear_updates > 0) is is_worn
-        )
-        for is_worn in (False, True)
-    )
+    new, worn = Counter[str](), Counter[str]()  # positions of peaks where the stage is known
+    for number, one in verdicts.positions(evidence):
+        if len(number.places) == 1 and one in ("inside", "above", "below"):
+            (worn if number.place.wear_updates else new)[one] += 1
     best, spread = fit(depth_factors(evidence, BASE))
     text = TEMPLATES.from_string(TEXTS["findings"]).render(
         ours=ours,
@@ -135,10 +115,6 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
         failure=failures.get(settings.PAPER_STEP, ""),
     )
     return [line for line in text.splitlines() if line.strip()]
-
-
-def _table(head: Sequence[str], lines: Iterable[Line], numeric: bool = True) -> Table:
-    return Table(tuple(head), (("", tuple(lines)),), numeric)
 
 
 def range_text(ends: tuple[float, float] | None, unit: str, digits: int = 3) -> str:
@@ -224,7 +200,7 @@ def count_table(claims: Sequence[Judged]) -> Table:
         (str(word), *(str(sum(one.verdict(case) is word for one in claims)) for case in JUDGED))
         for word in Verdict
     )
-    return _table(("claims", *GEOMETRIES, "refined conventions"), lines)
+    return plain_table(("claims", *GEOMETRIES, "refined conventions"), lines)
 
 
 def number_table(evidence: Evidence) -> Table:
@@ -276,7 +252,7 @@ def ratio_table(evidence: Evidence) -> Table:
         agrees = str(verdicts.agreement(printed, ours))
         lines.append((comparison_text(part), readable(printed), text_of(ours), over, agrees))
     head = ("ratio of deepest wears", "paper", "ours (95 % interval)", "paper / ours", "the paper")
-    return _table(head, lines, numeric=False)
+    return plain_table(head, lines, numeric=False)
 
 
 def range_table(evidence: Evidence) -> Table:
@@ -295,7 +271,7 @@ def range_table(evidence: Evidence) -> Table:
             circle = f"{np.diff(degrees).sum() / 3.6:.3g} %"
             lines.append((joint_text(place), figure, printed, circle, text))
     head = ("main wear area", "Fig.", "paper", "part of the circle", "part of our wear inside")
-    return _table(head, lines, numeric=False)
+    return plain_table(head, lines, numeric=False)
 
 
 def geometry_table(evidence: Evidence) -> Table:
@@ -306,7 +282,7 @@ def geometry_table(evidence: Evidence) -> Table:
         texts = (value_text(evidence, name, place, quantity) for name in GEOMETRIES)
         value = printed_text(printed_at(place, quantity))
         lines.append((place_text(place, quantity), value, *texts))
-    return _table(("", "paper", *GEOMETRIES), lines)
+    return plain_table(("", "paper", *GEOMETRIES), lines)
 
 
 def depth_factors(evidence: Evidence, case: str) -> dict[Place, float]:
@@ -372,7 +348,7 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     heads = (
         f"{quantity} {place.joint} {stage_text(place, quantity)}" for quantity, place in _SENSITIVE
     )
-    return _table(("changed alone", *heads), lines)
+    return plain_table(("changed alone", *heads), lines)
 
 
 def long_table(evidence: Evidence) -> Table:
@@ -394,7 +370,7 @@ def long_table(evidence: Evidence) -> Table:
         ours = [text for pair in zip(texts, cycles, strict=True) for text in pair]
         lines.append((place_text(place, quantity), *ours, text, "no" if differs else "yes"))
     heads = ("run", "cycles, replicates", "200 of each", "cycles", "ratio", "may be the same")
-    return _table(("", *heads), lines, numeric=False)
+    return plain_table(("", *heads), lines, numeric=False)
 
 
 def run_table(evidence: Evidence) -> Table:

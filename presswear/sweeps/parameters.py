@@ -1,7 +1,7 @@
 """Parameters of a sweep: lists of values, distributions and designs, read from text."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -115,15 +115,13 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
         if isinstance(values, str):
             texts.append(f"{key}={values}")
             continue
-        listed = values.tolist() if isinstance(values, np.ndarray) else values
-        if not isinstance(listed, Sequence) or len(listed) == 0:
-            raise InputError(f"{key} = {shown(values)}: expected a text or a list of values")
         keys = [word.strip() for word in key.split(TOGETHER)]
-        rows = listed if len(keys) > 1 else [[value] for value in listed]
-        if any(not isinstance(row, Sequence) or len(row) != len(keys) for row in rows):
-            raise InputError(f"{key}: expected rows of {len(keys)} values")
+        rows, width = np.array(values, dtype=object), (len(keys),) if len(keys) > 1 else ()
+        if rows.ndim == 0 or rows.size == 0 or rows.shape[1:] != width:
+            listed = f"a list of rows of {len(keys)} values" if width else "a list of values"
+            raise InputError(f"{key} = {shown(values)}: expected a text or {listed}")
         parts = []
-        for name, column in zip(keys, zip(*rows, strict=True), strict=True):
+        for name, column in zip(keys, rows.reshape(len(rows), -1).T, strict=True):
             setting = setting_of(scene, name)
             parts.append(f"{name}={','.join(_value_text(setting, value) for value in column)}")
         texts.append(f" {TOGETHER} ".join(parts))

@@ -153,16 +153,15 @@ class Plan:
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
         base, values = self._base
-        missing = object()  # a row may set a value that the scene has already
-        settings = {k: v for k, v in self.settings(row).items() if values.get(k, missing) != v}
-        return json.dumps([base, settings], sort_keys=True)
+        pairs = self.settings(row).items()  # a row may set a value that the scene has already
+        return json.dumps([base, {k: v for k, v in pairs if (k, v) not in values}], sort_keys=True)
 
     @cached_property
-    def _base(self) -> tuple[str, dict[str, Any]]:
+    def _base(self) -> tuple[str, list[tuple[str, Any]]]:
         """Digest of all that decides the numbers of the scene, and the values of its settings."""
         ignored = ("name", "title", "origins")
         data = {key: value for key, value in self.scene.as_dict().items() if key not in ignored}
-        values = {item.key: item.value for item in settings_of(self.scene)}
+        values = [(item.key, item.value) for item in settings_of(self.scene)]
         return digest(json.dumps(data, sort_keys=True).encode()), values
 
     @cached_property

@@ -121,17 +121,14 @@ def run_rows(
 
     (folder / ROWS).mkdir(exist_ok=True)
     files = {name: folder / ROWS / f"{name}.json" for name in scenes}
-    done: list[Outcome] = []
-    missing, claims = [], set()
+    program, done, claims = program_digest(), list[Outcome](), set[str]()
+    running: dict[Future[Outcome], str] = {}
     for name, file in files.items():
         outcome = read_row(folder, name)
         if outcome and (outcome.error or not keep_results or (folder / RUNS / name).exists()):
             done.append(outcome)
         else:
             file.unlink(missing_ok=True)
-            missing.append(name)
-    running: dict[Future[Outcome], str] = {}
-    program = program_digest()
 
     def report() -> None:
         seconds = [outcome.seconds for outcome in done if outcome.seconds > 0.0]
@@ -151,11 +148,11 @@ def run_rows(
 
     try:
         report()
-        for name in missing:
+        for name, file in files.items():
             try:
-                files[name].open("x").close()
+                file.open("x").close()
             except FileExistsError:
-                continue  # another part of the sweep has an equal row
+                continue  # the row is stored, or another part of the sweep has an equal row
             claims.add(name)
             try:
                 scene = scenes[name]()
