@@ -1,14 +1,26 @@
-"""Numbers that the paper prints in sections 5.3 and 5.4; they are in ``printed.toml``.
+"""Numbers that the paper prints in sections 5.3 and 5.4, and trends that it claims there and in 6.
 
-Misprints are kept and described. The units are SI and rad.
+Numbers are in ``printed.toml``; misprints are kept and described. Claims are in ``claims.toml`` as
+comparisons of quantities; its head explains how they are written. The units are SI and rad.
 """
 
+import math
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from importlib.resources import files
+from itertools import pairwise
 from math import radians
+from typing import Any, Literal, cast
 
-_DATA = tomllib.loads(files("presswear.paper").joinpath("printed.toml").read_text("utf-8"))
+from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
+
+
+def _read(file: str) -> dict[str, Any]:
+    return tomllib.loads(files("presswear.paper").joinpath(file).read_text("utf-8"))
+
+
+_DATA, _CLAIMS = _read("printed.toml"), _read("claims.toml")
 
 
 @dataclass(frozen=True)
@@ -81,3 +93,103 @@ def printed_at(place: Place, quantity: str) -> Printed | None:
 def shown_in(figure: int) -> list[Printed]:
     """Return the printed numbers that a figure shows."""
     return [one for one in PRINTED if one.figure[:-1] == str(figure)]
+
+
+# --- Claims ---------------------------------------------------------------------------------------
+
+Expected = Literal["more", "less", "same"]
+_SETTINGS = {"friction": (FRICTION, HIGH_FRICTION), "speed": (SLOW, FAST)}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Ratio or difference of quantities, and its expected change."""
+
+    quantity: str  # key of `evidence.QUANTITIES`
+    over: tuple[Place, ...]  # numerators; one for a difference
+    under: tuple[Place, ...]  # as many denominators
+    expected: Expected = "more"  # change of the second against the first
+
+    @property
+    def is_difference(self) -> bool:
+        """True for quantities that may change their sign, whose differences are compared."""
+        return self.quantity in ("angle", "lag")
+
+    @property
+    def printed(self) -> float | None:
+        """Ratio or difference of the printed numbers; None if one of them is not printed."""
+        places = (*self.over, *self.under)
+        numbers = [printed_at(place, self.quantity) for place in places]
+        values = [number.value for number in numbers if number is not None]
+        if len(values) < len(places):
+            return None
+        if self.is_difference:
+            return wrapped_angle(values[0] - values[1])
+        count = len(self.over)
+        return math.prod(values[:count]) / math.prod(values[count:])
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Sentence that claims a trend."""
+
+    where: str  # section and figure
+    quote: str  # words of the paper, shortened
+    parts: tuple[Comparison, ...]
+    note: str = ""  # interpretation of the words, or what is odd about them
+
+
+def wrapped_angle(angle: float) -> float:
+    """Return the angle between -pi and pi, rad."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+def comparisons(text: str) -> Iterator[Comparison]:
+    """Yield the comparisons of a text such as ``depth more wear A,C 1,2``."""
+    quantity, expected, kind, *words = text.split()
+    for over, under in _sides(kind, words):
+        yield Comparison(quantity, tuple(over), tuple(under), cast(Expected, expected))
+
+
+def _sides(kind: str, words: list[str]) -> Iterator[tuple[list[Place], list[Place]]]:
+    """Yield numerators and denominators."""
+    if kind in ("joints", "growth"):  # joint A over joint C, at one stage or from one to another
+        for word in words:
+            stages = (stage.split(":") for stage in word.split(">"))
+            (a, c), *last = ([Place(name, int(k), joint) for joint in "AC"] for name, k in stages)
+            yield ([last[0][0], c], [a, last[0][1]]) if last else ([a], [c])
+        return
+    joints, numbers, setting = (*words, WEAR)[:3]
+    updates = [int(number) for number in numbers.split(",")]
+    if kind == "wear":
+        steps = [((setting, i), (setting, k)) for i, k in pairwise(updates)]
+    else:
+        lower, higher = _SETTINGS[kind]
+        steps = [((lower, k), (higher, k)) for k in updates]
+    for joint in [""] if joints == "slider" else joints.split(","):
+        for first, second in steps:
+            yield [Place(*second, joint)], [Place(*first, joint)]
+
+
+CLAIMS = tuple(
+    Claim(
+        item["where"],
+        item["quote"],
+        tuple(part for words in item["parts"] for part in comparisons(words)),
+        item.get("note", "").format(**_CLAIMS["notes"]),
+    )
+    for item in _CLAIMS["claims"]
+)
+
+_SHOWN = f"{WEAR}:1 {WEAR}:2 {FRICTION}:1 {HIGH_FRICTION}:1 {SLOW}:1 {FAST}:1"
+DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not printed
+    *comparisons("depth more wear A,C 1,2"),
+    *(
+        replace(one, over=one.under, under=one.over)
+        for one in comparisons(f"depth more joints {_SHOWN}")
+    ),
+    *comparisons("depth more friction A,C 1"),
+    *comparisons("depth more speed A,C 1"),
+)
+# comparisons at joint A that the report states first
+HIGHLIGHTS = {name: next(comparisons(words)) for name, words in _CLAIMS["highlights"].items()}

@@ -11,10 +11,19 @@ import numpy as np
 
 import presswear as pw
 from presswear.paper import settings, verdicts
-from presswear.paper.claims import DEPTH_RATIOS, HIGHLIGHTS, Comparison
 from presswear.paper.evidence import OF_MAPS, QUANTITIES, Evidence
 from presswear.paper.figures import drawings
-from presswear.paper.printed import DOUBTFUL, PRINTED, RANGES, Place, Printed, printed_at
+from presswear.paper.printed import (
+    DEPTH_RATIOS,
+    DOUBTFUL,
+    HIGHLIGHTS,
+    PRINTED,
+    RANGES,
+    Comparison,
+    Place,
+    Printed,
+    printed_at,
+)
 from presswear.paper.settings import BASE, GEOMETRIES, JOINTS, JUDGED, LONG, SETTINGS, WEAR
 from presswear.paper.verdicts import Judged, Verdict, compared
 from presswear.show import page

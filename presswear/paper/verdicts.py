@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import presswear as pw
-from presswear.paper.claims import CLAIMS, Claim, Comparison, wrapped_angle
 from presswear.paper.evidence import Evidence, Measured
-from presswear.paper.printed import PRINTED, Printed
+from presswear.paper.printed import CLAIMS, PRINTED, Claim, Comparison, Printed, wrapped_angle
 from presswear.paper.settings import BASE, GEOMETRIES, JUDGED
 
 SAME = 0.02  # relative change below which a quantity is considered unchanged

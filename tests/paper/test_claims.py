@@ -10,9 +10,17 @@ from known_results import every_evidence
 
 import presswear as pw
 from presswear.paper import settings, verdicts
-from presswear.paper.claims import CLAIMS, DEPTH_RATIOS, Comparison, Expected, wrapped_angle
 from presswear.paper.evidence import QUANTITIES, Measured
-from presswear.paper.printed import PRINTED, Place, Printed
+from presswear.paper.printed import (
+    CLAIMS,
+    DEPTH_RATIOS,
+    PRINTED,
+    Comparison,
+    Expected,
+    Place,
+    Printed,
+    wrapped_angle,
+)
 from presswear.paper.settings import BASE, FRICTION, HIGH_FRICTION, make_scenes
 from presswear.paper.verdicts import Position, Verdict, compared, verdict
 

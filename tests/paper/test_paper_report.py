@@ -12,10 +12,9 @@ from known_results import EVEN, every_evidence, every_result, evidence_of, stage
 
 from presswear.paper import report, run_paper
 from presswear.paper.__main__ import main
-from presswear.paper.claims import CLAIMS
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawings
-from presswear.paper.printed import DOUBTFUL, PRINTED, Place, shown_in
+from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place, shown_in
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.verdicts import judge
 from presswear.show.page import render_page
