@@ -12,11 +12,10 @@ import matplotlib
 import numpy as np
 from matplotlib.ticker import MultipleLocator
 
+from presswear.paper import settings
 from presswear.paper.evidence import QUANTITIES, Evidence, Measured
 from presswear.paper.printed import RANGES, Place, printed_at, shown_in
 from presswear.paper.settings import BASE, JOINTS, SETTINGS, STAGES, run_name
-
-from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR  # isort: skip
 from presswear.show.figures import Drawing, drawn
 from presswear.show.figures.style import LINES, REFERENCE, WIDTH, Axes, Pen, Sheet, ShownStage
 from presswear.show.figures.style import SETTINGS as STYLE
@@ -46,35 +45,30 @@ def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
     return tuple(Line(*stage, pen) for stage, pen in zip(stages, pens, strict=True))
 
 
-_WEARS = _lines((WEAR, 0), (WEAR, 1), (WEAR, 2))
-_FRICTIONS = _lines((FRICTION, 0), (HIGH_FRICTION, 0), (FRICTION, 1), (HIGH_FRICTION, 1))
-_SPEEDS = _lines((SLOW, 0), (SLOW, 1), (FAST, 0), (FAST, 1))
+_WEARS = _lines(*((settings.WEAR, k) for k in (0, 1, 2)))
+_FRICTIONS = _lines(*((s, k) for k in (0, 1) for s in (settings.FRICTION, settings.HIGH_FRICTION)))
+_SPEEDS = _lines(*((s, k) for s in (settings.SLOW, settings.FAST) for k in (0, 1)))
 GROUPS = ((8, 17, _WEARS), (11, 20, _FRICTIONS), (14, 23, _SPEEDS))  # numbers of wear and motion
 
 
 def drawings(evidence: Evidence) -> Iterator[Drawing]:
     """Draw the figures in the order of their numbers."""
-    for first, _, lines in GROUPS:
-        yield from _wear_figures(evidence, first, lines)
-    for _, first, lines in GROUPS:
-        yield from _motion_figures(evidence, first, lines)
-
-
-def _wear_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
-    with matplotlib.rc_context(STYLE):
-        drawings = [depths(evidence, number, lines)]
-        for k, joint in enumerate(JOINTS, 1):
-            drawings.append(surfaces(evidence, number + k, lines, joint))
-    return [drawing for drawing in drawings if drawing is not None]
+    for number, _, lines in GROUPS:
+        with matplotlib.rc_context(STYLE):
+            every = [depths(evidence, number, lines)]
+            every += [surfaces(evidence, number + k, lines, one) for k, one in enumerate(JOINTS, 1)]
+        yield from filter(None, every)
+    for _, number, lines in GROUPS:
+        yield from _motion_figures(evidence, number, lines)
 
 
 def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
     """Return figures of motion, force and path of each setting, and of their peaks."""
     drawings = []
     slider = [(quantity, "") for quantity in ("displacement", "velocity", "acceleration")]
-    for k, (kind, panels) in enumerate(
-        (("response", slider), ("force", [("force", joint) for joint in JOINTS]), ("path", []))
-    ):
+    forces = [("force", joint) for joint in JOINTS]
+    kinds: dict[str, list[tuple[str, str]]] = {"response": slider, "force": forces, "path": []}
+    for k, (kind, panels) in enumerate(kinds.items()):
         for setting in dict.fromkeys(line.setting for line in lines):
             result = evidence.results.get(run_name(BASE, setting))
             last = max(line.wear_updates for line in lines)

@@ -48,11 +48,9 @@ GEOMETRIES = (BASE, "swapped", "lifted")
 JUDGED = (*GEOMETRIES, REFINED)  # cases with all settings, in which every claim is judged
 LONG_SETTINGS = (FAST,)  # 200 cycles take the least time at this speed
 
-
 TABLES: dict[str, Any] = tomllib.loads(
     files("presswear.paper").joinpath("settings.toml").read_text("utf-8")
 )
-_CHANGES = TABLES["sensitivities"]
 
 
 def _changed(values: Mapping[str, Any], scene: pw.Scene) -> pw.Scene:
@@ -80,13 +78,10 @@ def _other_engine(scene: pw.Scene) -> pw.Scene:
 
 
 SENSITIVITIES: dict[str, tuple[str, Change]] = {
-    **{
-        name: (one["label"], partial(_changed, one))
-        for name, one in TABLES["sensitivities"].items()
-    },
-    "finer": ("steps 100 times more accurate", _finer_steps),
-    "other-engine": ("the other engine", _other_engine),
+    name: (one["label"], partial(_changed, one)) for name, one in TABLES["sensitivities"].items()
 }
+SENSITIVITIES["finer"] = "steps 100 times more accurate", _finer_steps
+SENSITIVITIES["other-engine"] = "the other engine", _other_engine
 
 
 @dataclass(frozen=True)
@@ -137,8 +132,7 @@ def base_scene(setting: str, **settings: Any) -> pw.Scene:
 def make_scenes(engine: str | None = None, quick: bool = False) -> dict[str, pw.Scene]:
     """Return all scenes by the names of their folders; see ``run_paper``."""
     common: dict[str, Any] = {} if engine is None else {"engine": engine}
-    if quick:
-        common["cycles"] = QUICK_CYCLES
+    common |= {"cycles": QUICK_CYCLES} if quick else {}
     scenes = {}
     for case in CASES:
         for setting in case.settings:
