@@ -8,7 +8,6 @@ were running; the next run of the same rows removes them.
 import importlib
 import logging
 import os
-import signal
 import statistics
 import sys
 import time
@@ -132,8 +131,7 @@ def run_rows(
 
     def report() -> None:
         seconds = [outcome.seconds for outcome in done if outcome.seconds > 0.0]
-        failed = sum(bool(outcome.error) for outcome in done)
-        median = statistics.median(seconds) if seconds else 0.0
+        failed, median = sum(bool(each.error) for each in done), statistics.median(seconds or [0.0])
         on_progress(Progress(len(scenes), len(done), failed, slots, median))
 
     def store(name: str, outcome: Outcome) -> None:
@@ -154,13 +152,11 @@ def run_rows(
             except FileExistsError:
                 continue  # the row is stored, or another part of the sweep has an equal row
             claims.add(name)
-            try:
-                scene = scenes[name]()
-            except InputError as error:
-                store(name, Outcome(error=str(error)))
-                continue
             path = folder / RUNS / name if keep_results else None
-            running[executor.submit(run_row, scene, requested, path, program)] = name
+            try:
+                running[executor.submit(run_row, scenes[name](), requested, path, program)] = name
+            except InputError as error:  # settings do not fit together
+                store(name, Outcome(error=str(error)))
             while len(running) >= QUEUED * slots - 1:
                 collect()
         while running:
@@ -230,7 +226,7 @@ class ProcessExecutor(ProcessPoolExecutor):
         context = get_context("forkserver" if sys.platform == "linux" else "spawn")
         context.set_forkserver_preload([__name__, "presswear.campaign.campaign"])
         self._before = set(active_children())
-        super().__init__(count, context, _prepare_worker)
+        super().__init__(count, context, end_with_parent)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
         # Only user functions of the main module need that module in the workers.
@@ -244,11 +240,6 @@ class ProcessExecutor(ProcessPoolExecutor):
             for process in set(active_children()) - self._before:
                 process.terminate()
         self.shutdown(wait=error is None, cancel_futures=True)
-
-
-def _prepare_worker() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the submitting process decides
-    end_with_parent()
 
 
 def _user_executor(on: str) -> Executor:

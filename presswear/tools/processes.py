@@ -203,7 +203,6 @@ _worker: dict[str, Any] = {}  # arguments of ``_prepare`` in a worker
 
 def _prepare(shared: Any, folder: str, imports: Sequence[str]) -> None:
     """Prepare a worker."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # its parent decides
     _worker.update(shared=shared, folder=folder, is_running=False)
     end_with_parent(lambda: bool(shared[len(shared) - 1] == HALT and _worker["is_running"]), folder)
     for name in imports:
@@ -234,11 +233,12 @@ def _run_job(place: int, job: Job) -> str:
 
 
 def end_with_parent(is_stuck: Callable[[], bool] = lambda: False, folder: str = "") -> None:
-    """End this process when its parent has ended, even if the parent was killed.
+    """Leave Ctrl-C to the parent; end this process when the parent has ended or was killed.
 
     It also ends after GRACE seconds in which ``is_stuck`` returned True. The folder is removed
     together with the parent.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None, "a process of an executor has a parent"
 
