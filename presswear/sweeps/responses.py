@@ -28,8 +28,6 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
 from presswear.tools.quantities import Quantity, parse_quantity
 
-LAST = "last"
-
 
 class Response(NamedTuple):
     """Value of a response."""
@@ -144,7 +142,6 @@ class Requested:
     """Responses that a sweep reports."""
 
     columns: tuple[Column, ...]
-    keys: tuple[str, ...]  # of the stored responses, with @last for the last stage
     optional: tuple[str, ...] = ()  # names of responses that are computed only if requested
     functions: tuple[Any, ...] = ()  # responses that are user functions
     extra: str = ""  # digest of the responses that a row stores besides the usual ones
@@ -168,33 +165,31 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     a joint or a stage is unknown, or a response is repeated.
     """
     usual = available(scene)
-    columns, keys, optional, functions = [], [], [], []
+    columns, optional, functions = [], [], []
     for item in responses or [name for name in usual if not usual[name].optional]:
         if not isinstance(item, str):
             summary = (inspect.getdoc(item) or "").partition("\n")[0]
             columns.append(Column(item.__name__, "", summary))
-            keys.append(item.__name__)
             functions.append(item)
             continue
         name, at, stage = item.strip().partition("@")
         if name not in usual:
             raise unknown("response", name, usual)
         definition = usual[name]
-        is_whole = definition.scope == "result"
-        if at and (is_whole or not (stage.isascii() and stage.isdigit())):
+        if at and (definition.scope == "result" or not (stage.isascii() and stage.isdigit())):
             raise InputError(f"response {item}: expected NAME or NAME@STAGE, with a stage from 0")
         if at and int(stage) > scene.wear_updates:
             allowed = f"0 to wear_updates = {scene.wear_updates}"
             raise InputError(f"response {item}: the stage must be {allowed}")
-        columns.append(Column(item.strip(), definition.unit, definition.text))
-        keys.append(name if is_whole else f"{name}@{int(stage) if at else LAST}")
+        key = f"{name}@{int(stage)}" if at else name
+        columns.append(Column(key, definition.unit, definition.text))
         if definition.optional and name not in optional:
             optional.append(name)
     for name, count in Counter(column.key for column in columns).items():
         if count > 1:
             raise InputError(f"response {name} is repeated")
     extra = digest_of(optional, functions)
-    return Requested(tuple(columns), tuple(keys), tuple(optional), tuple(functions), extra)
+    return Requested(tuple(columns), tuple(optional), tuple(functions), extra)
 
 
 def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
@@ -209,7 +204,10 @@ def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
 
 
 def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
-    """Return the usual responses of all stages and the requested ones by key."""
+    """Return the usual responses of all stages and the requested ones by key.
+
+    A response without a stage is that of the last one.
+    """
     values: dict[str, Response | None] = {}
     for name, (_, _, scope, function, is_optional) in RESPONSES.items():
         if scope == "result":
@@ -221,6 +219,8 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
                     continue
                 for joint in stage.joints.values():
                     values[f"{joint.name}.{name}@{stage.index}"] = function(result, stage, joint)
+    last = f"@{result.stages[-1].index}"
+    values |= {key.removesuffix(last): values[key] for key in values if key.endswith(last)}
     for user in requested.functions:
         number = user(result)
         if isinstance(number, bool) or not isinstance(number, int | float):

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from presswear.results.folder import program_digest
 from presswear.scene.scene import Scene
-from presswear.sweeps.responses import LAST, Requested, Response, responses_of
+from presswear.sweeps.responses import Requested, Response, responses_of
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import holder, write_bytes
 from presswear.tools.processes import cores, end_with_parent, is_stopped, starting_processes
@@ -40,14 +40,8 @@ class Outcome:
     """Content of the file of a row: responses by key, or the reason why the run failed."""
 
     values: dict[str, Response] = field(default_factory=dict)
-    stages: int = 0
     error: str = ""
     seconds: float = 0.0  # wall time
-
-    def response(self, key: str) -> Response | None:
-        """Return a response by its key, in which ``@last`` stands for the last stage."""
-        name, _, stage = key.partition("@")
-        return self.values.get(f"{name}@{self.stages - 1}" if stage == LAST else key)
 
 
 class Progress(NamedTuple):
@@ -76,7 +70,7 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
     start = time.perf_counter()
     try:
         result = run(scene, folder, jobs=1, check=False)
-        message, stages = result.message if result.status == "failed" else "", len(result.stages)
+        message = result.message if result.status == "failed" else ""
         values = {} if message else responses_of(result, requested)
     except (OSError, MemoryError):
         raise
@@ -87,8 +81,8 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
         if isinstance(error, RunFailed) and error.finding is None:
             raise
         kind = "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
-        values, stages, message = {}, 0, f"{kind}{error}"
-    return Outcome(values, stages, message, time.perf_counter() - start)
+        values, message = {}, f"{kind}{error}"
+    return Outcome(values, message, time.perf_counter() - start)
 
 
 def read_row(folder: Path, name: str) -> Outcome | None:

@@ -17,7 +17,15 @@ from presswear.scene.settings import changed
 from presswear.sweeps import runner
 from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
-from presswear.sweeps.responses import Limit, Requested, User, digest_of, parse_limits, request
+from presswear.sweeps.responses import (
+    Limit,
+    Requested,
+    Response,
+    User,
+    digest_of,
+    parse_limits,
+    request,
+)
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import FolderLock, check_ending, digest, inside, is_free, write_bytes
 from presswear.tools.quantities import Choice
@@ -64,12 +72,12 @@ class Sweep:
     def table(self) -> Table:
         """Table of the rows that are stored now."""
         plan, requested, errors = self.plan, self.requested, []
-        numbers = np.full((3, plan.rows, len(requested.keys)), np.nan)
+        numbers = np.full((3, plan.rows, len(requested.columns)), np.nan)
         for row in range(plan.rows):
             outcome = runner.read_row(self.path, self.name(row))
             errors.append(NOT_RUN if outcome is None else outcome.error)
-            for k, key in enumerate(requested.keys):
-                if response := outcome and outcome.response(key):
+            for k, column in enumerate(requested.columns):
+                if response := outcome and outcome.values.get(column.key):
                     numbers[:, row, k] = np.array(response, float)  # None becomes NaN
         points = np.repeat(plan.points, plan.replicates, axis=0)
         columns = plan.columns, requested.columns
@@ -293,9 +301,7 @@ def _evaluate(
     outcome = runner.run_row(changed(scene, settings), requested, None, program_digest())
     if outcome.error and failed is None:
         raise RunFailed(outcome.error)
-    numbers = []
-    for key in requested.keys:
-        response = outcome.response(key)
-        value = response.value if response else failed if outcome.error else None
-        numbers.append(math.nan if value is None else value)
-    return numbers[0] if is_scalar else numbers
+    default = Response(failed if outcome.error else None)
+    numbers = [outcome.values.get(column.key, default).value for column in requested.columns]
+    values = [math.nan if number is None else number for number in numbers]
+    return values[0] if is_scalar else values

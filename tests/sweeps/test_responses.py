@@ -10,7 +10,6 @@ import pytest
 import presswear as pw
 from presswear.sweeps import responses
 from presswear.sweeps.parameters import Column
-from presswear.sweeps.runner import Outcome
 
 QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6, "wear_updates": 1}
 SCENE = pw.scenes.wear_times(**QUICK, cycles=3, replicates=3)
@@ -96,11 +95,12 @@ def test_responses_may_be_user_functions(result: pw.Result) -> None:
 
 
 def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> None:
-    requested = responses.request(SCENE, ["A.force_max", "A.force_max@0", "bdc_error"])
-    outcome = Outcome(responses.responses_of(result, USUAL), len(result.stages))
-    expected = ("A.force_max@1", "A.force_max@0", "bdc_error@1")
-    for key, name in zip(requested.keys, expected, strict=True):
-        assert outcome.response(key) == outcome.values[name]
+    requested = responses.request(SCENE, ["A.force_max", "A.force_max@00", "bdc_error"])
+    values = responses.responses_of(result, requested)
+    keys = [column.key for column in requested.columns]
+    assert [values[key] for key in keys] == [
+        values[key] for key in ("A.force_max@1", "A.force_max@0", "bdc_error@1")
+    ]
     assert [column.unit for column in requested.columns] == ["N", "N", "m"]
     assert {column.key.rpartition(".")[2] for column in USUAL.columns} == {
         name for name, item in responses.RESPONSES.items() if not item.optional and name != "life"

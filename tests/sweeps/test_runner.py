@@ -47,7 +47,7 @@ class Counting(SerialExecutor):
             raise KeyboardInterrupt
         self.count += 1
         future: Future[Any] = Future()
-        future.set_result(Outcome({"bdc_error@0": Response(1.5, None, True)}, 1, "", 2.0))
+        future.set_result(Outcome({"bdc_error": Response(1.5, None, True)}, "", 2.0))
         return future
 
 
@@ -68,12 +68,12 @@ def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
     assert reports[0] == Progress(4, 3, 0, 1, 2.0)
     assert reports[-1].done == 4
     outcome = read_row(tmp_path, "0")
-    assert outcome.values["bdc_error@0"] == Response(1.5, None, True)
+    assert outcome.values["bdc_error"] == Response(1.5, None, True)
 
 
 def test_empty_and_damaged_rows_run_again(tmp_path: Path) -> None:
     run_rows(tmp_path, NAMES, REQUESTED, Counting(), 1)
-    for name, text in (("0", ""), ("1", '{"values": {'), ("2", '{"stages": "x"}')):
+    for name, text in (("0", ""), ("1", '{"values": {'), ("2", '{"seconds": "x"}')):
         (tmp_path / "rows" / f"{name}.json").write_text(text)
         assert read_row(tmp_path, name) is None
     again = Counting()
