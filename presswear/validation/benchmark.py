@@ -9,8 +9,9 @@ measure.
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -20,9 +21,7 @@ import numpy as np
 
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.replicates import linkage_on, start_of
-from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine
-from presswear.linkage.linkage import Linkage
+from presswear.engines.base import Plan, Run
 from presswear.recording.statistics import mean_map
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -33,21 +32,6 @@ from presswear.tools.files import write_bytes
 from presswear.validation import benchmark_problems as problems
 from presswear.validation.benchmark_problems import Extent, Method, Problem
 from presswear.validation.cases import Progress, finished, guarded, part_of
-
-
-@dataclass(frozen=True)
-class TimedRun:
-    """Run to be timed."""
-
-    name: str
-    linkage: Linkage
-    start: Start
-    engine: Engine
-    plan: Plan
-
-    def run(self) -> Run:
-        """Run once; RunFailed if the run fails."""
-        return finished(self.engine.simulate(self.linkage, self.start, self.plan), self.name)
 
 
 @dataclass(frozen=True)
@@ -78,16 +62,18 @@ class Timing:
         return {**counts, "evaluations": self.evaluations, **times, "cpu_max_s": max(self.times)}
 
 
-def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[Timing]:
-    """Run all in turn, ``repeats`` times.
+def time_runs(
+    runs: Mapping[str, Callable[[], Run]], repeats: int, report: Progress
+) -> dict[str, Timing]:
+    """Run all in turn, ``repeats`` times; return their timings by name.
 
     `RunFailed` if a run fails, or if a repeat takes other steps than the first run.
     """
-    timings: list[Timing] = []
+    timings: dict[str, Timing] = {}
     for repeat in range(repeats):
-        for i, timed in enumerate(runs):
-            report(timed.name, (repeat * len(runs) + i) / (repeats * len(runs)))
-            run = timed.run()
+        for i, (name, simulate) in enumerate(runs.items()):
+            report(name, (repeat * len(runs) + i) / (repeats * len(runs)))
+            run = finished(simulate(), name)
             numbers, evaluations = run.diagnostics, run.diagnostics.get("evaluations")
             timing = Timing(
                 str(numbers["model"]).partition(";")[0],
@@ -97,13 +83,10 @@ def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[
                 None if evaluations is None else int(evaluations),
                 (run.cpu,),
             )
-            if repeat == 0:
-                timings.append(timing)
-                continue
-            first = timings[i]
+            first = timings.get(name, timing)
             if replace(timing, times=first.times) != first:
-                raise RunFailed(f"{timed.name}: a repeated run took other steps")
-            timings[i] = replace(first, times=(*first.times, *timing.times))
+                raise RunFailed(f"{name}: a repeated run took other steps")
+            timings[name] = replace(first, times=(*first.times[:repeat], run.cpu))
     return timings
 
 
@@ -152,13 +135,11 @@ def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
     for i, method in enumerate(problem.methods):
         report(method.label, weight * i / len(problem.methods))
         points.append(first_run(problem, method))
-    runs = [
-        TimedRun(p.method.label, problem.linkage, problem.start, p.method.engine, problem.plan)
-        for p in points
-        if not p.failure
-    ]
-    timings = iter(time_runs(runs, repeats, part_of(report, weight, 1.0 - weight)))
-    return [p if p.failure else replace(p, timing=next(timings)) for p in points]
+    arguments = problem.linkage, problem.start, problem.plan
+    engines = {point.method.label: point.method.engine for point in points if not point.failure}
+    runs = {label: partial(engine.simulate, *arguments) for label, engine in engines.items()}
+    timings = time_runs(runs, repeats, part_of(report, weight, 1.0 - weight))
+    return [replace(point, timing=timings.get(point.method.label)) for point in points]
 
 
 def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point]:
@@ -276,13 +257,13 @@ class FeatureExtent:
 QUICK_FEATURES = FeatureExtent(repeats=2, tree_cycles=0.25, joints_cycles=0.1, wear_cycles=1)
 
 
-def timed_run(name: str, scene: Scene, cycles: float, worn: Array | None = None) -> TimedRun:
-    """Return a scene as a run to be timed, on unworn or worn surfaces, all cycles recorded."""
+def run_of(scene: Scene, cycles: float, worn: Array | None = None) -> Callable[[], Run]:
+    """Return the run of a scene on unworn or worn surfaces, with all cycles recorded."""
     period = scene.mechanism.period
     cycle, count = (period, int(cycles)) if cycles >= 1.0 else (cycles * period, 1)
     plan = Plan(cycle, count, count, torques=scene.stores_torques)
     linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
-    return TimedRun(name, linkage, start_of(scene), scene.solver.for_cycle(period), plan)
+    return partial(scene.solver.for_cycle(period).simulate, linkage, start_of(scene), plan)
 
 
 def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list[dict[str, object]]:
@@ -322,13 +303,13 @@ def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list
     rows: list[dict[str, object]] = []
     for i, (engine, variants, compared, cycles, repeats) in enumerate(groups):
         part = part_of(report, 0.05 + 0.95 * i / len(groups), 0.95 / len(groups))
-        base, runs = replace(scene, engine=engine), []
+        runs = {}
         for name, (changes, depth) in variants.items():
-            runs.append(timed_run(name, changed(base, changes), cycles, depth))
+            variant = changed(replace(scene, engine=engine), changes)
             part(f"{name}: compiling", 0.0)
-            plan = runs[-1].plan
-            replace(runs[-1], plan=replace(plan, cycle=WARM_UP * plan.cycle, cycles=1)).run()
-        timings = dict(zip(variants, time_runs(runs, repeats, part), strict=True))
+            finished(run_of(variant, WARM_UP * cycles, depth)(), name)
+            runs[name] = run_of(variant, cycles, depth)
+        timings = time_runs(runs, repeats, part)
         for feature, state, name, without in compared:
             timing, off = timings[name], timings[without]
             per_second = timing.cpu / timing.simulated
