@@ -47,17 +47,7 @@ TREE_TIME_BOUND, TREE_SLIDER_BOUND = 1e-8, 1e-8  # s, m, of the tree up to the l
 INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
 
 
-@dataclass(frozen=True)
-class Touchdown:
-    """Start of a contact: its time, s, closing speed, m/s, and the peak force of the contact, N."""
-
-    joint: int
-    time: float
-    closing_speed: float
-    peak_force: float
-
-
-Touchdowns = tuple[Touchdown, ...]
+TOUCHDOWN = ("joint", "time", "closing_speed", "peak_force")  # numbers of a touchdown, SI
 Means = dict[str, dict[str, Estimate]]  # by engine and quantity
 
 
@@ -68,20 +58,20 @@ class Trajectory:
     time: Array  # s, shape (n,)
     slider: Array  # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
     eccentricity: Array  # m, shape (n, 2 joints)
-    touchdowns: Touchdowns  # in the order of their times
+    touchdowns: Array  # see ``TOUCHDOWN``, shape (touchdowns, 4), in the order of their times
 
 
-def touchdowns_of(run: Run) -> Touchdowns:
+def touchdowns_of(run: Run) -> Array:
     """Return the touchdowns of all recorded contacts, and of those that last to the end."""
-    touchdowns, records = [], run.recorder.records
+    rows, records = [], run.recorder.records
     for k, last in enumerate(records.memory):
-        columns = ("touchdown", "closing_speed", "peak_force")
         contacts = contacts_of(run, k)
-        rows = np.column_stack([contacts[name] for name in columns]).tolist()
+        columns = (contacts[name] for name in ("touchdown", "closing_speed", "peak_force"))
+        rows += [(k, *row) for row in zip(*columns, strict=True)]
         if records.onset[k] > 0.0 and not last["started_closed"]:
-            rows.append(map(float, (last["touchdown_time"], records.onset[k], last["peak_force"])))
-        touchdowns += [Touchdown(k, *row) for row in rows]
-    return tuple(sorted(touchdowns, key=lambda touchdown: touchdown.time))
+            rows.append((k, last["touchdown_time"], records.onset[k], last["peak_force"]))
+    touchdowns = np.array(rows, float).reshape(-1, len(TOUCHDOWN))
+    return touchdowns[np.argsort(touchdowns[:, 1], kind="stable")]
 
 
 def slider_difference(one: Trajectory, two: Trajectory) -> Array:
@@ -95,19 +85,19 @@ def slider_difference(one: Trajectory, two: Trajectory) -> Array:
     return np.column_stack([time, np.abs(first(time) - second(time)), speed])
 
 
-def touchdown_differences(reference: Touchdowns, compared: Touchdowns) -> Array:
+def touchdown_differences(reference: Array, compared: Array) -> Array:
     """Return the differences of touchdowns with the same number in the same joint, shape (n, 3).
 
     They are time, s, and relative closing speed and peak force; infinite for a touchdown that the
     compared run lacks.
     """
-    left, differences = list(compared), np.full((len(reference), 3), math.inf)
-    for row, each in zip(differences, reference, strict=True):
-        twin = next((item for item in left if item.joint == each.joint), None)
-        if twin is not None:
-            left.remove(twin)
-            ratios = twin.closing_speed / each.closing_speed, twin.peak_force / each.peak_force
-            row[:] = twin.time - each.time, ratios[0] - 1.0, ratios[1] - 1.0
+    differences = np.full((len(reference), 3), math.inf)
+    for joint in np.unique(reference[:, 0]):
+        twins, rows = compared[compared[:, 0] == joint], np.flatnonzero(reference[:, 0] == joint)
+        rows = rows[: len(twins)]
+        twins, ours = twins[: len(rows), 1:], reference[rows, 1:]
+        differences[rows, 0] = twins[:, 0] - ours[:, 0]
+        differences[rows, 1:] = twins[:, 1:] / ours[:, 1:] - 1.0
     return np.abs(differences)
 
 
@@ -178,7 +168,7 @@ class Crosscheck:
     horizon: float  # s
     diverged: bool  # whether trajectories diverged at the horizon; else it is the end of the runs
     checks: tuple[Check, ...]
-    touchdowns: Touchdowns  # of the reference up to the horizon
+    touchdowns: Array  # of the reference up to the horizon
     # See `slider_difference`: the disturbed initial state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
     statistics: Means  # over cycles
@@ -198,7 +188,10 @@ class Crosscheck:
             "diverged": self.diverged,
             "passed": self.passed,
             "checks": [{**asdict(each), "passed": each.passed} for each in self.checks],
-            "touchdowns": [{**asdict(t), "joint": names[t.joint]} for t in self.touchdowns],
+            "touchdowns": [
+                {**dict(zip(TOUCHDOWN, row, strict=True)), "joint": names[int(row[0])]}
+                for row in self.touchdowns.tolist()
+            ],
             "statistics": self.statistics,
         }
 
@@ -246,9 +239,9 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     distances = {word: slider_difference(reference, each) for word, each in compared.items()}
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = [*_exudyn_checks(is_tree, reference, compared, distances)]
-    if first := reference.touchdowns[:FIRST_TOUCHDOWNS]:
+    if len(first := reference.touchdowns[:FIRST_TOUCHDOWNS]):
         # Far enough to include the last of the touchdowns.
-        plan = Plan(min(1.001 * first[-1].time, end), 1, 1)
+        plan = Plan(min(1.001 * first[-1, 1], end), 1, 1)
         second = replace(precise, integrator="dopri5", coordinates="fewest")
         run = runner.run("dae with dopri5 in fewest coordinates", second, plan)
         largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
@@ -270,8 +263,8 @@ def _exudyn_checks(
     differences = [touchdown_differences(first, each.touchdowns) for each in compared.values()]
     time, distance, speed = distances[name].T
     yield Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")
-    if first:
-        early, count = time <= first[-1].time, f"{name}: first {len(first)}"
+    if len(first):
+        early, count = time <= first[-1, 1], f"{name}: first {len(first)}"
         times, speeds, forces = differences[-1].max(axis=0).tolist()
         largest = float(speed[early].max() / np.abs(reference.slider[:, 1]).max())
         time_bound = TREE_TIME_BOUND if is_tree else TIME_BOUND
@@ -285,7 +278,7 @@ def _exudyn_checks(
     if not is_tree:
         # Without touchdowns, the distance of the slider has the order.
         errors = [float(each[:, 1].max()) for each in distances.values()]
-        if first:
+        if len(first):
             errors = [float(np.sqrt(np.mean(each[:, 0] ** 2))) for each in differences]
         order = -order_of(FINENESS, errors)
         yield Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND)

@@ -39,7 +39,9 @@ def test_a_linkage_without_clearance_cannot_be_disturbed() -> None:
 def _trajectory(offset: Callable[[np.ndarray], np.ndarray]) -> crosscheck.Trajectory:
     time = np.linspace(0.0, 1.0, 5001)
     slider = np.column_stack([np.sin(time), np.cos(time)])
-    return crosscheck.Trajectory(time, slider, (np.cos(time) + offset(time))[:, None], ())
+    return crosscheck.Trajectory(
+        time, slider, (np.cos(time) + offset(time))[:, None], np.empty((0, 4))
+    )
 
 
 def test_the_horizon_is_where_the_distance_is_reached() -> None:
@@ -50,13 +52,9 @@ def test_the_horizon_is_where_the_distance_is_reached() -> None:
 
 
 def test_touches_are_matched_joint_by_joint() -> None:
-    ours = (
-        crosscheck.Touchdown(0, 1.0, 0.2, 50.0),
-        crosscheck.Touchdown(1, 1.1, 0.4, 80.0),
-        crosscheck.Touchdown(0, 2.0, 0.2, 50.0),
-    )
+    ours = np.array([[0, 1.0, 0.2, 50.0], [1, 1.1, 0.4, 80.0], [0, 2.0, 0.2, 50.0]])
     # The order of touches in different joints may change; their numbers may not.
-    theirs = (crosscheck.Touchdown(1, 0.9, 0.5, 80.0), crosscheck.Touchdown(0, 1.3, 0.2, 60.0))
+    theirs = np.array([[1, 0.9, 0.5, 80.0], [0, 1.3, 0.2, 60.0]])
     differences = crosscheck.touchdown_differences(ours, theirs)
     np.testing.assert_allclose(differences[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12)
     assert np.all(np.isinf(differences[2]))
