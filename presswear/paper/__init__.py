@@ -26,10 +26,8 @@ def run_paper(
 
     Returns
     -------
-    str
-        Answer in a few sentences.
-    Path
-        Path of the report.
+    tuple of str and Path
+        Answer in a few sentences, and path of the report.
     """
     scenes = make_scenes(engine, quick)
     started, ended = time.perf_counter(), set[str]()

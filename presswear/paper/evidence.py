@@ -186,15 +186,11 @@ def _from_maps(result: pw.Result, place: Place, stages: range) -> dict[str, Meas
 
 
 def _wear_draws(result: pw.Result, joint: str, stages: range) -> tuple[Array, Array, Array, int]:
-    """Return the sum of the wears of some stages and its bootstrap draws, m.
+    """Return the sum of the wears of some stages, m, as means, centres, draws and a count.
 
-    Returns
-    -------
-    mean, centre : ndarray, shape (surfaces, m)
-        The wear itself, and the mean of the maps that the draws are from.
-    draws : ndarray, shape (draws, surfaces, m)
-    count : int
-        Smallest number of maps of a stage.
+    The means are the wear itself, and the centres the mean of the maps that the bootstrap draws are
+    from, shape (surfaces, m) each; the draws have a first axis more. The count is the smallest
+    number of maps of a stage.
     """
     turns = result.scene.conventions.map_frame == "body"
     means, centres, draws, counts = [], [], [], []

@@ -111,19 +111,9 @@ def improve(
 ) -> Improvement:
     """Run a mechanism as it is and with each change, and return the effects of the changes.
 
-    Parameters
-    ----------
-    scene : Scene
-        One wear update is run, and no service life.
-    folder : Path
-        Each run has a folder in it; see `run_scenes` for this and the other parameters.
-
-    Raises
-    ------
-    InputError
-        If no joint has clearance, or a change does not fit the mechanism.
-    RunFailed
-        If the mechanism as it is cannot be run.
+    One wear update is run, and no service life; see `run_scenes` for the other parameters.
+    `InputError` if no joint has clearance, or a change does not fit the mechanism; `RunFailed` if
+    the mechanism as it is cannot be run.
     """
     scene = replace(scene, life=None, wear_updates=1)
     changes = changes_of(scene)

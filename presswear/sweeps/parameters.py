@@ -163,16 +163,10 @@ ARGUMENTS = {
 def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     """Read the distribution of a parameter.
 
-    ``0.2mm:1mm`` and ``uniform(0.2mm, 1mm)`` are uniform. ``normal(0.8mm, 0.05mm)`` has a mean
-    and a standard deviation. ``lognormal(1e-15/Pa, 50%)`` has a median and a coefficient of
-    variation, ``lognormal(1e-15/Pa, x1.6)`` a median and a factor that corresponds to one standard
-    deviation of the logarithm. ``table(FILE.csv)`` has a value in each line of a file, with its
-    unit, and optionally a weight after a comma.
-
-    Raises
-    ------
-    InputError
-        If the text is not a distribution, or more than `MAX_CUT` of it is out of range.
+    ``0.2mm:1mm`` is uniform. A lognormal distribution has a median and a coefficient of variation,
+    ``50%``, or a factor of one standard deviation of the logarithm, ``x1.6``. A line of
+    ``table(FILE.csv)`` has a value with its unit, and optionally a weight after a comma.
+    `InputError` if the text is not a distribution, or more than `MAX_CUT` of it is out of range.
     """
     kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
     if not bracket and ":" in text:
@@ -250,23 +244,12 @@ DESIGNS = ("sobol", "latin", "saltelli", "morris", "oat")
 def design(kind: str, size: int, dimension: int, seed: int) -> Array:
     """Return the points of a design in the unit cube, shape (rows, dimension).
 
-    Parameters
-    ----------
-    kind : {"sobol", "latin", "saltelli", "morris", "oat"}
-        ``sobol``: scrambled Sobol' points, `size` rows. ``latin``: Latin hypercube, `size` rows.
-        ``saltelli``: points A, A with one column of B each, and B [1]_, ``size (d + 2)`` rows.
-        ``morris``: trajectories on which each parameter changes once [2]_, ``size (d + 1)`` rows.
-        ``oat``: the middle, then each parameter alone in `size` steps to each side,
-        ``1 + 2 size d`` rows.
-    size : int
-        A power of two for ``sobol`` and ``saltelli``.
-
-    References
-    ----------
-    .. [1] A. Saltelli et al., Variance based sensitivity analysis of model output, Computer
-       Physics Communications 181 (2010) 259-270.
-    .. [2] M. D. Morris, Factorial sampling plans for preliminary computational experiments,
-       Technometrics 33 (1991) 161-174.
+    ``sobol`` (scrambled Sobol' points) and ``latin`` (Latin hypercube) have `size` rows.
+    ``saltelli``: points A, A with one column of B each, and B, ``size (d + 2)`` rows (Saltelli et
+    al., Computer Physics Communications 181, 2010, 259). ``morris``: trajectories on which each
+    parameter changes once, ``size (d + 1)`` rows (Morris, Technometrics 33, 1991, 161). ``oat``:
+    the middle, then each parameter alone in `size` steps to each side. The size is a power of two
+    for ``sobol`` and ``saltelli``.
     """
     if kind not in DESIGNS:
         raise unknown("design", kind, DESIGNS)
