@@ -19,6 +19,7 @@ from presswear.recording.statistics import Estimate
 from presswear.scene.catalog import title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.options import Life
+from presswear.scene.plausible import doubts
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
@@ -92,7 +93,8 @@ def run_scene(
         window = closing(Live(scene, LIVE_SIZE))
     with window as live:
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
-        terminal.print_lines(console, title_of(scene), *store.remarks)
+        warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
+        terminal.print_lines(console, title_of(scene), *warnings, *store.remarks)
         if store.is_finished:
             terminal.print_lines(console, f"the run in {folder} is already complete")
         command = terminal.resume_command(arguments, folder, scene)

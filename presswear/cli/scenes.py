@@ -13,6 +13,7 @@ from presswear.cli.terminal import load_scene, parse_settings, print_lines
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import SUFFIX, example_file
+from presswear.scene.plausible import doubts
 from presswear.scene.scene import ENGINES
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError, not_installed, unknown
@@ -61,7 +62,8 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
 
     drawing = labelled(scene, time)
     save(replace(drawing, file=file.name), file.parent)
-    print_lines(console, drawing.caption, f"picture in {file}")
+    warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
+    print_lines(console, drawing.caption, *warnings, f"picture in {file}")
     return 0
 
 

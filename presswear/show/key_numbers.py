@@ -8,6 +8,7 @@ from presswear.results import press_analysis as press
 from presswear.results.life import LifeResult, digits_of, span_of, words_of
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
+from presswear.scene.plausible import doubts, unusual
 from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
 from presswear.show.page import KeyNumber
@@ -192,7 +193,8 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
 
 def warnings(result: Result) -> list[str]:
     """Return sentences on what makes the numbers of a result doubtful."""
-    scene, lines = result.scene, press.deep_contacts(result.scene, result.stages)
+    scene, lines = result.scene, doubts(result.scene)
+    lines += press.deep_contacts(scene, result.stages)
     stages = [stage for stage in result.stages if not stage.failed]
     for stage in stages:
         made = stage.statistics.energy_made_fraction
@@ -222,7 +224,9 @@ def warnings(result: Result) -> list[str]:
             unit = {"pressure_limit": "Pa", "pv_limit": "W/m^2"}[key]
             for name, load in loads.items():
                 limit = getattr(scene.bearing(name), key)
-                if limit and load.mean > limit:
+                if limit is None and key == "pressure_limit":
+                    lines += unusual("pin pressure", load.mean, f"the pin pressure of joint {name}")
+                elif limit and load.mean > limit:
                     texts = [numbers.quantity_text(value, unit) for value in (load.mean, limit)]
                     lines.append(f"Joint {name}: {texts[0]} exceeds {key} = {texts[1]}.")
     return lines

@@ -1,0 +1,69 @@
+"""Warnings about numbers that machines hardly have, such as a mass in g that was written as kg."""
+
+import math
+from itertools import combinations
+
+from presswear.linkage.elements import Body
+from presswear.linkage.linkage import Linkage
+from presswear.scene.scene import Scene
+from presswear.tools.numbers import quantity_text, readable
+
+STEEL = 7850.0  # density, kg/m^3
+# Lowest and highest usual value of each quantity, and its SI unit
+USUAL = {
+    "mass ratio": (0.0, 1e3, ""),
+    "gyration": (0.03, 30.0, ""),  # 0.29 of a bar; a flywheel on a small eccentric is far above
+    "relative clearance": (1e-5, 0.1, ""),  # 1e-3 of a new bearing; 0.053 in the paper
+    "speed": (0.0, 2000.0, "rad/s"),
+    "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
+    "pin pressure": (0.0, 300e6, "Pa"),  # bronze bears 60 MPa, hardened steel 250 MPa
+}
+
+
+def unusual(key: str, value: float, words: str) -> list[str]:
+    """Return a sentence on an SI value outside its usual range, else nothing."""
+    low, high, unit = USUAL[key]
+    if low <= value <= high:
+        return []
+    limit = f"at least {readable(low)}" if value < low else f"up to {quantity_text(high, unit)}"
+    return [f"{words} is {quantity_text(value, unit)} (usual: {limit}); check the units"]
+
+
+def doubts(scene: Scene) -> list[str]:
+    """Return a sentence on each number of a scene that is not plausible."""
+    linkage, lines = scene.base_linkage, []
+    *_, heavy = light, *_ = sorted(linkage.bodies, key=lambda body: body.mass)
+    words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, over that of {light.name}"
+    lines += unusual("mass ratio", heavy.mass / light.mass, words)
+    for body in linkage.bodies:
+        if (length := _length(linkage, body)) and body.inertia:
+            ratio = math.sqrt(body.inertia / body.mass) / length
+            words = f"the radius of gyration of {body.name} over the distance of its joints"
+            lines += unusual("gyration", ratio, words)
+    for drive in linkage.drives:
+        lines += unusual("speed", abs(drive.speed), f"the speed of {drive.body}")
+    for name in scene.clearance_joints:
+        bearing = scene.bearing(name)
+        words = f"the clearance of joint {name} over the radius of its bearing"
+        lines += unusual("relative clearance", bearing.clearance / bearing.bearing_radius, words)
+    return lines + _weak_link(scene, linkage)
+
+
+def _length(linkage: Linkage, body: Body) -> float:
+    """Return the largest distance between joints of a body, m."""
+    ends = [end for joint in linkage.revolutes for end in (joint.first, joint.second)]
+    points = [(end.x, end.y) for end in ends if end.body == body.name]
+    return max((math.dist(*pair) for pair in combinations(points, 2)), default=0.0)
+
+
+def _weak_link(scene: Scene, linkage: Linkage) -> list[str]:
+    """Return a sentence on the body that is too light for the force of the process, as a bar."""
+    if scene.process is None:
+        return []
+    force = max(force for _, force in scene.process.curve)
+    stresses = {b.name: force * STEEL * _length(linkage, b) / b.mass for b in linkage.bodies}
+    name = max(stresses, key=lambda one: stresses[one])
+    mass = next(body.mass for body in linkage.bodies if body.name == name)
+    words = f"under the process force of {quantity_text(force, 'N')}, the mean stress in {name}, "
+    words += f"as a steel bar of its length and {readable(mass)} kg,"
+    return unusual("stress", stresses[name], words)

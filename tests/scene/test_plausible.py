@@ -1,0 +1,60 @@
+"""Warnings about numbers that machines hardly have."""
+
+import re
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+import presswear as pw
+from presswear.scene.catalog import SCENES, scene_named
+from presswear.scene.plausible import doubts
+from presswear.scene.settings import changed
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_of_the_catalog_are_plausible(name: str) -> None:
+    assert doubts(scene_named(name)) == []
+
+
+@pytest.mark.parametrize(
+    ("body", "speed", "words"),
+    [
+        ({"mass": 50.0}, 30.0, ["the mass of rod, 50.0 kg,"]),
+        ({"mass": 0.5, "inertia": 2.0}, 30.0, ["the radius of gyration of rod"]),
+        (
+            {"mass": 0.5},
+            -3e3,
+            ["the speed of crank is 3\u202f000 rad/s (usual: up to 2\u202f000 rad/s)"],
+        ),
+        ({"mass": 0.5}, 30.0, []),
+    ],
+)
+def test_masses_inertias_and_speeds(body: dict[str, Any], speed: float, words: list[str]) -> None:
+    linkage = pw.assemble(
+        bodies=[
+            pw.Bar("crank", length=0.05, mass=0.025),
+            pw.Bar("rod", length=0.06, **body),
+            pw.Body("slider", mass=0.5),
+        ],
+        joints=[
+            pw.Pin("O", (0, 0), "crank.tail"),
+            pw.Pin("A", "crank.head", "rod.tail"),
+            pw.Pin("B", "rod.head", "slider"),
+            pw.Guide("guide", "slider"),
+        ],
+        drives=[pw.Drive("crank", speed=speed)],
+        guess={"rod": 0.0},
+        output="slider",
+    )
+    scene = pw.Scene(linkage, bearings={"B": pw.Bearing()})
+    assert [re.split(" over |;", text)[0] for text in doubts(scene)] == words
+
+
+def test_clearances_and_process_forces() -> None:
+    scene = changed(scene_named("press-blanking"), {"clearance": "1.6 mm"})
+    assert [text.partition(" is ")[0] for text in doubts(scene)] == [
+        f"the clearance of joint {name} over the radius of its bearing" for name in "AC"
+    ]
+    heavy = replace(scene_named("press-blanking"), process=pw.Blanking(force=250e3))
+    assert "under the process force of 250 kN, the mean stress in" in doubts(heavy)[0]
