@@ -53,6 +53,16 @@ def test_loads_stand_beside_their_limits() -> None:
     assert not any("exceeds" in line for line in warnings(free))
 
 
+def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
+    """With a limit from the file, the limit decides."""
+    for limit, words in ((None, "the pin pressure of joint C is"), (1e5, "exceeds pressure_limit")):
+        bearing = pw.Bearing(bearing_radius=1e-3, clearance=1e-4, width=1e-4, pressure_limit=limit)
+        lines = warnings(made_up(replace(made.ONE, bearings={"C": bearing}), 2))
+        found = [line for line in lines if "pressure" in line]
+        assert len(found) == 1
+        assert words in found[0]
+
+
 def test_a_life_comes_first_and_names_its_joint() -> None:
     first, *_, last = key_numbers(lived(made_up(made.BODY, 3)))
     assert (first.name, first.value) == ("Service life", "5 million strokes")
