@@ -232,15 +232,24 @@ def _draw_errors(
 
 # --- Cost of features -----------------------------------------------------------------------------
 
-Variants = dict[str, tuple[dict[str, object], Array | None]]  # settings and worn depth by name
 WARM_UP = 0.05  # of a run's time, run before to compile and load
-CLEARANCES = {"none": "none", "A": "A", "C": "C", "A and C": "AC"}
-SWITCHES = {  # names of the runs without and with a feature
-    "friction": ("no friction", "scene"),
-    "worn surfaces": ("scene", "worn surfaces"),
-    "foundation": ("worn surfaces", "foundation"),
-    "wear account": ("no wear account", "scene"),
-    "torques stored": ("scene", "torques stored"),
+WORN: dict[str, object] = {"worn": True}  # beside the settings of a scene: it runs on worn surfaces
+# Settings of the runs by feature and state; the first state is without the feature.
+FEATURES: dict[str, dict[str, dict[str, object]]] = {
+    "clearance": {
+        name: {"joints": joints}
+        for name, joints in {"none": "none", "A": "A", "C": "C", "A and C": "AC"}.items()
+    },
+    "friction": {"off": {"friction": 0.0}, "on": {}},
+    "worn surfaces": {"off": {}, "on": WORN},
+    "foundation": {"off": WORN, "on": WORN | {"contact": "foundation"}},
+    "wear account": {"off": {"wear_coefficient": 0.0}, "on": {}},
+    "torques stored": {"off": {}, "on": {"drive_torque": "on"}},
+}
+ENGINES = {  # features that are timed in each engine
+    "exudyn": ["clearance"],
+    "exudyn-tree": [name for name in FEATURES if name != "clearance"],
+    "exudyn-joints": [*FEATURES],
 }
 
 
@@ -279,45 +288,35 @@ def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list
     if stage.failed:
         raise RunFailed(stage.message)
     worn = scene.cycles_per_update * mean_map(ensemble.maps)
-    by_clearance: Variants = {name: ({"joints": word}, None) for name, word in CLEARANCES.items()}
-    switched: Variants = {
-        "scene": ({}, None),
-        "no friction": ({"friction": 0.0}, None),
-        "worn surfaces": ({}, worn),
-        "foundation": ({"contact": "foundation"}, worn),
-        "no wear account": ({"wear_coefficient": 0.0}, None),
-        "torques stored": ({"drive_torque": "on"}, None),
-    }
-    pairs = [("clearance", state, state, "none") for state in CLEARANCES]
-    switches = [
-        (feature, state, run, names[0])
-        for feature, names in SWITCHES.items()
-        for state, run in zip(("off", "on"), names, strict=True)
-    ]
-    few = max(2, (extent.repeats + 1) // 2)
-    groups = (
-        ("exudyn", by_clearance, pairs, extent.tree_cycles, extent.repeats),
-        ("exudyn-tree", switched, switches, extent.tree_cycles, extent.repeats),
-        ("exudyn-joints", by_clearance | switched, pairs + switches, extent.joints_cycles, few),
-    )
     rows: list[dict[str, object]] = []
-    for i, (engine, variants, compared, cycles, repeats) in enumerate(groups):
-        part = part_of(report, 0.05 + 0.95 * i / len(groups), 0.95 / len(groups))
-        runs = {}
-        for name, (changes, depth) in variants.items():
-            variant = changed(replace(scene, engine=engine), changes)
+    for i, (engine, features) in enumerate(ENGINES.items()):
+        part = part_of(report, 0.05 + 0.95 * i / len(ENGINES), 0.95 / len(ENGINES))
+        cycles, repeats = extent.tree_cycles, extent.repeats
+        if engine == "exudyn-joints":
+            cycles, repeats = extent.joints_cycles, max(2, (extent.repeats + 1) // 2)
+        runs = {}  # by their settings: states of several features are the same run
+        for settings in (one for name in features for one in FEATURES[name].values()):
+            values = {key: value for key, value in settings.items() if key != "worn"}
+            variant = changed(replace(scene, engine=engine), values)
+            depth, name = worn if "worn" in settings else None, _name(settings)
             part(f"{name}: compiling", 0.0)
             finished(run_of(variant, WARM_UP * cycles, depth)(), name)
             runs[name] = run_of(variant, cycles, depth)
         timings = time_runs(runs, repeats, part)
-        for feature, state, name, without in compared:
-            timing, off = timings[name], timings[without]
-            per_second = timing.cpu / timing.simulated
-            rows.append(
-                {"engine": engine, "feature": feature, "state": state, "model": timing.model}
-                | {"simulated_s": timing.simulated, **timing.columns()}
-                | {"cpu_s_per_simulated_s": per_second, "cpu_s_per_step": timing.per_step}
-                | {"ratio_per_step": timing.per_step / off.per_step}
-                | {"ratio_per_simulated_second": per_second / (off.cpu / off.simulated)}
-            )
+        for feature in features:
+            off, *_ = (timings[_name(settings)] for settings in FEATURES[feature].values())
+            for state, settings in FEATURES[feature].items():
+                timing = timings[_name(settings)]
+                per_second = timing.cpu / timing.simulated
+                rows.append(
+                    {"engine": engine, "feature": feature, "state": state, "model": timing.model}
+                    | {"simulated_s": timing.simulated, **timing.columns()}
+                    | {"cpu_s_per_simulated_s": per_second, "cpu_s_per_step": timing.per_step}
+                    | {"ratio_per_step": timing.per_step / off.per_step}
+                    | {"ratio_per_simulated_second": per_second / (off.cpu / off.simulated)}
+                )
     return rows
+
+
+def _name(settings: Mapping[str, object]) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in settings.items()) or "scene"

@@ -227,14 +227,9 @@ def costs() -> list[dict[str, Any]]:
 
 
 def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
-    switches = [(name, state) for name in benchmark.SWITCHES for state in ("off", "on")]
-    clearances = [("clearance", state) for state in benchmark.CLEARANCES]
-    for engine, expected in (
-        ("exudyn", clearances),
-        ("exudyn-tree", switches),
-        ("exudyn-joints", clearances + switches),
-    ):
+    for engine, features in benchmark.ENGINES.items():
         rows = [row for row in costs if row["engine"] == engine]
+        expected = [(name, state) for name in features for state in benchmark.FEATURES[name]]
         assert [(row["feature"], row["state"]) for row in rows] == expected
         for row in rows:
             off = next(each for each in rows if each["feature"] == row["feature"])
@@ -242,7 +237,7 @@ def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
             assert row["ratio_per_step"] == row["cpu_s_per_step"] / off["cpu_s_per_step"]
     tree = {(r["feature"], r["state"]): r["steps"] for r in costs if r["engine"] == "exudyn-tree"}
     # Neither wear account nor stored torques change the motion.
-    for feature in benchmark.SWITCHES:
+    for feature in benchmark.ENGINES["exudyn-tree"]:
         is_equal = feature in ("wear account", "torques stored")
         assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
 
