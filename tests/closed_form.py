@@ -169,25 +169,6 @@ def press_motion(
     return _together(press.linkage(), time, joints, axes, driven)
 
 
-def servo_turning(press: Press, time: Array, slider: Array, guess: float) -> Turning:
-    """What crank 7 does that gives the slider a motion, (n, 3), while crank 2 turns evenly.
-
-    No dead point lies between ``guess``, rad, and the motion.
-    """
-    linkage, angle, still = press.linkage(), np.full(time.size, guess), np.zeros(time.size)
-
-    def moved(rates: tuple[float, float]) -> Array:
-        return press_motion(press, time, rates, (angle, still, still)).output(linkage)
-
-    for _ in range(30):
-        place, influence, _ = moved((0.0, 1.0)).T
-        angle = angle - np.clip((place - slider[:, 0]) / influence, -0.2, 0.2)
-    influence, driven = moved((0.0, 1.0))[:, 1], moved((-press.speed, 0.0))[:, 1]
-    speed = (slider[:, 1] - driven) / influence
-    bare = press_motion(press, time, None, (angle, speed, still)).output(linkage)[:, 2]
-    return angle, speed, (slider[:, 2] - bare) / influence
-
-
 def needed_by_virtual_work(
     press: Press, time: Array, upwards: Array, turning_7: Turning | None = None
 ) -> Array:
@@ -203,11 +184,15 @@ def needed_by_virtual_work(
     return -np.column_stack([np.sum(force * way, axis=1) for way in ways])
 
 
-def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
-    """Motion of the slider-crank with all joints closed."""
+def slider_crank_motion(
+    mechanism: SliderCrank, time: Array, turning: Turning | None = None
+) -> Motion:
+    """Motion of the slider-crank with all joints closed; the crank turns evenly by default."""
     o = fixed(0.0, 0.0, time.size)
-    turn = mechanism.speed * time
-    a = crank(o, mechanism.crank_length, (turn, mechanism.speed, 0.0))
+    turning = turning or (mechanism.speed * time, mechanism.speed, 0.0)
+    a = crank(o, mechanism.crank_length, turning)
     b = slide(a, mechanism.rod_length, 0.0, 1.0, 1.0)
     axes = {"crank": ("O", "A"), "rod": ("A", "B")}
-    return _together(mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes, {"crank": turn})
+    return _together(
+        mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes, {"crank": turning[0]}
+    )

@@ -45,17 +45,6 @@ def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> pw.Cl
     return replace(JOINT, map_frame=frame, bearing_surface=bearing, pin_surface=pin)
 
 
-def joint_contact(packed: Packed, q: Array, v: Array) -> Records:
-    contacts = np.zeros(1, CONTACT)
-    note_contacts(packed, contacts, q, v)
-    return contacts.view(np.recarray)[0]
-
-
-def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> JointLoad:
-    """Return the forces of the joint in a state, for a closing speed at touchdown."""
-    return load_of(packed.joints[0], onset, joint_contact(packed, q, v))
-
-
 @dataclass(frozen=True)
 class Pair:
     """A state of the two bodies: coordinates and rates, each (6,), bearing body first."""
@@ -82,14 +71,17 @@ class Pair:
         return self.packed.surfaces[0, :, : self.packed.joints[0]["surface_bins"]]
 
     def contact(self) -> Records:
-        return joint_contact(self.packed, self.q, self.v)
+        contacts = np.zeros(1, CONTACT)
+        note_contacts(self.packed, contacts, self.q, self.v)
+        return contacts.view(np.recarray)[0]
 
     def penetration_acceleration(self, a: Array) -> float:
         """Return the second time derivative of the penetration, m/s^2."""
         return penetration_acceleration(self.packed.joints[0], self.surfaces, self.contact(), a)
 
     def load(self, onset: float) -> JointLoad:
-        return joint_load(self.packed, onset, self.q, self.v)
+        """Return the forces of the joint, for a closing speed at touchdown."""
+        return load_of(self.packed.joints[0], onset, self.contact())
 
     def moment_of(self, load: JointLoad) -> float:
         """Return the moment of all forces on both bodies about the origin, N m."""

@@ -145,19 +145,6 @@ def test_pairs_grow_as_the_tangent_flow() -> None:
     assert exponent.mean == pytest.approx(expected.mean, rel=3e-3)
 
 
-def test_exponent_of_a_linear_map_does_not_depend_on_scales() -> None:
-    matrix = np.array([[2.0, 1.0], [1.0, 1.0]])
-    growth = growth_logarithms(
-        lambda x, _: (np.mod(matrix @ x, 1e6), None),
-        np.array([0.1, 0.2]),
-        None,
-        25,
-        np.array([1e-3, 1e-2]),
-    )
-    golden = 0.5 * (3.0 + math.sqrt(5.0))
-    assert exponent_from_growth(growth[-10:], 1.0).mean == pytest.approx(math.log(golden), rel=1e-6)
-
-
 def scene_exponent(scene: Scene, cycles: int, per_cycle: int = lyapunov.INTERVALS) -> Estimate:
     period = scene.mechanism.period
     return largest_exponent(scene.linkage(), start_of(scene), period, cycles, per_cycle)

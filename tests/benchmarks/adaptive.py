@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from by_hand import OPEN, SIZE, accelerations, cranks, parameters, run_by_hand, state_of
+from by_hand import OPEN, SIZE, accelerations, cranks, parameters, state_of
 from side_by_side import distance, methods
 
 from presswear.campaign.replicates import start_of
@@ -176,7 +176,7 @@ def run(
 
 
 def main() -> None:
-    """Print errors and CPU times of both tasks, for the engines and for the hand-written loops."""
+    """Print errors and CPU times of both tasks, for the engines and for the hand-written loop."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeats", type=int, default=5, help="repeats of each run (default 5)")
     repeats = parser.parse_args().repeats
@@ -217,9 +217,6 @@ def main() -> None:
             ]
             numbers = distance(press, ends[0][0], end), min(cost for _, cost in ends)
             show(f"{name} {value:g}", *numbers, *(b[0] if b else (math.nan, math.nan)))
-    by_hand = [run_by_hand(press, y, END, 1e-5, longest) for _ in range(repeats + 1)]
-    cost = min(cpu for _, cpu in by_hand) / END
-    show("by hand, RK4 1e-05", distance(press, by_hand[0][0], end), cost, math.nan, math.nan)
     cycles = (period * np.arange(problem.plan.cycles + 1)[1:]).tolist()
     for tolerance in TOLERANCES:
         one = [run(press, y, [END], tolerance, longest) for _ in range(repeats + 1)]

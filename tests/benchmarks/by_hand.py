@@ -260,51 +260,6 @@ def land(onset: Array, before: Array, now: Array) -> bool:
     return changed
 
 
-@compiled
-def ahead(x: Four, h: float, u: Four) -> Four:
-    return x[0] + h * u[0], x[1] + h * u[1], x[2] + h * u[2], x[3] + h * u[3]
-
-
-@compiled
-def averaged(a: Four, b: Four, c: Four, d: Four) -> Four:
-    """Return the sum of four slopes with the weights 1, 2, 2 and 1."""
-    return (
-        a[0] + 2.0 * (b[0] + c[0]) + d[0],
-        a[1] + 2.0 * (b[1] + c[1]) + d[1],
-        a[2] + 2.0 * (b[2] + c[2]) + d[2],
-        a[3] + 2.0 * (b[3] + c[3]) + d[3],
-    )
-
-
-@compiled
-def march(press: Records, y: Array, end: float, steps: int, onset: Array, gaps: Array) -> None:
-    """Integrate the state ``y`` from t = 0 with equal steps of RK4; gaps are (2, 2, 2)."""
-    h = end / steps
-    half = 0.5 * h
-    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
-    here = cranks(press, 0.0)
-    for step in range(steps + 1):
-        t = step * h
-        a, _, one, two = accelerations(press, here, onset, x, u)
-        gaps[1, 0, 0], gaps[1, 0, 1] = one.depth, one.rate
-        gaps[1, 1, 0], gaps[1, 1, 1] = two.depth, two.rate
-        if land(onset, gaps[0], gaps[1]):
-            a, _, one, two = accelerations(press, here, onset, x, u)
-        if step == steps:
-            break
-        mid, here = cranks(press, t + half), cranks(press, t + h)
-        u_2 = ahead(u, half, a)
-        b, _, _, _ = accelerations(press, mid, onset, ahead(x, half, u), u_2)
-        u_3 = ahead(u, half, b)
-        c, _, _, _ = accelerations(press, mid, onset, ahead(x, half, u_2), u_3)
-        u_4 = ahead(u, h, c)
-        d, _, _, _ = accelerations(press, here, onset, ahead(x, h, u_3), u_4)
-        x = ahead(x, h / 6.0, averaged(u, u_2, u_3, u_4))
-        u = ahead(u, h / 6.0, averaged(a, b, c, d))
-    y[0], y[1], y[2], y[3] = x
-    y[4], y[5], y[6], y[7] = u
-
-
 def contact_store() -> tuple[Array, Array]:
     return np.full(2, OPEN), np.zeros((2, 2, 2))
 
@@ -318,14 +273,3 @@ def state_of(linkage: Linkage, start: Start) -> Array:
     coordinates = (("plate 4", 2), ("rod 3", 2), ("slider 6", 1), ("rod 5", 2))
     places = [3 * linkage.index(name) + part for name, part in coordinates]
     return np.concatenate([start.position[places], start.velocity[places]])
-
-
-def run_by_hand(press: Records, start: Array, end: float, step: float, longest: float) -> Outcome:
-    """Run RK4 with equal steps, s; ``longest`` is ignored."""
-    y = start.copy()
-
-    def run() -> Array:
-        march(press, y, end, round(end / step), *contact_store())
-        return y
-
-    return measured(run)

@@ -143,40 +143,12 @@ def test_limit_exceeded_when_new_is_refused() -> None:
     assert math.isfinite(life_of(problem(drift), KnownWear(4, scatter=1e-6))[0].strokes)
 
 
-def test_life_is_infinite_if_no_limit_is_exceeded() -> None:
-    wear = KnownWear(6)
-    at_most = 0.5 * wear.life_until(DEPTH.value)
-    life, refinements = life_of(problem(DEPTH, at_most=at_most), wear)
-    assert math.isinf(life.strokes)
-    assert len(refinements) == 2
-    assert refinements[-1].strokes[-1] == pytest.approx(at_most, rel=1e-12)
-    assert 0.3 * DEPTH.value < refinements[-1].curve("A.depth")[-1] < DEPTH.value
-
-
-def test_replaced_bushing_wears_from_new() -> None:
-    wear = KnownWear(7, noise=0.1, fresh=0.0)
-    at = 0.6 * wear.life_until(DEPTH.value)
-    life, refinements = life_of(problem(DEPTH, services=(Service("A", at, False),)), wear)
-    assert life.strokes == pytest.approx(wear.life_until(DEPTH.value) + at, rel=0.05)
-    ends = [block.strokes for block in refinements[-1].blocks if block.interval == 0]
-    assert ends[-1] == pytest.approx(at, rel=1e-12)
-
-
 def test_cycles_are_limited() -> None:
     limited = problem(DEPTH, tolerance=0.001, max_cycles=1000)
     life, refinements = life_of(limited, KnownWear(8, noise=3.0))
     assert max(each.cycles for each in refinements) <= 2 * limited.max_cycles
     assert service_life.next_refinement(limited, refinements) is None
     assert life.error > limited.tolerance
-
-
-def test_life_resumes_after_any_block() -> None:
-    coarse, kept = problem(DEPTH, tolerance=0.3), list[tuple[service_life.Refinement, ...]]()
-    whole = service_life.run_refinements(coarse, KnownWear(9), keep=kept.append)
-    for refinements in kept[:: len(kept) // 4]:
-        wear = KnownWear(9, depth=refinements[-1].blocks[-1].levels["A.depth"])
-        resumed = service_life.run_refinements(coarse, wear, refinements)
-        assert [each.strokes[-1] for each in resumed] == [each.strokes[-1] for each in whole]
 
 
 def worn_at(rates: list[float], noise: float, seed: int = 1) -> service_life.Refinement:

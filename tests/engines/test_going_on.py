@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from listeners import EndsAfter, Keeps
 
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan, Run
+from presswear.campaign.replicates import RunSpec, start_of
+from presswear.engines.base import Run
 from presswear.recording.observer import Observer
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.scene import Scene
@@ -30,8 +30,13 @@ class Case:
 
     def run(self, resume: State | None, *observers: Observer) -> Run:
         scene, accuracy = self.scene, self.scene.solver.for_cycle(self.scene.mechanism.period)
-        period = scene.mechanism.period
-        plan = Plan(period, self.cycles, RECORDED, observers=observers, resume=resume)
+        plan = replace(
+            RunSpec(self.cycles).plan(scene),
+            recorded_cycles=RECORDED,
+            sections=(0.25, 0.5),
+            observers=observers,
+            resume=resume,
+        )
         return accuracy.simulate(scene.linkage(), start_of(scene), plan)
 
 

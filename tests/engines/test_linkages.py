@@ -14,7 +14,7 @@ from presswear.engines.settings import ExudynTree, InHouse
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
-from presswear.linkage.loads import Load, Spring
+from presswear.linkage.loads import Force, Harmonics, Load, Moment, OverPosition, OverTime, Spring
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
@@ -54,6 +54,21 @@ UNEVEN = PRESS.changed(
         replace(PRESS.drives[1], harmonics=[(0.0, 0.1)]),
     ]
 )
+UP = 0.5 * math.pi
+LOADED = PRESS.changed(
+    loads=[
+        Force("slider 6", UP, OverPosition([(-0.6, 5.0), (-0.47, 1.0)], outside="hold")),
+        Force(
+            "slider 6",
+            UP,
+            OverPosition([(-0.6, 40.0), (-0.57, 20.0), (-0.565, 0.0)], "against", "hold"),
+        ),
+        Force("slider 6", UP, OverPosition([(-0.58, 0.0), (-0.57, -30.0)], "along", release=True)),
+        Force("plate 4", 0.3, Harmonics(1.0, 40.0, [(2.0, 1.0)])),
+        Force("rod 5", 0.3, OverTime([(0.0, 1.0), (0.02, 3.0), (0.03, -2.0)], 0.04)),
+        Moment("crank 7", Harmonics(0.0, 1.5, [(0.0, 0.5)])),
+    ]
+)
 SPRUNG = PUMP.changed(
     springs=[
         Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1, 0.5)
@@ -62,6 +77,7 @@ SPRUNG = PUMP.changed(
 )
 SCENES = {
     "press, A and C": wear_times(),
+    "press, loads of all kinds": Scene(mechanism=LOADED, joints="A,C", wear_updates=0),
     "press, C": clearance_c(),
     "press, C, drives uneven": Scene(mechanism=UNEVEN, joints="C", wear_updates=0),
     "slider-crank, A and B": slider_crank(
@@ -108,8 +124,9 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     assert max(residual(reference), residual(ours)) < 1e-7
     torques = reference.recorder.records.torque
     np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
-    work = float(reference.diagnostics["drive_work_J"])
-    assert ours.diagnostics["drive_work_J"] == pytest.approx(work, abs=1e-7 * exchanged)
+    for work in ("drive_work_J", "load_work_J"):
+        expected = pytest.approx(float(reference.diagnostics[work]), abs=1e-7 * exchanged)
+        assert ours.diagnostics[work] == expected
 
 
 def test_clearance_on_the_frame_runs_in_every_engine() -> None:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
+from presswear.linkage.drives import Dwell, Forming, Pendulum
+from presswear.linkage.loads import Blanking, Coining, Drawing
 from presswear.linkage.mechanisms import (
     GEOMETRIES,
     FourBar,
@@ -18,25 +18,26 @@ from presswear.linkage.mechanisms import (
     SliderCrank,
 )
 from presswear.physics.ideal import bottom_of, motion_of
-from presswear.scene.catalog import slider_crank
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, meaning_of
 
-CRANK = SliderCrank()
 SHORT = r"rod_length = \S+ m: with crank_length = 0\.05 m allowed is 0\.050005 m to 10 m"
 
 
-@pytest.mark.parametrize("mechanism", [Press(), CRANK, FourBar(), SixBar()], ids=lambda m: m.kind)
-def test_every_quantity_is_checked(mechanism: Any) -> None:
-    for item in fields(mechanism):
-        meaning = meaning_of(item)
-        if not isinstance(meaning, Quantity):
-            assert item.name in ("geometry", "servo", "side")
-            continue
+PARTS = [Press(), SliderCrank(), FourBar(), SixBar(), Blanking(), Drawing(), Coining(), Dwell()]
+PARTS += [Forming(), Pendulum()]
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: part.kind)
+def test_every_quantity_is_checked(part: Any) -> None:
+    quantities = {item.name: meaning_of(item) for item in fields(part)}
+    others = {name for name, own in quantities.items() if not isinstance(own, Quantity)}
+    assert others <= {"geometry", "servo", "side", "bottom", "law"}
+    for name in quantities.keys() - others:
+        meaning: Any = quantities[name]
         for value in (meaning.low - 1.0, meaning.high + 1.0, math.nan, "x"):
-            with pytest.raises(InputError, match=f"^{item.name} = .*allowed is"):
-                replace(mechanism, **{item.name: value})
+            with pytest.raises(InputError, match=f"^{name} = .*allowed is"):
+                replace(part, **{name: value})
 
 
 @pytest.mark.parametrize(
@@ -139,29 +140,3 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
     mirrored = bottom_of(motion_of(replace(bar, crank_x=-bar.crank_x)))
     assert mirrored is not None
     assert (mirrored.height, mirrored.stroke) == pytest.approx((low, top - low), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("engine", "bounds"), [("dae", [1e-12, 1e-10, 1e-7]), ("exudyn-joints", [1e-8, 1e-6, 1e-2])]
-)
-def test_engines_follow_the_closed_form(engine: str, bounds: list[float]) -> None:
-    """Displacement, velocity and acceleration of the slider over two turns."""
-    scene = replace(slider_crank(), joints="none", engine=engine)
-    solver = scene.solver.for_cycle(CRANK.period)
-    run = solver.simulate(scene.linkage(), start_of(scene), Plan(CRANK.period, 2))
-    assert run.status == "completed"
-    rows = run.recorder.rows
-    assert len(rows) > 100
-
-    def errors(mechanism: SliderCrank) -> Array:
-        exact = motion_of(mechanism).at(rows[:, 0])
-        levels = (exact.position, exact.velocity, exact.acceleration)
-        slider = np.column_stack([level[:, 6] for level in levels])
-        slider[:, 0] -= slider[0, 0]
-        return np.asarray(np.abs(rows[:, 1:4] - slider).max(axis=0))
-
-    assert np.all(errors(CRANK) < bounds)
-    assert np.all(errors(replace(CRANK, rod_length=0.1201)) > 100.0 * errors(CRANK))
-    if engine == "dae":
-        end = motion_of(CRANK).at(np.array([run.time]))
-        assert np.abs(run.end.position - end.position[0]).max() < 1e-9

@@ -5,7 +5,6 @@ Lischinsky, 1995.
 """
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -17,40 +16,6 @@ from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.loads import Force, OverTime
 from presswear.physics.friction_and_normal import bristle_in_contact, friction_record
 from presswear.validation import reference_problems as references
-
-UPPER = 1e-6  # Speed above which friction is full, m/s
-
-
-def released(intervals: float = 4.5) -> Run:
-    linkage, start = references.sdnd100(UPPER)
-    plan = Plan(intervals * references.SDND100_INTERVAL, 1, recorded_cycles=1)
-    return InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)
-
-
-def test_what_sticks_creeps_back() -> None:
-    """With v0 = 0 the ramp never holds: x decays at v1 k / (mu m g), 0.01 per second here."""
-    decay = UPPER * references.SDND100_STIFFNESS / (0.1 * references.SDND100_GRAVITY)
-    before, after = released(4.5), released(5.5)
-    ratio = after.end.position[0] / before.end.position[0]
-    assert ratio == pytest.approx(math.exp(-decay * references.SDND100_INTERVAL), rel=1e-7)
-    # The block still bobs on the elastic floor, and friction with it.
-    assert after.end.velocity[0] == pytest.approx(-decay * after.end.position[0], rel=1e-4)
-    assert before.end.position[0] == pytest.approx(references.SDND100_EXTREMA[-1], abs=1e-7)
-
-
-def test_friction_takes_the_energy_that_is_missing() -> None:
-    """From 0.85 to 0.05 mm: mu m g over the path of 3.6 mm, less what the ramp spares."""
-    run = released()
-    lost = run.diagnostics["friction_loss_J"]
-    path = sum(abs(b - a) for a, b in pairwise(references.SDND100_EXTREMA))
-    assert isinstance(lost, float)
-    assert lost == pytest.approx(0.1 * references.SDND100_GRAVITY * path, rel=1e-5)
-    residual = run.diagnostics["energy_residual_J"]
-    assert isinstance(residual, float)
-    # At every tolerance: the weight times the last digit of the way to the middle of the floor.
-    weight = lost / (0.1 * path)
-    assert abs(residual) < weight * math.ulp(references.sdnd100(UPPER)[0].clearances[0].clearance)
-
 
 PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
 LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", None, STATIC, STRIBECK, STIFF, 30.0)
@@ -104,16 +69,6 @@ def test_steady_sliding_follows_the_stribeck_curve(speed: float) -> None:
     ratio = run.end.velocity[0] / STRIBECK
     now = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-ratio * ratio)
     assert now / STIFF == pytest.approx(bristle, rel=0.2)
-
-
-def test_engines_agree_and_nothing_is_lost_but_by_friction() -> None:
-    runs = [pulled(1.3, 1.1, engine=own) for own in (FINE, ExudynJoints(free_step=2e-5))]
-    one, other = (own.end.position[0] for own in runs)
-    assert one == pytest.approx(other, abs=1e-8)
-    for run in runs:
-        work = 1.3 * run.end.position[0]
-        assert float(run.diagnostics["friction_loss_J"]) <= work + 1e-12
-    assert np.isfinite(one)
 
 
 def bristle_after(time: float, steps: int, speed: float) -> float:

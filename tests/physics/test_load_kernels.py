@@ -119,23 +119,6 @@ def test_in_one_sense_a_load_grows_with_speed_and_never_drives(sense: Sense, sig
         assert result * speed <= 0.0
 
 
-@pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_what_was_released_stays_off_until_the_whole_way_back(sense: Sense, sign: float) -> None:
-    table = [(0.0, -6.0), (1.0, -6.0)] if sign > 0.0 else [(-1.0, 6.0), (0.0, 6.0)]
-    law = OverPosition(table, sense=sense, outside="hold", release=True)
-    packed = packed_of(law, turning=True)
-    start = np.array([0.0, 0.0, -0.5 * sign])
-    place_loads(packed, start, np.zeros(3))
-    # Position and speed in the sense of the load, and the part of it that acts.
-    for s, v, part in [
-        *((0.5, 1.0, 1.0), (0.9, 1.0, 1.0), (0.5, -1.0, 0.0), (0.8, 1.0, 1.0), (1.1, 1.0, 0.0)),
-        *((0.5, -1.0, 0.0), (0.3, 1.0, 0.0), (0.9, 1.0, 0.0), (1.3, 1.0, 0.0), (0.1, -1.0, 0.0)),
-        *((-0.1, -1.0, 0.0), (-0.05, 1.0, 1.0), (0.5, 1.0, 1.0)),
-    ]:
-        settle(packed, 0.0, sign * s, sign * v)
-        assert size(packed, 0.0, sign * s, sign * v) == pytest.approx(-sign * 6.0 * part), (s, v)
-
-
 def plastic(
     spaces: list[float], sizes: list[float], steeper: float, sense: Sense, release: bool
 ) -> OverPosition:

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import minimize_scalar
-from two_bodies import JOINT, Pair, joint_load
+from two_bodies import JOINT, Pair
 
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
-from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
@@ -94,7 +92,6 @@ class _Line:
     push: float = 0.0
     q: Array = field(default_factory=lambda: np.zeros(3))
     v: Array = field(default_factory=lambda: np.zeros(3))
-    time: float = 0.0
 
     def __post_init__(self) -> None:
         self.packed = Pair(LINE, self.q, self.v).packed
@@ -122,30 +119,11 @@ class _Line:
 
     def settle(self) -> None:
         note_contacts(self.packed, self.contacts, self.q, self.v)
-        settle(self.records, self.time, LEAST_STEPS)
-
-    def acceleration(self, x: float, speed: float) -> float:
-        q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
-        return self.push + joint_load(self.packed, self.onset[0], q, v).x / MASS
+        settle(self.records, 0.0, LEAST_STEPS)
 
     def wanted(self) -> float:
-        """Next step from the settled state."""
-        a = np.array([self.acceleration(self.q[0], self.v[0]), 0.0, 0.0])
-        return next_step(self.records, self.steps, a)
-
-    def moved(self, h: float) -> tuple[float, float]:
-        """Place and speed a step later (Runge-Kutta, exact in free flight)."""
-
-        def rate(state: Array) -> Array:
-            return np.array([state[1], self.acceleration(float(state[0]), float(state[1]))])
-
-        start = np.array([self.q[0], self.v[0]])
-        k1 = rate(start)
-        k2 = rate(start + 0.5 * h * k1)
-        k3 = rate(start + 0.5 * h * k2)
-        k4 = rate(start + h * k3)
-        x, speed = start + h / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
-        return float(x), float(speed)
+        """Next step from an open state."""
+        return next_step(self.records, self.steps, np.array([self.push, 0.0, 0.0]))
 
     def flown(self, h: float) -> tuple[float, float]:
         """Place and speed a step later without contact."""
@@ -155,10 +133,6 @@ class _Line:
         """Step with which a step that ended in a state has to be repeated; or -1."""
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
         return shorter_step(self.records, self.steps, np.zeros(1, CONTACT), h, q, v, v)
-
-    def accept(self, h: float, x: float, speed: float) -> None:
-        self.time += h
-        self.start(x, speed)
 
 
 @pytest.mark.parametrize("push", [-2000.0, 0.0, 2000.0])
@@ -250,72 +224,3 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided(
     else:
         assert shorter == pytest.approx(0.5 * h / (LEAST_STEPS - steps + 1), rel=1e-6)
         assert line.memory["longest_step"][0] == shorter
-
-
-@pytest.mark.parametrize("speed", [0.05, 1.0])
-def test_a_pin_that_bounces_is_counted_timed_and_loses_what_the_law_says(speed: float) -> None:
-    line = _Line().start(0.0, speed)
-    sent_back = 0
-    h = line.wanted()
-    while line.counters["contacts"][0] < 3:
-        x, after = line.moved(h)
-        shorter = line.shorter(h, x, after)
-        if shorter > 0.0:
-            assert shorter < h
-            sent_back += 1
-            h = shorter
-            continue
-        line.accept(h, x, after)
-        h = line.wanted()
-        assert h > 0.0
-        assert line.time < 10.0 * LINE.clearance / speed * 3.0
-    rows = line.stored[0, :3]
-    delivered = delivered_restitution(LINE.normal.damping)
-    closing = speed * delivered ** np.arange(3)
-    # RK4 with some 60 steps an impact; the landing is followed without force for 1/2500 of it.
-    np.testing.assert_allclose(rows["closing_speed"], closing, rtol=1e-5)
-    np.testing.assert_allclose(-rows["release_speed"], closing * delivered, rtol=1e-5)
-    # The first touchdown ends a flight of one clearance at constant speed.
-    assert rows["touchdown"][0] == pytest.approx(LINE.clearance / speed, rel=1e-6)
-    flights = rows["touchdown"][1:] - rows["separation"][:-1]
-    np.testing.assert_allclose(flights, 2 * LINE.clearance / closing[1:], rtol=0.01)
-    assert np.all(rows["steps"] >= 0.9 * PARTS)
-    assert np.all(rows["steps"] <= 1.6 * PARTS)
-    assert line.counters["unresolved"][0] == 0
-    assert line.counters["fewest_steps"][0] == rows["steps"].min()
-    assert line.counters["rows"][0] == 3
-    assert sent_back <= 3
-
-
-@pytest.mark.parametrize("shift", [0.05, 0.35, 0.65, 0.95])
-def test_peak_between_fifteen_steps_of_a_contact(shift: float) -> None:
-    """A contact of half a sine; the greatest force of the law along it, by scipy."""
-    line, depth, duration = _Line(), 1e-5, 1e-4
-    line.packed.joints["normal"]["damping"] = chi = 0.5
-    stiffness = LINE.normal.stiffness
-
-    def motion(t: float) -> tuple[float, float]:
-        phase = math.pi * t / duration
-        return depth * math.sin(phase), depth * math.pi / duration * math.cos(phase)
-
-    def force(t: float) -> float:
-        penetration, rate = motion(t)
-        return float(stiffness * penetration**1.5 * (1.0 + chi * rate / line.onset[0]))
-
-    h = duration / 15.0
-    accepted = result = 0.0
-    for i in range(16):
-        penetration, rate = motion((i - shift) * h)
-        line.accept(h, LINE.clearance + penetration, rate)
-        result = max(result, float(line.memory["step_peak"][0]))
-        if penetration > 0.0:
-            accepted = max(accepted, force((i - shift) * h))
-    assert line.onset[0] > 0.0
-    top = minimize_scalar(
-        lambda part: -force(part * duration), bounds=(0.2, 0.7), options={"xatol": 1e-9}
-    )
-    assert result == pytest.approx(-float(top.fun), rel=1e-5)
-    assert result > accepted * (1.0 - 1e-8)
-    # Open at its end: no peak is left of the contact.
-    line.accept(h, LINE.clearance - 1e-6, -1.0)
-    assert line.memory["step_peak"][0] == 0.0

@@ -137,31 +137,6 @@ def test_volume_identity(
         assert worn_volume(wearing, side[np.newaxis]) == pytest.approx(part * volume, rel=1e-12)
 
 
-@pytest.mark.parametrize("count", [48, 96, 200, 360])
-@pytest.mark.parametrize("penetration", [1e-9, 1e-6, 1e-4])
-def test_arc_of_a_round_joint_is_exact(count: int, penetration: float) -> None:
-    joint = replace(JOINT, map_frame="fixed", wear=_law("arc", 1.0))
-    direction, load_distance = 0.777, 3.0
-    pair = placed(joint, penetration, direction)
-    depth = _deposited(pair, count, load_distance)[0]
-    # The same penetration as the kernel saw: the position carries round-off of 1e-16 m.
-    penetration = pair.contact().penetration
-    e = joint.clearance + penetration
-    reach = 2.0 * math.asin(math.sqrt(0.5 * penetration / e))
-
-    def held(angle: Array) -> Array:
-        """Integral of the overlap delta - e (1 - cos x) from the contact."""
-        x = np.clip(angle, -reach, reach)
-        return np.asarray(penetration * x - e * (x - np.sin(x)))
-
-    # Bins wrap: this contact is far from the seam on either side.
-    edges = np.arange(count + 1) * TURN / count - direction
-    parts = np.diff(held(edges)) / (2.0 * held(np.array(reach)))
-    bin_area = joint.width * joint.bearing_radius * TURN / count
-    analytic = COEFFICIENT * load_distance * parts / bin_area
-    np.testing.assert_allclose(depth, analytic, rtol=0.0, atol=1e-9 * analytic.max())
-
-
 def _fine(pair: Pair, count: int) -> Array:
     """Parts of the pressure in the bins of bearing and pin, summed on a fine grid."""
     joint, contact = pair.joint, pair.contact()

@@ -63,14 +63,3 @@ def test_a_film_ends_and_its_last_frame_goes_on(monkeypatch: pytest.MonkeyPatch)
     assert recorder.film.time[-1] < 1.3 * period
     last = Film.of(recorder.last_frames(60), 2)
     assert last.time == pytest.approx([2.0 * period], abs=0.01 * period)
-
-
-def test_a_film_is_stored_and_read_back(rattling: Run) -> None:
-    film, names = rattling.recorder.film, ("A", "C")
-    arrays = film.arrays(names)
-    back = Film.from_arrays(arrays, 6, names)
-    assert np.array_equal(back.position, film.position)
-    assert np.array_equal(back.joints, film.joints)
-    del arrays["C_peak"]
-    with pytest.raises(KeyError):
-        Film.from_arrays(arrays, 6, names)

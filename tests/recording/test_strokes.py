@@ -8,10 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from presswear.campaign.replicates import RunSpec, start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.recording.observe import BOTTOM_HEIGHT, BOTTOM_TIME, lowest_between, note_bottom
-from presswear.recording.recorder import Recorder
 from presswear.scene.catalog import ideal
 
 SPEED = 11.0
@@ -83,35 +82,3 @@ def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> Non
     strokes = np.arange(5)[first:]
     assert rows[first:, 0] == pytest.approx(-1.05, abs=1e-8)
     assert rows[first:, 1] == pytest.approx(at + PERIOD * (off + strokes), abs=1e-6)
-
-
-@pytest.mark.parametrize("off", [-1e-3, 0.0, 1e-3])
-def test_bottom_at_the_end_of_a_cycle_is_one(off: float) -> None:
-    """By cycles alone the bottom beside a boundary would be found twice, or be the boundary."""
-    rows = recorded(PERIOD * off, (-0.25 * PERIOD, 0.25 * PERIOD), 6, 1)
-    assert rows[1:, 1] == pytest.approx(PERIOD * (off + np.arange(1, 6)), abs=1e-6)
-    assert np.ptp(rows[1:, 0]) < 1e-8
-    assert np.all(np.isfinite(rows))
-    wrong = recorded(-1e-3 * PERIOD, (0.0, PERIOD), 6, 1)
-    assert wrong[0, 1] == pytest.approx(PERIOD * (1.0 - 1e-3), abs=1e-6)
-
-
-def test_resumed_run_keeps_its_stroke() -> None:
-    scene = ideal()
-    plan = RunSpec(4).plan(scene)
-    assert plan.stroke is not None
-    one = recorder_of(scene.linkage(), start_of(scene), plan)
-    other: Recorder | None = None
-    times = np.linspace(0.0, 4.0 * PERIOD, 401)
-    for number, (before, time) in enumerate(pairwise(times), start=1):
-        for own in (one, other):
-            if own is not None:
-                now = swing(float(time), 0.1)
-                note_bottom(own.records.output[0], own.records.cycle, time, time - before, now)
-                if number % 100 == 0:
-                    own.end_cycle()
-        if number == 130:
-            other = recorder_of(scene.linkage(), start_of(scene), plan)
-            other.load(one.save())
-    assert other is not None
-    assert np.array_equal(one.cycles, other.cycles)

@@ -1,20 +1,15 @@
 """The recording plan of a scene: requested series are stored, and nothing else changes."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from listeners import Keeps
 
 import presswear as pw
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
 from presswear.results.export import table_of
 from presswear.scene.settings import changed
 from presswear.show.report import write_report
-from presswear.tools.arrays import State
 
 SCENE = pw.scenes.slider_crank(cycles=3, replicates=1)
 SECTIONS = {"sections": "4", "section_angle": "90 deg"}
@@ -47,17 +42,6 @@ def test_sections_end_no_cycle_elsewhere() -> None:
         bare.section("place")
     seen = pw.run(changed(SCENE, SECTIONS), engine="dae").stages[0]
     assert seen.statistics.cycles == bare.statistics.cycles
-
-
-def test_a_run_goes_on_with_its_sections() -> None:
-    linkage, start, kept = SCENE.linkage(), start_of(SCENE), list[State]()
-    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), observers=(Keeps(kept.append),))
-    engine = pw.InHouse("dopri5", 1e-7)
-    whole = engine.simulate(linkage, start, plan).recorder.sections
-    resumed = replace(plan, observers=(), resume=kept[1])
-    again = engine.simulate(linkage, start, resumed).recorder.sections
-    assert whole.shape == (4, 2, 7)
-    np.testing.assert_array_equal(again, whole)
 
 
 def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
