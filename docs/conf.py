@@ -19,6 +19,7 @@ import formulas  # noqa: E402
 import lines  # noqa: E402
 import readme  # noqa: E402
 
+from presswear.results.folder import program_digest  # noqa: E402
 from presswear.tools.quantities import Quantity, meaning_of  # noqa: E402
 
 # Pages call ``presswear`` and ``python`` of the environment of the build.
@@ -54,8 +55,9 @@ html_math_renderer = "mathml"
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 
-# Pages with code are executed in each build; a failure ends the build.
-nb_execution_mode = "force"
+# Pages with code are executed once for each version of the program; a failure ends the build.
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(DOCS / "_build" / f"outputs-{program_digest()}")
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 900
@@ -81,11 +83,14 @@ def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
 _FAILURES: list[Future[list[str]]] = []
 
 
-def _start_lines(app: Sphinx) -> None:
-    """Start the command lines of pages without cells in a thread."""
+def _run_commands(app: Sphinx) -> None:
+    """Start the command lines of pages without cells, and compute the table of README."""
+    if app.config.nb_execution_mode == "off":
+        return
     threads = ThreadPoolExecutor(1)
     _FAILURES.append(threads.submit(lines.failures, lines.all_lines()))
     threads.shutdown(wait=False)
+    readme.fill()
 
 
 def _check_lines(app: Sphinx, error: Exception | None) -> None:
@@ -123,8 +128,7 @@ def _document_fields(
 def setup(app: Sphinx) -> None:
     """Register MathML formulas, pictures, tables, command lines and fields of data classes."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
-    app.connect("builder-inited", _start_lines)
+    app.connect("builder-inited", _run_commands)
     app.connect("builder-inited", _draw)
-    app.connect("builder-inited", lambda app: readme.fill())
     app.connect("build-finished", _check_lines)
     app.connect("autodoc-process-docstring", _document_fields, priority=1)  # before numpydoc

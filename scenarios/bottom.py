@@ -1,4 +1,4 @@
-"""Bottom dead centre at 80 % and at full speed, without work and with it (as GB/T 29548-2024 asks).
+"""Bottom dead centre at 80 % and at full speed, without and with work (GB/T 29548-2024).
 
 Run:  python scenarios/bottom.py [SCENE or FILE.toml]
 """
@@ -15,7 +15,7 @@ def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) ->
     settings = {"wear_updates": 0, "cycles": cycles, "replicates": replicates}
     scene, stages = pw.changed(load_scene(name), settings), []
     assert isinstance(scene.mechanism, pw.Press | pw.SliderCrank)
-    print("µm, 95 % intervals: over the ideal | range of strokes | change since the first row")
+    print("µm, 95 % intervals: error | range of strokes | change since the first row")
     for process in ("none", scene.process.kind) if scene.process else ("none",):
         for part in (0.8, 1.0):
             slower = {"process": process, "speed": part * scene.mechanism.speed}

@@ -1,6 +1,6 @@
 """Count how many 95 % intervals of independent campaigns contain the mean of long campaigns.
 
-The truth is the mean of long campaigns of one replicate each, 200 cycles a stage as in the paper.
+The long campaigns have one replicate each and 200 cycles per stage, as in the paper.
 
 Run:  python scenarios/coverage.py [FOLDER]     (hours; results: docs/validation/intervals.md)
 """

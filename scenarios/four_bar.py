@@ -1,4 +1,4 @@
-"""Four-bar linkage with two different pins and a user friction law.
+"""Four-bar linkage with two different bearings and a user friction law.
 
 Run:  python scenarios/four_bar.py
 """
@@ -19,7 +19,7 @@ pins = [
     pw.Pin("B", "coupler.head", "rocker.head"),
     pw.Pin("P", (0.18, 0.0), "rocker.tail"),
 ]
-guess = {"coupler": 0.6, "rocker": 1.4}  # rad: which way it is put together
+guess = {"coupler": 0.6, "rocker": 1.4}  # rad, approximate angles
 four_bar = pw.assemble(bars, pins, [pw.Drive("crank", 30.0)], "rocker.head", guess)
 bearings = {
     "A": pw.Bearing(clearance=0.1e-3, normal_law="flores", restitution=0.6),

@@ -1,4 +1,4 @@
-"""The press with clearance in one joint only: which of the two shakes the slider more?
+"""Largest acceleration of the slider of a press with clearance in one joint only.
 
 Run:  python scenarios/one_joint.py
 """

@@ -1,4 +1,4 @@
-"""Two bodies that the program has never seen: a pendulum on a worn pin, in the in-house solver.
+"""Pendulum on a pin with clearance, assembled from a body and a joint, in the in-house solver.
 
 Run:  python scenarios/own_linkage.py
 """
@@ -14,8 +14,8 @@ pin = pw.ClearanceJoint(
 )  # fmt: skip
 bob = pw.Body("bob", mass=1.0, inertia=0.01)
 pendulum = pw.assemble((bob,), clearances=(pin,))
-swung = Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
-run = pw.InHouse().simulate(pendulum, swung, Plan(1.0, 2))
+start = Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
+run = pw.InHouse().simulate(pendulum, start, Plan(1.0, 2))
 print(
     f"after {run.time:g} s: {run.recorder.records.counters['contacts'][0]} contacts, {run.status}"
 )

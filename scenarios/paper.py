@@ -1,4 +1,4 @@
-"""The whole paper: every scene, number, claim and figure beside ours (some minutes).
+"""Study of the paper: all scenes, printed numbers, claims and figures (some minutes).
 
 Run:  python scenarios/paper.py
 """

@@ -1,7 +1,7 @@
-"""Does the second wear run away? The paper's scene with one assumption changed at a time.
+"""Depth of the second wear update in the paper's scene, with one convention changed at a time.
 
-The paper's second wear at joint A is a thousand times deeper than its first, 1.221 µm and 1178 µm.
-The surfaces of one long run are then run again under both contact models.
+In the paper the wear depth at joint A grows from 1.221 µm to 1178 µm by the second wear update.
+The surfaces of one long run are then run again with both contact models.
 
 Run:  python scenarios/runaway.py [FOLDER]      (20 minutes of one core)
 """
@@ -19,7 +19,7 @@ from scipy.stats import binomtest
 
 import presswear as pw
 
-RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first has run away
+RUNAWAY = 10.0  # ratio of the second to the first added depth that counts as growth
 FOUNDATION = {"contact": "foundation"}
 ARC = {"wear_distribution": "arc", "extrapolation": "single"}
 REFINED = {"conventions": "refined", "wear_maps": "raw"}
@@ -47,7 +47,7 @@ def make_scenes(common: dict[str, Any]) -> dict[str, pw.Scene]:
     scenes = {}
     for key, (_, changes) in ASSUMPTIONS.items():
         scene = pw.scenes.wear_times(**common | changes)
-        # The second wear in one jump follows from stage 1; in steps it needs stage 2.
+        # The second update in one step follows from stage 1; many steps need stage 2.
         scenes[key] = replace(scene, wear_updates=2) if scene.wears_in_steps else scene
     cycles = max(200 * common["cycles"] * common["replicates"] // (5 * 16), 1)
     long = {"cycles": cycles, "replicates": 1, "wear_updates": 2}
@@ -55,7 +55,7 @@ def make_scenes(common: dict[str, Any]) -> dict[str, pw.Scene]:
 
 
 def depths_of(result: pw.Result) -> list[Any]:
-    """Return the depth that each wear adds, m, each of shape (joints, replicates)."""
+    """Return the depth that each wear update adds, m, each of shape (joints, replicates)."""
     stages = [stage.statistics.joints for stage in result.stages[:2] if not stage.failed]
     return [np.array([one.wear_depth_max_by_replicate for one in s.values()]) for s in stages]
 
@@ -65,7 +65,7 @@ def mean_text(estimate: Any, factor: float = 1.0) -> str:
 
 
 def row_of(label: str, result: pw.Result) -> list[str]:
-    """Return label, median depths, growth, runs that run away, peak forces at A, and message."""
+    """Return label, median depths, ratio, runs with growth, peak forces at A, and message."""
     wears = depths_of(result)
     texts = [", ".join(f"{1e6 * depth:.3g}" for depth in np.median(wear, axis=1)) for wear in wears]
     growth = away = "-"
@@ -98,7 +98,7 @@ def main(folder: str = "results/runaway", jobs: int | None = None, **settings: A
 
     common = {"conventions": "paper", "cycles": 5, "replicates": 16, "wear_updates": 1} | settings
     results = pw.run_scenes(make_scenes(common), folder, jobs=jobs, on_progress=show)
-    print("assumption | wear 1 at A, C | wear 2 (µm) | wear 2 / 1 | runs away | force at A (N)")
+    print("convention | update 1 at A, C | update 2 (µm) | ratio | growth | force at A (N)")
     for key, (label, _) in ASSUMPTIONS.items():
         print(" | ".join(row_of(label, results[key])))
     draw(results, Path(folder) / "two-wears.png")
@@ -108,7 +108,7 @@ def main(folder: str = "results/runaway", jobs: int | None = None, **settings: A
         for contact in ("radial", "foundation"):
             scene = pw.scenes.wear_times(**common | {"contact": contact, "wear_updates": 0})
             again[f"on-{stage}-{contact}"] = replace(scene, surfaces=surfaces)
-    print("the same surfaces | peak force at A (N) | energy that contacts make in a cycle (mJ)")
+    print("same surfaces | peak force at A (N) | energy created by contacts in a cycle (mJ)")
     for key, result in pw.run_scenes(again, folder, jobs=jobs, on_progress=show).items():
         made = result.stages[0].statistics.energy_made_per_cycle
         force = result.stages[0].joints["A"].statistics.peak_force_per_cycle

@@ -1,4 +1,4 @@
-"""Plain blanking beside the same press with a servo at crank 7: means with 95 % half widths.
+"""Blanking press without and with a servo motor at crank 7: means with 95 % half widths.
 
 Run:  python scenarios/servo.py
 """

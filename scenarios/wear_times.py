@@ -1,4 +1,4 @@
-"""The main study of the paper: no wear, first wear, second wear.
+"""Main scene of the paper: no wear, first and second wear update.
 
 Run:  python scenarios/wear_times.py
 """

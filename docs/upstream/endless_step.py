@@ -1,6 +1,6 @@
-"""A step whose error is too large at the shortest length is repeated for ever.
+"""DOPRI5 repeats a step forever if its error is too large at the smallest step size.
 
-The implicit solvers end with an error there.
+The implicit solvers end with an error in this case.
 """
 
 import sys
@@ -14,7 +14,7 @@ calls = 0
 
 
 def force(mbs, t, item, q, q_t):
-    """Ask for what no step resolves."""
+    """Return a force that no step size resolves."""
     global calls
     calls += 1
     if calls > MOST:

@@ -1,6 +1,6 @@
-"""DOPRI5 evaluates the right-hand side seven times a step, where six would do.
+"""DOPRI5 evaluates the right-hand side seven times per step; six are sufficient.
 
-Its seventh stage is in the state that the step ends in: the first of the next step.
+The state of its seventh stage is the end of the step, which is the first stage of the next step.
 """
 
 import itertools
@@ -14,7 +14,7 @@ calls = []
 
 
 def force(mbs, t, item, q, q_t):
-    """Count the calls, by their time."""
+    """Store the time of each call."""
     calls.append(t)
     return [-q[0]]
 

@@ -1,6 +1,6 @@
-"""A step that PostStep writes is not taken by DOPRI5, which has chosen its own before the call.
+"""DOPRI5 ignores a step size that is set in PostStep, because it selects the step before the call.
 
-The implicit solvers take it.
+The implicit solvers use it.
 """
 
 import itertools
@@ -12,7 +12,7 @@ WANTED = [1e-3, 7e-4, 9e-4, 5e-4, 8e-4]
 
 
 def steps_of(kind) -> list[float]:
-    """Lengths of the steps that a solver takes where PostStep asks for WANTED."""
+    """Return the step sizes of a solver if PostStep sets those of WANTED."""
     container = exu.SystemContainer()
     system = container.AddSystem()
     node = system.AddNode({"nodeType": "Point", "initialVelocities": [1.0, 0.0, 0.0]})
