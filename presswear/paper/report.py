@@ -37,11 +37,6 @@ TEXTS = tomllib.loads(files("presswear.paper").joinpath("report.toml").read_text
 TITLE = "Chen, Tang and Gao's worn press, computed again"
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first runs away
 
-# quantity and wear updates of the slider by which the geometries were chosen
-_SMOOTH: list[tuple[str, int]] = TEXTS["tables"]["smooth"]
-# those that are compared with runs of 200 cycles of each replicate
-_LONG: list[tuple[str, int]] = TEXTS["tables"]["long"]
-# quantity, wear updates and joint that are shown for each changed assumption
 _SENSITIVE = [(name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]]
 
 
@@ -286,7 +281,7 @@ def range_table(evidence: Evidence) -> Table:
 def geometry_table(evidence: Evidence) -> Table:
     """Return how each geometry meets the printed peaks of the smooth motion."""
     lines = []
-    for quantity, wear_updates in _SMOOTH:
+    for quantity, wear_updates in TEXTS["tables"]["smooth"]:
         place = Place(WEAR, wear_updates)
         texts = (value_text(evidence, name, place, quantity) for name in GEOMETRIES)
         value = printed_text(printed_at(place, quantity))
@@ -366,7 +361,7 @@ def long_table(evidence: Evidence) -> Table:
     places = [
         (Place(setting, wear_updates, joint), quantity)
         for setting in settings.LONG_SETTINGS
-        for quantity, wear_updates in _LONG
+        for quantity, wear_updates in TEXTS["tables"]["long"]
         for joint in (("",) if quantity in ("velocity", "acceleration") else JOINTS)
     ]
     for place, quantity in places:

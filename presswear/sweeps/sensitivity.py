@@ -7,7 +7,7 @@ large it is, it is subtracted.
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -147,16 +147,7 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     values, noise = points.means[rows], float(points.noise[rows].mean())
     if kind == "morris":
         options["num_levels"] = MORRIS_LEVELS
-        indices = morris.analyze(problem, points.points[rows], values, **options)
-        # SALib divides by the jump between its own levels, which lie at the ends of the range.
-        jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
-        effects = jump * np.array([indices["mu_star"], indices["sigma"]], float)
-        halves = jump * np.array([indices["mu_star_conf"], np.full(dimension, np.nan)], float)
-        title = "Elementary effects of a jump by half of the range"
-        method = "Morris 1991; Campolongo, Cariboni and Saltelli 2007"
-        labels = ("mean of the absolute effects", "standard deviation of the effects")
-        chaos = math.nan if points.noise_source == "none" else math.sqrt(4.0 / math.pi * noise)
-        return Sensitivity(title, method, labels, effects, halves, noise=chaos)
+        return _effects(morris.analyze(problem, points.points[rows], values, **options), noise)
     if kind == "saltelli":
         indices = sobol.analyze(problem, values, calc_second_order=False, **options)
         method, keys = "Saltelli et al. 2010; total indices after Jansen 1999", ["S1", "ST"]
@@ -174,6 +165,21 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     shares[1:] -= noise / (variance - noise)
     measures = ("first-order index", "total index")[: len(keys)]
     return Sensitivity("Sobol' indices", method, measures, shares, widths, is_share=True)
+
+
+def _effects(indices: Mapping[str, Array], noise: float) -> Sensitivity:
+    """Return the result of a Morris design; ``noise`` is the variance of a mean by chaos."""
+    # SALib divides by the jump between its own levels, which lie at the ends of the range.
+    jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
+    halves = [indices["mu_star_conf"], np.full(len(indices["mu_star"]), np.nan)]
+    return Sensitivity(
+        "Elementary effects of a jump by half of the range",
+        "Morris 1991; Campolongo, Cariboni and Saltelli 2007",
+        ("mean of the absolute effects", "standard deviation of the effects"),
+        jump * np.array([indices["mu_star"], indices["sigma"]], float),
+        jump * np.array(halves, float),
+        noise=math.sqrt(4.0 / math.pi * noise) if noise > 0.0 else math.nan,
+    )
 
 
 def _changes(points: Points) -> Sensitivity | None:
