@@ -5,7 +5,7 @@ They are computed from the stored arrays of a stage and from the ideal motion of
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -196,7 +196,6 @@ class Tonnage:
     joints: Mapping[str, JointTonnage]
     vibration_before: Estimate | None  # rms acceleration of the output minus the ideal one, m/s^2,
     vibration_after: Estimate | None  # SNAP_THROUGH_S before contact and after fracture
-    most_loaded: str | None  # joint with the greatest mean peak force of all replicates
 
 
 def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
@@ -206,7 +205,6 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         return None
     series = stage.joints if stage.has_joint_series else {}
     joints = {name: joint_tonnage(stage.time, joint, strokes) for name, joint in series.items()}
-    means = {name: stage.statistics.joints[name].peak_force_per_cycle.mean for name in joints}
     force, time = process_force(scene, stage), stage.time
     peak = work = before = after = None
     if force is not None:
@@ -220,8 +218,7 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         broken = [item for item in strokes if not math.isnan(item.fracture)]
         before = _mean(_rms(time, deviation, s.contact - window, s.contact) for s in broken)
         after = _mean(_rms(time, deviation, s.fracture, s.fracture + window) for s in broken)
-    most_loaded = max(means, key=lambda name: means[name], default=None)
-    return Tonnage(len(strokes), peak, work, joints, before, after, most_loaded)
+    return Tonnage(len(strokes), peak, work, joints, before, after)
 
 
 def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke]) -> JointTonnage:
@@ -305,7 +302,6 @@ class DriveDuty:
     power: Duty  # W
     supplied: float  # energy that the drive supplies in a cycle, J
     returned: float  # energy that the linkage returns to it
-    share: tuple[float, ...] = ()  # of rms torque, peak power and supplied energy of all drives
 
     @property
     def work(self) -> float:
@@ -388,13 +384,7 @@ def _duties(numbers: Mapping[str, Mapping[str, float]], period: float) -> dict[s
             for name, mean in zip(("torque", "power"), means, strict=True)
         )
         duties[body] = DriveDuty(torque, power, supplied, returned)
-    sizes = np.abs([(duty.torque.rms, duty.power.peak, duty.supplied) for duty in duties.values()])
-    totals = sizes.sum(axis=0)
-    shares = (sizes / np.where(totals > 0.0, totals, 1.0)).tolist()
-    return {
-        body: replace(duty, share=tuple(share))
-        for (body, duty), share in zip(duties.items(), shares, strict=True)
-    }
+    return duties
 
 
 def curves_of(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:

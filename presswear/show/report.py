@@ -7,7 +7,6 @@ A table has a column per stage, or a line per record; a record holds the values 
 import math
 import tomllib
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -23,14 +22,13 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
-from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
 from presswear.results.oil_film import dry_contact
 from presswear.results.result import Result
 from presswear.results.stage import StageResult, WearStep
-from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
+from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
@@ -41,7 +39,6 @@ from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
 from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table, text_of
 from presswear.tools import numbers
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.quantities import Choice, Quantity
@@ -198,30 +195,24 @@ def _line_table(
 
 
 def stage_tables(result: Result) -> dict[str, Table | None]:
-    """Return the tables with a column per stage, by name; None for a table without any value.
+    """Return the tables with a column or a line per stage, by name; None for one without values.
 
-    Stored laws of the result are not executed unless they are trusted.
+    Numbers of failed stages are left out. Stored laws of the result are not executed unless they
+    are trusted.
     """
     records = _stage_records(result)
     sound = [record for record in records if not record["stage"].failed]
-    tables = {
-        name: _result_table(name, result, sound if name in ("overview", "moments") else records)
-        for name in ("overview", "moments", "key", "means", "bottom", "tonnage")
-    }
-    diagnostics = _result_table("diagnostics", result, records)
-    endings = _line_table("endings", result, records)
-    return {**tables, "endings": endings, "diagnostics": diagnostics}
+    names = ("joints", "bottom", "tonnage")
+    tables = {name: _result_table(name, result, sound) for name in names}
+    tables["endings"] = _line_table("endings", result, records)
+    return {**tables, "diagnostics": _result_table("diagnostics", result, records)}
 
 
 def _stage_records(result: Result) -> list[Record]:
-    scene, represented = result.scene, 0.0
-    records: list[Record] = []
-    has_wear = any(stage.index > 0 for stage in result.stages)
+    scene, records = result.scene, list[Record]()
     endings = _tables(result)["endings"]
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
-        joints, steps = stage.statistics.joints, stage.wear_steps
-        bdc = stage.statistics.bdc if scene.clearance_joints else None
-        largest = max(joints, key=lambda joint: joints[joint].peak_force, default="")
+        bdc, steps = stage.statistics.bdc if scene.clearance_joints else None, stage.wear_steps
         multiplier = numbers.readable(stage.amplification)
         if len(steps) > 1:
             multiplier = f"{_factor_range(steps)}, in {len(steps)} steps"
@@ -233,22 +224,14 @@ def _stage_records(result: Result) -> list[Record]:
                 "bdc": bdc,
                 "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
                 "rise": press.rise(stage, result.stages[0]) if bdc and records else None,
-                "range_strokes": None if bdc is None or bdc.range is None else bdc.range_strokes,
                 "rest": _heights_at_rest(result, stage),
-                "wear": {joint: _wear_record(stage, joint) for joint in scene.clearance_joints},
+                "worn": {joint: _deepest(stage, joint) for joint in scene.clearance_joints},
                 "tonnage": press.tonnage_of(scene, stage),
                 "ideal_work": None if scene.process is None else scene.process.work,
-                "drives": None if scene.has_untrusted_loads else press.drives_of(scene, stage),
-                "largest_joint": largest or None,
-                "largest": joints.get(largest),
-                "peak": _recorded_peak(scene, stage),
-                "moments": _moments(scene, stage),
-                "represented": round(represented) if has_wear else None,
                 "ending": f"failed: {stage.message}" if stage.failed else ending,
                 "multiplier": multiplier if stage.joints else None,
             }
         )
-        represented += sum(step.cycles_per_update for step in steps)
     return records
 
 
@@ -272,86 +255,14 @@ def _heights_at_rest(result: Result, stage: StageResult) -> Record | None:
     return {"clearance": up - down, "rise": up - rest}
 
 
-def _wear_record(stage: StageResult, joint: str) -> Record:
-    """Return the deepest places of the wear maps at the start and of the next update."""
-    statistics, maps = stage.statistics.joints.get(joint), stage.joints[joint]
-    record: Record = {"depth": {}, "wear": {}}
-    for side, sides in {"bearing": SIDES[:1], "pin": SIDES[1:], "both": SIDES}.items():
-        for kind in record:
-            # The noise of few cycles may hide the deepest place of an update in steps.
-            if kind == "wear" and (statistics is None or side not in statistics.wear_peaks):
-                continue
-            depth = np.sum([maps.arrays[f"{kind}_{name}"] for name in sides], axis=0)
-            angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
-            record[kind][side] = {"depth": float(depth.max()), "angle": angle}
-    return record
-
-
-def _phase_degrees(scene: Scene, time: Array) -> Array:
-    """Return the phase of the cycle at some times, degrees from 0 to 360."""
-    return np.asarray(360.0 * ((time - 0.5 * scene.run_up) / scene.mechanism.period) % 360.0)
-
-
-def _recorded_peak(scene: Scene, stage: StageResult) -> Record | None:
-    """Return the largest recorded joint force, with joint, phase angle and position."""
-    time, period = stage.time, scene.mechanism.period
-    if time.size < 2 or not stage.has_joint_series:
-        return None
-    # The same cycles as in the statistics.
-    cycles = int((float(time[-1]) - scene.run_up) / period + 1e-3)
-    start = scene.run_up + period * max(min(STARTUP_CYCLES, cycles - 1), 0)
-    rows = np.flatnonzero(time >= start - 1e-9 * period)
-    forces = {name: joint.force[rows, 0] for name, joint in stage.joints.items()}
-    joint = max(forces, key=lambda name: float(forces[name].max(initial=0.0)))
-    if not np.any(forces[joint] > 0.0):
-        return None
-    row = int(rows[forces[joint].argmax()])
-    angle = math.radians(float(_phase_degrees(scene, time[row : row + 1])[0]))
-    record: Record = {"joint": joint, "force": float(forces[joint].max()), "angle": angle}
-    if bottom_of(scene.ideal) is not None:
-        height = press.height_of(scene, stage)
-        falls = height[min(row + 1, time.size - 1)] < height[max(row - 1, 0)]
-        record["height"], record["direction"] = float(height[row]), "down" if falls else "up"
-        record["phase"] = _work_phase(scene, stage, row)
-    return record
-
-
-def _work_phase(scene: Scene, stage: StageResult, row: int) -> str | None:
-    """Return the phase of the work at a row of the series; None outside of it."""
-    strokes, force = press.strokes_of(scene, stage), press.process_force(scene, stage)
-    if strokes is None or force is None:
-        return None
-    now = stage.time[row]
-    for contact, fracture in zip(strokes.contact[:, 0], strokes.fracture[:, 0], strict=True):
-        is_pressed = force[row] > 0.0 if np.isnan(fracture) else now < fracture
-        if contact <= now and is_pressed:
-            return press.WORK
-        if fracture <= now < fracture + press.SNAP_THROUGH_S:
-            return press.SNAP_THROUGH
-    return None
-
-
-def _moments(scene: Scene, stage: StageResult) -> dict[str, list[str]]:
-    """Return phase angles and heights at which strokes touch, break and leave the work."""
-    start = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
-    strokes, moments = press.strokes_of(scene, stage), {}
-    for name in ("contact", "fracture", "separation") if strokes else ():
-        rows = getattr(strokes, name)
-        rows = rows[~np.isnan(rows[:, 0])]
-        settled = rows[rows[:, 0] >= start]
-        rows = settled if len(settled) else rows
-        if len(rows):
-            angle = _phase_degrees(scene, rows[:, 0])
-            # Relative to the first, because 359 and 1 degrees are close.
-            angle = angle[0] + (angle - angle[0] + 180.0) % 360.0 - 180.0
-            moments[name] = [_range_text(angle, 2), _range_text(1e3 * rows[:, 1], 3)]
-    return moments
-
-
-def _range_text(values: Array, decimals: int) -> str:
-    ends = values.min(), values.mean(), values.max()
-    low, mean, high = (f"{value:.{decimals}f}".replace("-", "−") for value in ends)
-    return mean if low == high else f"{mean} ({low} to {high})"
+def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | None]]:
+    """Return depth, m, and angle, rad, of the deepest wear by side; no angle without wear."""
+    maps, deepest = stage.joints[joint], {}
+    depths = {side: maps.depth(side) for side in SIDES}
+    for side, depth in {**depths, "both": np.sum([*depths.values()], axis=0)}.items():
+        angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
+        deepest[side] = float(depth.max()), angle
+    return deepest
 
 
 def drive_table(result: Result) -> Table | None:
@@ -457,27 +368,23 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
 
 
 def setting_tables(result: Result) -> dict[str, Table]:
-    """Return the tables of all values that can be set, and of those that the user did set.
-
-    Their names are ``parameters``, ``conventions`` and ``chosen``.
-    """
-    names, scene = {item.name for item in fields(Conventions)}, result.scene
+    """Return the tables ``parameters``, of all settings, and ``chosen``, of those the user set."""
+    scene = result.scene
     is_from_paper = named_scene(scene) is not None
-    records: dict[str, list[Record]] = {"parameters": [], "conventions": [], "chosen": []}
+    records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
     for setting in settings_of(scene):
         meaning, value = setting.meaning, setting.value
         record = {"setting": setting, "value": "none" if value is None else str(value), "unit": ""}
         if isinstance(meaning, Choice):
             one_of = "one of " if meaning.words else ""
             record["origin"] = f"{one_of}{', '.join(meaning.allowed())}"
-            record["choices"] = " or ".join(meaning.words)
         else:
             record |= {"unit": meaning.unit.replace("^2", "²"), "origin": meaning.origin}
             if isinstance(value, int | float):
                 record["value"] = numbers.short_number(value)
             if not is_from_paper and meaning.origin.startswith("paper"):
                 record["origin"] = "default"
-        records["conventions" if setting.key in names else "parameters"].append(record)
+        records["parameters"].append(record)
         if scene.origins.get(setting.key, "").startswith(SET):
             records["chosen"].append(record)
     return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}

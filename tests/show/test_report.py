@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import made_up_result as made
-import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
 from made_up_result import altered, grown, lived, made_up, not_passed
@@ -14,12 +13,12 @@ from test_page import Page
 import presswear as pw
 from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
-from presswear.results.stage import StageStatistics, WearStep
+from presswear.results.stage import StageStatistics
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import render_report, stage_tables, write_report
+from presswear.show.report import render_report, write_report
 
 
 def page_of(result: pw.Result) -> Page:
@@ -42,19 +41,14 @@ def test_one_file_without_references(tmp_path: Path) -> None:
 
 
 def test_stages_are_columns() -> None:
-    step = WearStep(4e6, 2, 2e6, 0.1, {}, {}, 1.0)
     result = made_up(made.ONE, 3)
-    for index in (0, 1):
-        result = altered(result, index, wear_steps=(step,))
     page = page_of(result)
     assert ["no wear", "first wear", "second wear"] in page.rows
     for label, numbers in {
-        "strokes represented by the wear": ["0", "4\u202f000\u202f000", "8\u202f000\u202f000"],
         "error of bottom dead centre (µm)": [f"−{k}60\u00a0± 30" for k in (7, 8, 9)],
         "change since the first stage (µm)": ["–", "−100\u00a0± 42", "−200\u00a0± 42"],
         "repeatability (µm)": ["100 (too few cycles)"] * 3,
-        "largest joint force (N)": ["100", "101", "102"],
-        "joint with the largest force": ["C"] * 3,
+        "largest normal force (N)": ["100", "101", "102"],
     }.items():
         assert page.numbers(label, 3) == numbers
     clearance = page.numbers("total clearance at the slider (µm)", 3)
@@ -71,7 +65,8 @@ def test_key_numbers_and_means() -> None:
         "highest displacement (mm)": ["107.3"] * 3,
         "deepest wear at the start, bearing + pin (µm)": ["0", "10.0", "20.0"],
         "angle of deepest wear, bearing + pin (degrees)": ["–", "92.50", "92.50"],
-        "next wear update: volume (mm³)": ["3.00"] * 3,
+        "next wear update: volume (mm³)": ["3.00 (too few cycles)"] * 3,
+        "next wear update: deepest, bearing + pin (µm)": ["5.00 (too few cycles)"] * 3,
         "time in contact (%)": ["50.0"] * 3,
         "standard deviation of the height (µm)": ["40\u00a0(30\u00a0to\u00a060)"] * 3,
         "delay as crank angle (degrees)": ["−1.8\u00a0± 1.0"] * 3,
@@ -97,44 +92,11 @@ def test_failed_stages() -> None:
     assert page.row("first wear")[1] == f"failed: {message}"
     assert "The stage “first wear” failed and is not shown here." in page.text
     empty = page_of(altered(failed, 1, statistics=StageStatistics(cycles=0)))
-    assert empty.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
-    assert empty.row("largest normal force (N)")[1:] == ["100", "–"]
+    assert empty.row("largest acceleration (m/s²)")[1:] == ["1\u202f220"]
+    assert empty.row("largest normal force (N)")[1:] == ["100"]
     alone = page_of(made_up(made.BOTH, 1, "failed", "no step"))
     assert "No stage ran far enough for a number." in alone.text
     assert "Unfinished: 1 of 3 stages are stored;" in page_of(made_up(made.BOTH, 1, "running")).text
-
-
-@pytest.mark.parametrize("part", [0.25, 0.6])
-def test_the_largest_recorded_force_and_its_moment(part: float) -> None:
-    result = made_up(replace(made.ONE, wear_updates=0), 1)
-    (stage,) = result.stages
-    # Two cycles ran, of which the second is settled; a larger force in the first does not count.
-    row = int((1.0 + part) * (stage.time.size - 1) / 2.0)
-    force = np.zeros_like(stage.arrays["C_force"])
-    force[[50, row], 0] = 900.0, 321.0
-    page = page_of(altered(result, 0, arrays={**stage.arrays, "C_force": force}))
-    angle = 360.0 * stage.time[row] / made.ONE.mechanism.period % 360.0
-    assert page.numbers("largest recorded force (N)", 1) == ["321"]
-    (shown,) = page.numbers("crank angle of the recorded force (degrees)", 1)
-    assert float(shown) == pytest.approx(angle, abs=0.06)
-    speed = made.ONE.ideal_slider(stage.time[row : row + 1])[0, 1]
-    assert page.numbers("direction of motion at this force", 1) == ["up" if speed > 0.0 else "down"]
-
-
-def test_moments_of_the_strokes() -> None:
-    scene = replace(made.ONE, process=pw.Blanking(), wear_updates=0)
-    result = made_up(scene, 1)
-    arrays = {**result.stages[0].arrays, "slider": scene.ideal_slider(result.stages[0].time)}
-    table = stage_tables(altered(result, 0, arrays=arrays))["moments"]
-    assert table is not None
-    cells = {heading: {row[0]: row[1] for row in rows} for heading, rows in table.groups}
-    assert list(cells) == ["Contact with the work", "Fracture", "Separation from the work"]
-    assert cells["Fracture"]["height above bottom dead centre (mm)"] == "4.500"
-    touched = float(cells["Contact with the work"]["crank angle (degrees)"].split()[0])
-    time = np.radians([touched]) / (2.0 * np.pi) * scene.mechanism.period
-    place = scene.ideal.at(time).output(scene.mechanism.linkage())[0]
-    assert place[0] - scene.bottom == pytest.approx(5e-3, abs=2e-5)
-    assert place[1] < 0.0
 
 
 VISCOUS = wear_times(normal_law="kelvin-voigt", viscous_damping="100 N s/m", restitution=1)
