@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -125,13 +125,10 @@ class Evidence:
         if result is None:
             return None
         mean, centre, draws, count = _wear_draws(result, place.joint, range(place.wear_updates))
-        low, high = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
-        off = mean[0] - centre[0]
-        low, high = (
-            mean[0] + sign * np.hypot(end - centre[0], off) for sign, end in ((-1, low), (1, high))
-        )
+        ends = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
+        below, above = (np.hypot(end - centre[0], mean[0] - centre[0]) for end in ends)
         angle = result.stages[0].joints[place.joint].angle
-        return WearMap(angle, mean[0], np.maximum(low, 0.0), high)
+        return WearMap(angle, mean[0], np.maximum(mean[0] - below, 0.0), mean[0] + above)
 
 
 def _from_cycles(result: pw.Result, place: Place, quantity: str) -> Measured | None:
@@ -179,8 +176,7 @@ def _from_maps(result: pw.Result, place: Place, stages: range) -> dict[str, Meas
             value = float(functional(centre))
             interval = pw.statistics.basic_interval(value, functional(draws), count)
             estimate = pw.statistics.about(float(functional(mean)), interval)
-        estimate = pw.Estimate(estimate.mean, estimate.low, estimate.high, cycles)
-        return Measured(estimate, replicates=len(rows))
+        return Measured(replace(estimate, samples=cycles), replicates=len(rows))
 
     return {name: measured(name) for name in names}
 

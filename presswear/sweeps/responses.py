@@ -93,6 +93,10 @@ def _drift(result: Result, stage: StageResult, joint: None) -> Response | None:
     return Response(0.0, 0.0) if change and stage.index == 0 else _response(change)
 
 
+def _clearance(result: Result, stage: StageResult, joint: None) -> Response:
+    return Response(total_clearance(result.scene.linkage(stage.surfaces)))
+
+
 def _life(result: Result, stage: None, joint: None) -> Response | None:
     if (life := result.life) is None:
         return None
@@ -126,11 +130,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "bdc_error": ("stage", _at("statistics.bdc.error")),
     "bdc_drift": ("stage", _drift),
     "repeatability": ("stage", _at("statistics.bdc.standard_deviation")),
-    "total_clearance": (
-        "stage",
-        lambda result, stage, _: Response(total_clearance(result.scene.linkage(stage.surfaces))),
-        True,
-    ),
+    "total_clearance": ("stage", _clearance, True),
     "drive_work": ("stage", _at("statistics.drive_work_per_cycle")),
     "life": ("result", _life),
 }

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -160,11 +161,11 @@ def export_table(table: Table, path: Path) -> None:
 
 def parse_shard(text: str) -> tuple[int, int]:
     """Read a part ``K/N`` of the rows."""
-    part, _, count = text.partition("/")
-    digits = all(word.isascii() and word.isdigit() and len(word) < 8 for word in (part, count))
-    if not (digits and 1 <= int(part) <= int(count)):
+    match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
+    part, count = map(int, match.groups()) if match else (0, 0)
+    if not 1 <= part <= count:
         raise InputError(f"--shard {text}: expected K/N with K from 1 to N, such as 3/10")
-    return int(part), int(count)
+    return part, count
 
 
 def run_sweep(
