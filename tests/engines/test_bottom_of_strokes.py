@@ -1,16 +1,11 @@
 """Bottom dead centre of short runs: against the ideal, and in one engine as in the other."""
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
-from closed_form import press_motion
 
 from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.settings import Engine, ExudynTree, InHouse
-from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.ideal import bottom_of
-from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -23,22 +18,6 @@ def bottoms(scene: Scene, engine: Engine, cycles: int) -> Array:
     return np.column_stack(
         [run.recorder.each_cycle(f"bottom_{name}") for name in ("height", "time")]
     )
-
-
-@pytest.mark.parametrize("geometry", list(GEOMETRIES))
-@pytest.mark.parametrize("run_up", [0, 1])
-def test_ideal_press_comes_to_the_bottom_of_the_closed_form(geometry: str, run_up: int) -> None:
-    """With steps of a hundredth of a cycle the lowest accepted state is off by micrometres."""
-    press = Press(geometry=GEOMETRIES[geometry], run_up=run_up)
-    scene = replace(ideal(), mechanism=press)
-    found = bottom_of(scene.ideal)
-    assert found is not None
-    rows = bottoms(scene, InHouse(free_step=press.period / 100.0), 3)[found.first :]
-    height = press_motion(press, np.array([found.time])).output(scene.linkage())[0, 0]
-    assert np.abs(rows[:, 0] - height).max() < 1e-10
-    strokes = scene.run_up + press.period * np.arange(found.first, 3)
-    assert np.abs(rows[:, 1] - found.time - strokes).max() < 1e-8
-    assert np.abs(found.delay(rows[:, 1])).max() < 1e-8
 
 
 def test_both_engines_come_to_the_same_bottom_up_to_the_horizon() -> None:

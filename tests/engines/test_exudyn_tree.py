@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from branches import branching, placed, tree
+from branches import branching, placed, tree, without
 from runs import run_scene
 
 from presswear.campaign.replicates import start_of
@@ -97,10 +98,11 @@ def test_every_touch_is_landed_on_and_resolved() -> None:
     assert float(run.diagnostics["deepest_touch_m"]) < 1e-9
 
 
-def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> None:
+@pytest.mark.parametrize("opened", [(), ("N",)], ids=["branching", "loose"])
+def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(opened: Any) -> None:
     """The slider's frame is turned against its guide, and a pendulum hangs from it."""
     linkage = replace(
-        branching(),
+        without(branching(), *opened),
         springs=(
             Spring("soft", Attachment("far", 0.1, 0.0), Attachment("slider", 0.0, 0.1), 40.0, 0.1),
             Spring("grip", Attachment("crank", 0.0, 0.0), Attachment("near", 0.0, 0.0), 30.0, 0.2),
@@ -108,8 +110,8 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> N
         loads=(Load("pendulum", 1.0, -2.0, 0.3), Load("crank", 0.5, 0.5, 0.1)),
     )
     found = tree(linkage)
-    x = np.array([0.3, -0.5, 0.1, 0.4])
-    q, v, _, _ = placed(found, 5, 0.0, x, np.array([1.0, -2.0, 0.3, 4.0]))
+    x, u = np.linspace(-0.5, 0.4, found.size), np.linspace(-9.0, 6.0, found.size)
+    q, v, _, _ = placed(found, 5, 0.0, x, u)
     start, plan = Start(q, v), Plan(0.2, 1)
     ours = accuracy(1e-11).simulate(linkage, start, plan)
     reference = InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan)

@@ -40,20 +40,6 @@ def test_lowest_place_in_a_step_is_that_of_the_motion(length: float, part: float
     assert abs(begin + since) <= 1e-8
 
 
-def test_error_of_the_lowest_place_is_of_sixth_order_and_bounded_after_a_jump() -> None:
-    errors = []
-    for length in (0.08, 0.04):
-        place, _ = lowest_between(length, swing(-0.3 * length, 0.0), swing(0.7 * length, 0.0))
-        errors.append(abs(place + 1.05))
-    assert errors[0] > 1e-9
-    assert 48.0 < errors[0] / errors[1] < 80.0
-    # The acceleration was another up to the first end, which the polynomial does not know.
-    length, jump = 1e-3, 50.0
-    before, after = swing(-0.4 * length, 0.0), swing(0.6 * length, 0.0)
-    place, _ = lowest_between(length, (before[0], before[1], before[2] + jump), after)
-    assert 0.2 * 0.018 * jump * length**2 < abs(place + 1.05) < 0.018 * jump * length**2
-
-
 def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int) -> np.ndarray:
     """Rows of bottoms, by steps of random lengths that end with the cycles."""
     scene = ideal()
@@ -82,3 +68,8 @@ def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> Non
     strokes = np.arange(5)[first:]
     assert rows[first:, 0] == pytest.approx(-1.05, abs=1e-8)
     assert rows[first:, 1] == pytest.approx(at + PERIOD * (off + strokes), abs=1e-6)
+
+
+def test_stroke_that_ends_with_a_cycle_is_of_that_cycle() -> None:
+    rows = recorded(-1e-3 * PERIOD, (0.0, PERIOD), 6, 1)
+    assert rows[0, 1] == pytest.approx(PERIOD * (1.0 - 1e-3), abs=1e-6)

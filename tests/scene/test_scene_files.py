@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from closed_form import press_motion
-from scipy.optimize import brentq
 
 import presswear as pw
-from presswear.physics.ideal import motion_of
+from presswear.physics.ideal import bottom_of, motion_of
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import MECHANISMS
 from presswear.scene.settings import changed
@@ -246,17 +244,6 @@ def test_a_part_from_python_settings_and_files(
     assert part_of(changed(scene, {key: another.kind})) == another
 
 
-def lowest() -> float:
-    """Lowest place of the slider in closed form, where its velocity is zero, m."""
-
-    def slider(time: float) -> tuple[float, float]:
-        motion = press_motion(pw.Press(), np.array([time]))
-        place, velocity, _ = motion.output(pw.Press().linkage())[0]
-        return float(place), float(velocity)
-
-    return slider(brentq(lambda time: slider(time)[1], 0.04, 0.08, xtol=1e-15))[0]
-
-
 @pytest.mark.parametrize("run_up", [0, 2])
 def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> None:
     press = replace(IDEAL, mechanism=replace(IDEAL.mechanism, run_up=run_up))
@@ -264,7 +251,9 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> No
     (load,) = scene.linkage().live_loads
     assert isinstance(load, pw.Force)
     assert isinstance(load.law, pw.OverPosition)
-    assert scene.bottom == pytest.approx(lowest(), abs=1e-14)
+    bottom = bottom_of(IDEAL.ideal)
+    assert bottom is not None
+    assert scene.bottom == pytest.approx(bottom.height, abs=1e-14)
     assert load.law.zero == pytest.approx(scene.bottom + 5e-3, abs=1e-15)
     # Dead centres of a slider-crank: rod plus and less crank.  Up is away from the work.
     scene = replace(SLIDER_CRANK, process=pw.Coining(bottom="highest", height=1e-3))
