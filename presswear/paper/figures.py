@@ -62,26 +62,24 @@ def drawings(evidence: Evidence) -> Iterator[Drawing]:
         yield from _motion_figures(evidence, number, lines)
 
 
-def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> list[Drawing]:
-    """Return figures of motion, force and path of each setting, and of their peaks."""
-    drawings = []
+def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> Iterator[Drawing]:
+    """Draw motion, force and path of each setting, and their peaks."""
+    count = 1 + max(line.wear_updates for line in lines)
     slider = [(quantity, "") for quantity in ("displacement", "velocity", "acceleration")]
     forces = [("force", joint) for joint in JOINTS]
     kinds: dict[str, list[tuple[str, str]]] = {"response": slider, "force": forces, "path": []}
     for k, (kind, panels) in enumerate(kinds.items()):
         for setting in dict.fromkeys(line.setting for line in lines):
-            result = evidence.results.get(run_name(BASE, setting))
-            last = max(line.wear_updates for line in lines)
-            stages = result.stages[: last + 1] if result else ()
-            stages = tuple(stage for stage in stages if not stage.failed)
-            for drawing in drawn(kind, result, stages) if result else ():
+            if (result := evidence.results.get(run_name(BASE, setting))) is None:
+                continue
+            stages = tuple(stage for stage in result.stages[:count] if not stage.failed)
+            for drawing in drawn(kind, result, stages):
                 title = f"Fig. {number + k} {drawing.title}, {SETTINGS[setting].label}"
-                file = f"fig-{number + k}-{setting}.png"
-                drawings.append(replace(drawing, file=file, title=title))
+                yield replace(drawing, file=f"fig-{number + k}-{setting}.png", title=title)
         with matplotlib.rc_context(STYLE):
             compared = peaks(evidence, number + k, lines, panels)
-        drawings += [compared] if compared else []
-    return drawings
+        if compared is not None:
+            yield compared
 
 
 def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str) -> Drawing | None:

@@ -60,7 +60,6 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
     }
     runs: list[tuple[str, Table]] = [("", run_table(evidence))]
     if first := next(iter(evidence.results.values()), None):
-        runs.append(("Conventions", setting_tables(first)["conventions"]))
         runs.append(("Parameters of the first setting", setting_tables(first)["parameters"]))
         if origin := provenance_table(first):
             runs.append(("Provenance", origin))

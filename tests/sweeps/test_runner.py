@@ -103,14 +103,11 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
     outcome = read_row(tmp_path, "a")
     assert outcome.error == "no such linkage"
 
-    class Broken(Counting):
-        def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-            future: Future[Any] = Future()
-            future.set_exception(MemoryError())
-            return future
-
+    broken, future = Counting(), Future[Any]()
+    future.set_exception(MemoryError())
+    broken.submit = lambda *args, **kwargs: future  # type: ignore[method-assign]
     with pytest.raises(RunFailed, match="the executor failed"):
-        run_rows(tmp_path, NAMES, REQUESTED, Broken(), 1)
+        run_rows(tmp_path, NAMES, REQUESTED, broken, 1)
     assert set(rows_in(tmp_path)) == {"a", "b"}
 
 
