@@ -298,7 +298,7 @@ def _depth(default: float, text: str) -> Any:
 
 _HEIGHT = "height above the ideal bottom dead centre at which the work is touched"
 _CUSHION = "additional constant force, in both directions of motion"
-_BOTTOM = "extreme of the output coordinate that is bottom dead centre"
+_BOTTOM = "output coordinate at bottom dead centre, where the work is"
 
 
 class _Work(Checked):
@@ -336,7 +336,7 @@ class Blanking(_Work):
     stiffness: float | None = quantity(
         None, "N/m", 1.0, 1e12, "chosen", "of the elastic rise; default: force over rise"
     )
-    rise: float = _depth(1e-4, "depth of the elastic rise without a stiffness")
+    rise: float = _depth(1e-4, "depth over which the force rises, with the stretch of the frame")
     plateau: float = quantity(
         0.4, "", 0.0, 1.0, "chosen", "fraction of the thickness at fracture", open_low=True
     )

@@ -272,7 +272,7 @@ class SliderCrank(Mechanism):
     rod_length: float = _l_length(0.12, "rod, A to B; longer than the crank")
     crank_mass: float = _l_mass(0.30, "mass of the crank")
     rod_mass: float = _l_mass(0.21, "mass of the rod")
-    slider_mass: float = _l_mass(0.14, "mass of the slider")
+    slider_mass: float = _l_mass(0.14, "mass of the slider, which moves along x")
     crank_inertia: float = _l_inertia(1e-4, "inertia of the crank (torque only)")
     rod_inertia: float = _l_inertia(2.5e-4, "inertia of the rod")
     gravity: float = gravity()

@@ -60,12 +60,15 @@ class Bearing:
     """
 
     clearance: float = quantity(
-        0.8e-3, "m", 1e-9, 1.0, "paper, per study", "radius of bearing minus pin, R_i - R_j"
+        0.8e-3,
+        "m",
+        1e-9,
+        1.0,
+        "paper, per study",
+        "radial clearance R_i - R_j, half of that in diameter",
     )
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i")
-    width: float = quantity(
-        0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
-    )
+    width: float = quantity(0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True)
     materials: laws.Materials | Any = named_set("paper", laws.MATERIALS, "materials, pin first")
     contact_stiffness: float | None = quantity(
         None, "N/m^n", 1e3, 1e15, "chosen", "stiffness K; default: Hertz, from E, nu and radii"

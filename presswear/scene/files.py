@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.surface import SIDES
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
@@ -48,16 +49,17 @@ _HEAD = """\
 """
 _OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switched off
     **{"torque_limit": "1 kN m", "pressure_limit": "40 MPa", "pv_limit": "1 MPa m/s"},
-    **{"viscosity": "0.1 Pa s", "cycles": 20},
+    **{"bearing_modulus": "110 GPa", "viscosity": "0.1 Pa s", "cycles": 20},
     **{"process": "blanking", "servo": "dwell", "life": "limits"},
 }
 _BEARING = (
-    *("joints", "clearance", "bearing_radius", "width", "friction", "restitution"),
-    *("youngs_modulus", "poisson_ratio", "wear_coefficient", "viscosity"),
+    *("joints", "clearance", "bearing_radius", "width", "elasticity", "friction"),
+    *("restitution", "youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient"),
+    "viscosity",
 )
 _SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
 _LIMITS = "torque_limit", "pressure_limit", "pv_limit"
-_RUN = "conventions", "wear_updates", "cycles", "engine"
+_RUN = "conventions", "wear_updates", "cycles_per_update", "cycles", "engine"
 
 
 def example_file(kind: str) -> str:
@@ -77,6 +79,8 @@ def example_file(kind: str) -> str:
     scene = Scene(mechanism, joints=joints, bearings=bearings, conventions=refined, wear_updates=1)
     possible = {setting.key for setting in settings_of(scene)}
     scene = changed(scene, {key: value for key, value in _OFF.items() if key in possible})
+    if kind == SliderCrank.kind:  # the work of a press is where the slider is farthest from O
+        scene = changed(scene, {"process.bottom": "highest"})
     settings = {setting.key: setting for setting in settings_of(scene)}
     single = [replace(settings[key], value=0.5 * settings[key].value) for key in _SINGLE]
     tables = [

@@ -91,7 +91,7 @@ class Scene:
     )
     max_cycles: int = count(200, 1, 100_000, "paper", "most cycles of a stage without --cycles")
     cycles_per_update: float = quantity(
-        4e6, "", 1.0, 1e12, "paper", "cycles that one wear update represents, 200 x 20,000"
+        4e6, "", 1.0, 1e12, "paper", "cycles that one wear update represents"
     )
     extrapolation: str = choice(
         "conventions", EXTRAPOLATIONS, "wear update in one jump, or in steps of one cycle"

@@ -82,11 +82,16 @@ def test_a_table_that_is_switched_on_works(kind: str, block: str, tmp_path: Path
         assert (data["mechanism"] if part == "servo" else data)[part] is not None
 
 
+def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path: Path) -> None:
+    scene = scene_from(written(tmp_path, OFF.sub("", example_file("slider-crank"))))
+    assert scene.bottom == pytest.approx(-0.17)  # crank and rod in line; up is towards the crank
+
+
 def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
     """Joints lie at the start where they are drawn, and bodies are not turned."""
     motion = motion_of(scene_from(written(tmp_path, example_file("points"))).mechanism)
     centres = motion.at(np.zeros(1)).position.reshape(-1, 3)
-    drawn = [[0.015, 0.02, 0.0], [0.09, 0.1, 0.0], [0.165, 0.075, 0.0]]
+    drawn = [[0.0, 0.02, 0.0], [0.0, -0.26, 0.0], [0.0, -0.56, 0.0]]
     assert centres == pytest.approx(np.array(drawn), abs=1e-12)
     points: Any = {"A": ("75 cm", "1 m")}
     body = pw.Body("a", 1.0, points=points, centre=("25 cm", "50 cm"))
@@ -178,7 +183,7 @@ def test_a_wrong_line_is_answered_with_what_to_write(case: str, tmp_path: Path) 
 
 LOADS = """
 [[mechanism.loads]]
-point = "rocker.B"
+point = "slide.B"
 direction = "30 deg"
 law.kind = "over-position"
 law.table = [["-20 mm", "0 N"], ["0 mm", "-0.1 kN"], ["10 mm", "-50 N"]]
@@ -190,7 +195,7 @@ law.kind = "over-position"
 law.table = [["0 deg", "0 N m"], ["90 deg", "0.1 N m"]]
 law.outside = "hold"
 [[mechanism.loads]]
-body = "rocker"
+body = "rod"
 law = { kind = "over-time", table = [["0 s", "0 N m"], ["10 ms", "0.1 N m"]], period = "20 ms" }
 """
 
