@@ -117,10 +117,11 @@ def worn_out(
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     for *run, k, side in np.argwhere(deepest > clearances)[:1]:
         what = (
-            f"{where}the {SIDES[side]} would lose {deepest[(*run, k, side)]:.3g} m, more than the "
-            f"clearance of {joints[k].clearance:.3g} m"
+            f"{where}the {SIDES[side]} would lose {1e6 * deepest[(*run, k, side)]:.3g} µm, more "
+            f"than the clearance of {1e6 * joints[k].clearance:.3g} µm"
         )
-        return Finding("wear", what, time, joints[k].name, "a smaller cycles_per_update may help")
+        advice = "use a smaller cycles_per_update, or check wear_coefficient"
+        return Finding("wear", what, time, joints[k].name, advice)
     return None
 
 
