@@ -499,13 +499,17 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
         )
         if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
             law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
-            whole = foundation_force(ratio, *law)
-            power, liu = elastic_force(ratio, 1.0, 1.5) / whole, liu_force(ratio, *law) / whole
-            text += f"; K delta^1.5 then has {power:.2f} and Liu's law {liu:.2f} of the force of "
-            text += "an elastic foundation"
             on_foundation = scene.conventions.contact == "foundation" and is_worn
-            if bearing.elasticity == "power" and not on_foundation:
-                text += "; use elasticity = liu or foundation"
+            forces = {
+                "power": ("K delta^1.5", elastic_force(ratio, 1.0, 1.5)),
+                "liu": ("Liu's law", liu_force(ratio, *law)),
+            }
+            if bearing.elasticity in forces and not on_foundation:
+                name, force = forces[bearing.elasticity]
+                times = force / foundation_force(ratio, *law)
+                text += f"; {name} gives {times:.2f} times the force of an elastic foundation"
+                if bearing.elasticity == "power":
+                    text += ": use elasticity = liu or foundation"
         sentences.append(text)
     return sentences
 

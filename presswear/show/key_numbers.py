@@ -162,7 +162,8 @@ def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         text = f"Drive of {body}: largest in a stroke; {typical} "
         text += f"{numbers.quantity_text(value, unit)}."
         if drives:
-            peak = getattr(drives[body], f"peak_{name}")
+            peak, closed = getattr(drives[body], f"peak_{name}"), getattr(drives[body].ideal, name)
+            text += f" Without clearance: {numbers.quantity_text(abs(closed.peak), unit)}."
             result.append(measured(f"Motor {name}", peak, unit, text))
         else:
             largest = numbers.quantity_text(abs(each[body].peak), unit)

@@ -29,7 +29,7 @@ from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_ti
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled
-from presswear.show.figures.style import LINES
+from presswear.show.figures.style import LINES, label_values, panels
 from presswear.show.figures.wear import seam
 from presswear.tools.numbers import readable
 
@@ -198,6 +198,15 @@ def test_short_peaks_exceed_the_panels_of_the_drives() -> None:
     assert low < exact.min() < exact.max() < high
     assert high - low < 1.3 * float(np.ptp(exact))
     assert axes.get_title(loc="right") == f"farthest: {readable(-1e3 * largest)} N m"
+
+
+def test_an_axis_of_large_forces_is_in_kilonewtons() -> None:
+    sheet, ((axes,),) = panels(1, 1, 2.0)
+    axes.set_ylim(-2e4, 1e6)
+    assert label_values(axes, "force", "N") == (1e-3, "kN")
+    assert axes.get_ylabel() == "force (kN)"
+    sheet.canvas.draw()
+    assert [axes.yaxis.get_major_formatter()(value, 0) for value in (-2e4, 5e5)] == ["−20", "500"]
 
 
 def test_depth_is_the_cumulative_total_in_microns() -> None:

@@ -185,11 +185,11 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     for axes, joint, stage in places:
         series = stage.data.joints[joint]
         peak = _draw_jagged(axes, stage, series.force[:, 0], series.each_cycle("force_max"), window)
-        style.note(axes, f"largest {readable(peak)} N")
-        axes.set_ylabel("normal force (N)")
+        style.note(axes, f"largest {quantity_text(peak, 'N')}")
         largest[joint] = max(largest[joint], peak)
     for axes, joint, _ in places:
         axes.set_ylim(0.0, 1.25 * largest[joint] or 1.0)
+        style.label_values(axes, "normal force", "N")
     for axes in lowest:
         window.label(axes)
     return style.finished("force", sheet, window=window)
@@ -314,7 +314,7 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
         depth, curve = np.array(process.curve).T
     IDEAL.draw(column[0], factor * (process.height - depth), curve)
     for axes, name in zip(column, ("of the work", *(f"at {name}" for name in joints)), strict=True):
-        axes.set_ylabel(f"force {name} (N)")
+        style.label_values(axes, f"force {name}", "N")
     column[-1].set_xlim(factor * reach, 0.0)
     for axes in lowest:
         axes.set_xlabel(f"height over bottom dead centre ({unit})")
@@ -355,12 +355,13 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
                 pen.draw(axes, times, values, linewidth=0.7)
                 weights, tails = np.gradient(times), (_TAIL, 1.0 - _TAIL)
                 ends += [*np.quantile(values, tails, weights=weights, method="inverted_cdf")]
-                farthest.append(readable(float(values[np.abs(values).argmax()])))
+                farthest.append(float(values[np.abs(values).argmax()]))
             IDEAL.draw(axes, time, expected)
             margin = 0.08 * float(np.ptp(ends))
             axes.set_ylim(min(ends) - margin, max(ends) + margin)
-            axes.set_title(f"farthest: {', '.join(farthest)} {unit}", loc="right", fontsize="small")
-            axes.set_ylabel(f"{name} ({unit})")
+            factor, shown_unit = style.label_values(axes, name, unit)
+            text = ", ".join(readable(factor * value) for value in farthest)
+            axes.set_title(f"farthest: {text} {shown_unit}", loc="right", fontsize="small")
         row[0].set_title(drive, loc="left", fontweight="bold")
     for axes in grid[-1]:
         window.label(axes)

@@ -23,7 +23,14 @@ from numpy.typing import ArrayLike
 from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
-from presswear.tools.numbers import large, quantity_text, readable, short_number, unit_factor
+from presswear.tools.numbers import (
+    large,
+    quantity_text,
+    readable,
+    short_number,
+    unit_factor,
+    unit_scale,
+)
 
 __all__ = ["Axes", "Sheet"]
 
@@ -290,6 +297,17 @@ def finished(
 def wrapped(label: str, width: float) -> str:
     """Return a text in lines of a width, inches."""
     return fill(label, max(round(width * _ROW / WIDTH), 1))
+
+
+def label_values(axes: Axes, name: str, unit: str) -> tuple[float, str]:
+    """Label the vertical axis of values in SI in the display unit of its limits; return the unit.
+
+    The factor from SI to the display unit comes first.
+    """
+    factor, shown = unit_scale(unit, max(map(abs, axes.get_ylim())))
+    axes.set_ylabel(f"{name} ({shown})")
+    axes.yaxis.set_major_formatter(lambda value, _: f"{factor * value:g}".replace("-", "−"))
+    return factor, shown
 
 
 def round_down(value: float) -> float:
