@@ -165,19 +165,19 @@ def joints_over_impacts(counts: Sequence[int], numerics: Numerics, period: float
 
 
 def contact_methods(
-    extent: Extent, numerics: Numerics, period: float, longest: float, has_tree: bool
+    extent: Extent, numerics: Numerics, period: float, longest: float, linkage: Linkage
 ) -> tuple[Method, ...]:
-    """Return all methods for motion with contacts.
+    """Return all methods for motion with contacts; that of the tree if the linkage is an open tree.
 
     ``numerics`` are resolved; ``longest`` is the longest step of DOP853 and DOPRI5 in ``dae``, s.
-    ``has_tree`` tells whether the linkage is an open tree.
     """
     methods = joints_over_impacts(extent.impact_steps, numerics, period)
     for step in extent.equal_steps:
         # The longest step allowed is shorter than any step of a contact, so that steps are equal.
         methods.append(Method(ExudynJoints(1, 1, free_step=step), EQUAL, STEP, step))
     tree = numerics.tree.for_cycle(period)
-    for value in sorted({*extent.tree_tolerances, tree.tolerance}, reverse=True) * has_tree:
+    tolerances = {*extent.tree_tolerances, tree.tolerance}
+    for value in sorted(tolerances, reverse=True) if isinstance(tree_of(linkage), Tree) else ():
         engine = replace(tree, tree_tolerance=value)
         methods.append(Method(engine, "DOPRI5", TOLERANCE, value, engine == tree))
     dae = replace(numerics.dae, free_step=longest)
@@ -241,12 +241,13 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
     along the line of impact change nothing and make the linkage an open tree.
     """
     impact = references.Impact(0.9)
-    linkage, start = impact.linkage, impact.start
-    guides = tuple(Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies)
+    start, bodies = impact.start, impact.linkage.bodies
+    guides = tuple(Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in bodies)
+    linkage = replace(impact.linkage, joints=guides)
     start.position[3] = impact.clearance - GAP
     restitution = delivered_restitution(impact.damping)
     contact_time, uncertainty = impact.duration()
-    kinetic = 0.5 * linkage.bodies[1].mass * impact.speed**2
+    kinetic = 0.5 * bodies[1].mass * impact.speed**2
     duration = GAP / impact.speed + 2.2 * impact.elastic_duration
     numerics = scene.numerics.resolved("trajectory")
 
@@ -274,10 +275,10 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
             "contact time (s)": max(uncertainty, 1e-14 * contact_time),
             "energy residual / kinetic": 0.0,
         },
-        replace(linkage, joints=guides),
+        linkage,
         start,
         Plan(duration, 1, 1, torques=False),
-        contact_methods(extent, numerics, scene.mechanism.period, duration, has_tree=True),
+        contact_methods(extent, numerics, scene.mechanism.period, duration, linkage),
         errors,
     )
 
@@ -291,8 +292,9 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
     end = crosscheck.horizon(scene, TIGHT, extent.longest, report)
     plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
-    has_tree = isinstance(tree_of(linkage), Tree)
-    second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
+    second: Engine = InHouse("dopri5", 1e-13)
+    if isinstance(tree_of(linkage), Tree):
+        second = ExudynTree(1e-12)
     exact, check = (
         cases.finished(engine.for_cycle(period).simulate(linkage, start, plan))
         for engine in (TIGHT, second)
@@ -320,7 +322,7 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     # Energy is conserved exactly, so that the residual needs no reference.
     quantities = dict(zip(names, [*errors(check)[:-1], 0.0], strict=True))
     numerics = scene.numerics.resolved("trajectory")
-    methods = contact_methods(extent, numerics, period, period / LEAST_STEPS, has_tree)
+    methods = contact_methods(extent, numerics, period, period / LEAST_STEPS, linkage)
     name = f"scene {scene.name}, {end:.3g} s"
     return Problem(name, quantities, linkage, start, plan, methods, errors)
 
@@ -348,9 +350,8 @@ def wear_cycles(scene: Scene, extent: Extent, report: cases.Progress) -> Problem
     counted = max(extent.wear_cycles - STARTUP_CYCLES, 1)
     uncertainty = 1.96 * scatter / mean * math.sqrt(1.0 / counted + 1.0 / len(reference))
     names = [f"work per cycle at {joint.name}, relative" for joint in linkage.clearances]
-    has_tree = isinstance(tree_of(linkage), Tree)
     numerics, longest = scene.numerics.resolved("wear"), period / LEAST_STEPS
-    methods = contact_methods(replace(extent, equal_steps=()), numerics, period, longest, has_tree)
+    methods = contact_methods(replace(extent, equal_steps=()), numerics, period, longest, linkage)
     limits = [(method, *WEAR_SETTINGS[method.parameter]) for method in methods]
     return Problem(
         f"scene {scene.name}, {extent.wear_cycles} cycles",

@@ -81,18 +81,17 @@ def outcomes(case: Case) -> Iterator[Outcome]:
     started = clock.perf_counter()
     try:
         for check in case.checks():
-            passed: Status = "pass" if check.passed and not case.refusal else "MISS"
-            label = "runs, but must be refused" if case.refusal else check.quantity
             ended = clock.perf_counter()
-            yield Outcome(case, check, passed, label, ended - started)
-            started = ended
             if case.refusal:
+                yield Outcome(case, check, "MISS", "runs, but must be refused", ended - started)
                 return
+            status: Status = "pass" if check.passed else "MISS"
+            yield Outcome(case, check, status, check.quantity, ended - started)
+            started = ended
     except (InputError, RunFailed, ArithmeticError) as error:
-        is_refusal = bool(case.refusal and re.search(case.refusal, str(error)))
-        is_refusal = is_refusal and not isinstance(error, ArithmeticError)
-        seconds = clock.perf_counter() - started
-        yield Outcome(case, None, "refused" if is_refusal else "MISS", str(error), seconds)
+        is_refusal = case.refusal and not isinstance(error, ArithmeticError)
+        status = "refused" if is_refusal and re.search(case.refusal, str(error)) else "MISS"
+        yield Outcome(case, None, status, str(error), clock.perf_counter() - started)
 
 
 def finished(run: Run, name: str = "") -> Run:

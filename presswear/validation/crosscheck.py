@@ -22,7 +22,7 @@ from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.recording.statistics import Estimate, pooled
 from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
-from presswear.show.figures.style import MUTED, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
+from presswear.show.figures import style
 from presswear.tools.arrays import Array
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
 
@@ -313,30 +313,28 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], Means]:
     return checks, means
 
 
-_COLOURS = (MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
+_COLOURS = (style.MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
 
 
-@matplotlib.rc_context(SETTINGS)
-def draw_differences(result: Crosscheck) -> Drawing:
+@matplotlib.rc_context(style.SETTINGS)
+def draw_differences(result: Crosscheck) -> style.Drawing:
     """Draw the distance of the slider from the reference over time, up to 1.5 horizons."""
-    sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
-    axes = sheet.subplots()
+    sheet, ((axes,),) = style.panels(1, 1, 3.6, "constrained")
     end = max(float(curve[-1, 0]) for curve in result.differences.values())
     end = min(end, 1.5 * result.horizon)
     for (label, curve), colour in zip(result.differences.items(), _COLOURS, strict=False):
         shown = curve[(curve[:, 0] <= end) & (curve[:, 1] > 0.0)]  # a logarithm shows no zeros
         axes.semilogy(*shown[:, :2].T, color=colour, linewidth=0.9, label=label)
-    axes.axhline(SLIDER_BOUND, color=REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
+    axes.axhline(SLIDER_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
     axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
     if result.diverged:
-        axes.axvline(result.horizon, color=REFERENCE, linewidth=0.7)
+        axes.axvline(result.horizon, color=style.REFERENCE, linewidth=0.7)
         side = "left" if result.horizon < 0.7 * end else "right"
         place = (result.horizon, 0.02)
         look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "va": "bottom"}
         axes.text(*place, f" horizon: grown {GROWTH:g} times ", ha=side, **look)
-    axes.set_xlim(0.0, end)
-    axes.set_xlabel("time (s)")
-    axes.set_ylabel("distance of the slider from the\nin-house reference (m)")
+    label = "distance of the slider from the\nin-house reference (m)"
+    axes.set(xlim=(0.0, end), xlabel="time (s)", ylabel=label)
     sheet.legend(loc="outside upper center", ncols=3)
     title = "Distance of the engines from the in-house reference"
-    return Drawing("difference.png", title, "", sheet)
+    return style.Drawing("difference.png", title, "", sheet)

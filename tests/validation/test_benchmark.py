@@ -148,7 +148,7 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
     assert defaults == [numerics.joints.for_cycle(period), numerics.tree.for_cycle(period), dae]
     settings = {"steps_per_contact": 70, "tree_tolerance": 3e-7, "equal_step": 3e-5}
     numerics = changed(SCENE, settings | {"integrator": "rk4"}).numerics.resolved("trajectory")
-    methods = contact_methods(SHORT, numerics, 0.5, 1e-3, has_tree=True)
+    methods = contact_methods(SHORT, numerics, 0.5, 1e-3, SCENE.linkage())
     assert {method.label for method in methods if method.is_default} == {
         "exudyn-joints, trapezoidal rule, steps in an impact 70",
         "exudyn-tree, DOPRI5, tolerance 3e-07",
