@@ -48,7 +48,9 @@ class Finding:
         """Text in one line."""
         where = f"joint {self.joint}: " if self.joint else ""
         remedy = f"; {self.remedy}" if self.remedy else ""
-        return f"{where}{self.what} (t = {self.time_s:.6g} s){remedy}"
+        # Wear that a wear update would remove is not of a time within the run.
+        when = "" if self.kind == "wear" else f" (t = {self.time_s:.6g} s)"
+        return f"{where}{self.what}{when}{remedy}"
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,8 @@ def _joint_numbers(
     forces = {name: joint.peak_force_per_cycle for name, joint in joints.items()}
     at = _greatest(forces)
     largest = numbers.quantity_text(joints[at].peak_force, "N")
-    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all: {largest}."
+    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all: {largest}. "
+    text += "Impacts count; they are harder than on a frame that yields."
     if last is not first and at in first.statistics.joints:
         new = first.statistics.joints[at].peak_force_per_cycle.mean
         text += f" Before the wear: {numbers.quantity_text(new, 'N')}."
