@@ -27,6 +27,7 @@ from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBat
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array, State, named, part
 from presswear.tools.compile import on_compiling
+from presswear.tools.numbers import quantity_text
 from presswear.tools.processes import Report, Stopped, is_stopped
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -116,10 +117,9 @@ def worn_out(
     deepest = depth.max(axis=-1, initial=0.0)
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     for *run, k, side in np.argwhere(deepest > clearances)[:1]:
-        what = (
-            f"{where}the {SIDES[side]} would lose {1e6 * deepest[(*run, k, side)]:.3g} µm, more "
-            f"than the clearance of {1e6 * joints[k].clearance:.3g} µm"
-        )
+        lost = quantity_text(deepest[(*run, k, side)], "m")
+        clearance = quantity_text(joints[k].clearance, "m")
+        what = f"{where}the {SIDES[side]} would lose {lost}, more than the clearance of {clearance}"
         advice = "use a smaller cycles_per_update, or check wear_coefficient"
         return Finding("wear", what, time, joints[k].name, advice)
     return None

@@ -316,7 +316,7 @@ def test_surface_worn_through_is_named(campaign: Campaign, scene: Scene, where: 
     seen = campaign(scene, FakeEngine(constant), cycles_per_update=1e3 * REPRESENTED)
     assert seen.status == "failed"
     assert seen.message.startswith(f"joint A: {where} the bearing would lose")
-    assert "more than the clearance of 0.0008 m" in seen.message
+    assert "more than the clearance of 800 µm;" in seen.message
     (stage,) = seen.stages
     assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
