@@ -36,7 +36,7 @@ def both(scene: Scene, linkage: Linkage, tolerance: float, end: float = END) -> 
     start = start_of(scene)
     return (
         accuracy(tolerance).simulate(linkage, start, plan),
-        InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan),
+        InHouse(integration_tolerance=1e-12, coordinates="all").simulate(linkage, start, plan),
     )
 
 
@@ -114,7 +114,9 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(opened
     q, v, _, _ = placed(found, 5, 0.0, x, u)
     start, plan = Start(q, v), Plan(0.2, 1)
     ours = accuracy(1e-11).simulate(linkage, start, plan)
-    reference = InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan)
+    reference = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(
+        linkage, start, plan
+    )
     assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
     assert ours.end.velocity == pytest.approx(reference.end.velocity, abs=1e-7)
     assert ours.recorder.records.torque == pytest.approx(

@@ -109,7 +109,7 @@ def touchdowns(run: Run, joints: int) -> list[float]:
 @pytest.mark.parametrize("name", SCENES)
 def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     """1e-8 m and s, 1e-6 of the torques, 1e-7 of the energy that drives exchange."""
-    scene, fine = SCENES[name], InHouse(integration_tolerance=1e-12)
+    scene, fine = SCENES[name], InHouse(integration_tolerance=1e-12, coordinates="all")
     joints = len(scene.clearance_joints)
     assert isinstance(scene.solver, ExudynTree)
     times = touchdowns(run_scene(scene, fine, 0.5 * scene.mechanism.period), joints)
