@@ -180,8 +180,8 @@ class RunObserver(Observer):
         LOGGER.info("%s: %s. %s", stage.name, model, solver)
         wall = stage.wall_s - self._compile_time
         speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
-        cycles = stage.statistics.cycles
-        lines = [f"{stage.name}: {cycles} cycles, {speed:.2f} s per simulated second"]
+        cycles = f"{stage.statistics.cycles} cycles of all replicates"
+        lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}
         volumes = {name: joint.wear_volume for name, joint in joints}

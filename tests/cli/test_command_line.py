@@ -88,6 +88,8 @@ sweep wear-times 'speed=60 rpm': --set 'speed=60 rpm'
 dynamics slider-crnk: did you mean slider-crank
 dynamics slider-crank --exponent 0: --exponent 0 needs --over
 dynamics slider-crank --orders 4: --orders needs --over
+dynamics slider-crank --set engine=exudyn: engine = dae
+dynamics slider-crank --set wear_updates=1: no wear updates
 dynamics slider-crank --over speed=1:2: FIRST:LAST:COUNT
 dynamics slider-crank --over 'speed=20:30:2 rad/s' --stored 100: stored = 100
 dynamics ideal: no motion is free
