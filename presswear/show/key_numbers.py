@@ -145,8 +145,8 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text = f"Lowest position of the {scene.output} compared with joints without clearance; "
     text += "negative is deeper."
     result.append(measured("Bottom dead centre error", bdc.error, "m", text))
-    text = f"Highest minus lowest bottom dead centre of {bdc.range_strokes} strokes in a row."
-    return [*result, measured("Repeatability", bdc.range, "m", text, bdc.strokes)]
+    text = "Standard deviation of bottom dead centre from stroke to stroke."
+    return [*result, measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes)]
 
 
 def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
@@ -160,6 +160,8 @@ def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         each = {body: getattr(duty, name) for body, duty in duties.items()}
         body = max(each, key=lambda one: abs(each[one].peak))
         typical, value = ("rms", each[body].rms) if name == "torque" else ("mean", each[body].mean)
+        if abs(value) < 1e-9 * abs(each[body].peak):
+            value = 0.0  # round-off of a cycle without net work
         text = f"Drive of {body}: largest in a stroke; {typical} "
         text += f"{numbers.quantity_text(value, unit)}."
         if drives:

@@ -63,6 +63,19 @@ def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
         assert words in found[0]
 
 
+def test_round_off_is_no_mean_power() -> None:
+    numbers = {one.name: one for one in key_numbers(made_up(pw.scenes.slider_crank(), 2))}
+    assert "mean 0 W." in numbers["Motor power"].meaning
+
+
+def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre() -> None:
+    result = made_up(made.ONE, 2)
+    bdc = replace(result.stages[1].bdc, strokes=30)
+    statistics = replace(result.stages[1].statistics, bdc=bdc)
+    numbers = {one.name: one for one in key_numbers(altered(result, 1, statistics=statistics))}
+    assert numbers["Repeatability"][1:3] == ("40 µm", "30 to 60 µm")
+
+
 def test_a_life_comes_first_and_names_its_joint() -> None:
     first, *_, last = key_numbers(lived(made_up(made.BODY, 3)))
     assert (first.name, first.value) == ("Service life", "5 million strokes")
