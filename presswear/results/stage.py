@@ -146,7 +146,8 @@ class JointResult:
 
     name: str
     stored: JointStatistics | None  # None if the stage failed before a cycle was complete
-    arrays: Mapping[str, Array]  # by their names in the file, without the name of the joint
+    # By their names in the file, without the name of the joint
+    arrays: Mapping[str, Array] = field(repr=False)
 
     @property
     def statistics(self) -> JointStatistics:
@@ -232,9 +233,9 @@ class StageResult:
     wall_s: float
     diagnostics: Mapping[str, str | int | float | None]  # of the solver
     statistics: StageStatistics
-    arrays: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
+    arrays: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED, repr=False)
     joint_names: tuple[str, ...] = field(default=(), metadata=NOT_STORED)  # with clearance
-    read_film: Callable[[], Film] | None = field(default=None, metadata=NOT_STORED)
+    read_film: Callable[[], Film] | None = field(default=None, metadata=NOT_STORED, repr=False)
 
     @property
     def name(self) -> str:
