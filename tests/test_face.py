@@ -124,6 +124,47 @@ def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
     assert "failed" in str(result)
 
 
+@pytest.mark.parametrize(
+    ("name", "argument", "meant"),
+    [
+        ("Bearing", "clearence", "clearance"),
+        ("Scene", "wear_update", "wear_updates"),
+        ("SliderCrank", "slidermass", "slider_mass"),
+        ("Bar", "lenght", "length"),
+        ("assemble", "body", "bodies"),
+        ("run", "job", "jobs"),
+        ("sweep", "limit", "limits"),
+    ],
+)
+def test_a_misspelt_argument_is_answered_with_the_nearest(
+    name: str, argument: str, meant: str
+) -> None:
+    message = rf"unknown argument of {name} '{argument}'; did you mean {meant}\?"
+    with pytest.raises(pw.InputError, match=message):
+        getattr(pw, name)(**{argument: 1})
+
+
+def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
+    slider = pw.assemble(
+        bodies=[
+            pw.Bar("crank", "50 mm", 1.0),
+            pw.Bar("rod", "120 mm", 1.0),
+            pw.Body("slider", 5.0, 1e-3),
+        ],
+        joints=[
+            pw.Pin("O", (0.0, 0.0), "crank.tail"),
+            pw.Pin("A", "crank.head", "rod.tail"),
+            pw.Pin("B", "rod.head", "slider"),
+        ],
+        drives=[pw.Drive("crank", speed=60.0)],
+    )
+    scene = pw.Scene(slider, bearings={"B": pw.Bearing()}, cycles=1)
+    message = "hold 7, 2 more are needed; fewer than two joints hold slider$"
+    with pytest.raises(pw.InputError, match=message) as refused:
+        pw.run(scene)
+    assert refused.value.__cause__ is None  # not from a worker process, with two tracebacks
+
+
 def test_settings_of_an_engine_are_checked_like_any_other() -> None:
     with pytest.raises(pw.InputError, match=r"tree_tolerance = -1: allowed is 1e-13 to 0\.001"):
         pw.run(pw.scenes.wear_times(), engine=pw.ExudynTree(tree_tolerance=-1.0))

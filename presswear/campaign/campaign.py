@@ -37,6 +37,7 @@ from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
 from presswear.tools.processes import Report, Workers, cores
+from presswear.tools.serialize import checked_names
 
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
 
@@ -48,6 +49,7 @@ _UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval
 _DOCUMENT = "document"  # array of a checkpoint that holds everything but its arrays
 
 
+@checked_names
 def run(
     scene: Scene,
     folder: str | Path | None = None,
@@ -93,6 +95,7 @@ def run(
         raise InputError(f"scene = {shown(scene)}: {example}")
     _check_jobs(jobs)
     scene = with_engine(scene, engine)
+    scene.check()
     if folder is None:
         memory = _Memory()
         with workers_of(scene, jobs, observers) as workers:
@@ -502,8 +505,8 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     if steps > 1:
         needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
     return [
-        f"the error of the wear of stage {stage.index}, {100.0 * error:.2g} %, exceeds tolerance = "
-        f"{100.0 * scene.tolerance:.2g} %: about max_cycles = {needed:.2g} is needed"
+        f"the error of the {stage_name(stage.index + 1)}, {100.0 * error:.2g} %, exceeds tolerance "
+        f"= {100.0 * scene.tolerance:.2g} %: about max_cycles = {math.ceil(needed)} is needed"
     ]
 
 

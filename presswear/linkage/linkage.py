@@ -31,7 +31,7 @@ from presswear.linkage.elements import (
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, count, quantity
-from presswear.tools.serialize import Checked, make, plain
+from presswear.tools.serialize import Checked, checked_names, make, plain
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
 MAX_TURNS = 1000  # of a drive in a cycle
@@ -134,14 +134,14 @@ class Linkage(Checked):
 
     def _common_period(self, speeds: Sequence[float]) -> float:
         if not speeds:
-            raise InputError(f"cycle of {self.name}: no drive turns, so that it is needed, s")
+            raise InputError(f"cycle of {self.name}: no drive turns; add one, or specify cycle, s")
         turns = 1
         for speed in speeds:
             ratio = Fraction(speed / speeds[0]).limit_denominator(MAX_COMMON_TURNS)
             if abs(float(ratio) * speeds[0] / speed - 1.0) > 1e-9:
                 raise InputError(
                     f"cycle of {self.name}: speeds of {speeds[0]:g} and {speed:g} rad/s have no "
-                    f"common cycle of {MAX_COMMON_TURNS} turns or less, so that it is needed, s"
+                    f"common cycle of {MAX_COMMON_TURNS} turns or less; specify cycle, s"
                 )
             turns = math.lcm(turns, ratio.denominator)
         return 2.0 * math.pi * turns / speeds[0]
@@ -191,6 +191,7 @@ class _Parts(Checked):
     loads: Sequence[Load | Force | Moment] = ()
 
 
+@checked_names
 def assemble(
     bodies: Sequence[Any],
     joints: Sequence[Any] = (),

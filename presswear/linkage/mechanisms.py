@@ -264,8 +264,8 @@ class SliderCrank(Mechanism):
     allowed_joints = ("O", "A", "B")
     default_joints = ("B",)
     origin = (
-        "Dimensions, masses and speed are those of a slider-crank that the literature on joints "
-        "with clearance has studied (Flores), from memory and not checked against a page."
+        "The default dimensions, masses and speed are those of a slider-crank that the literature "
+        "on joints with clearance has studied (Flores), from memory and not checked against a page."
     )
 
     crank_length: float = _l_length(0.05, "crank, O to A")

@@ -287,10 +287,14 @@ def assembled(linkage: Linkage) -> Array:
     free = 3 * len(linkage.bodies) - held
     if free != 0:
         state = "free to move" if free > 0 else "overconstrained"
-        number = f"; {free} drives are missing" if free > 0 else f", {-free} too many"
+        number = f"{free} more are needed" if free > 0 else f"{-free} too many"
+        held_bodies = [end.body for one in linkage.revolutes for end in (one.first, one.second)]
+        held_bodies += [guide.body for guide in linkage.guides]
+        single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
+        hint = f"; fewer than two joints hold {', '.join(single)}" if free > 0 and single else ""
         raise AssemblyError(
-            f"the linkage is {state}: {len(linkage.bodies)} bodies have "
-            f"{3 * len(linkage.bodies)} coordinates; joints, guides and drives hold {held}{number}"
+            f"the linkage is {state}: {len(linkage.bodies)} bodies have {3 * len(linkage.bodies)} "
+            f"coordinates; pins and guides (2 each) and drives (1 each) hold {held}, {number}{hint}"
         )
     rows, start = Rows(linkage), np.zeros(1)
     q, guess = _guessed(linkage)[np.newaxis], dict(linkage.guess)

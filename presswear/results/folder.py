@@ -247,7 +247,7 @@ class ResultFolder(Observer):
         """Raise InputError if any value there differs from the value here."""
         items = [f"{key} is {old} there and {new} here" for key, old, new in pairs if old != new]
         if items:
-            raise InputError(f"{start}{', '.join(items)}")
+            raise InputError(f"{start}{', '.join(items)}; name a new folder")
 
     def on_stage(self, stage: StageResult) -> None:
         """Store a finished stage."""

@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import choice, count, named_set, quantity
-from presswear.tools.serialize import Checked, check_fields
+from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
@@ -53,7 +53,7 @@ Law = str | UserFunction | Callable[..., float]
 
 
 @dataclass(frozen=True)
-class Bearing:
+class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
     Fields take numbers in SI or texts with units; see their texts for ranges.
@@ -119,7 +119,7 @@ class Bearing:
 
     def __post_init__(self) -> None:
         """Check each value, and the values against each other."""
-        check_fields(self)
+        super().__post_init__()
         law, friction_law = self.normal_law, self.friction_law
         if isinstance(law, str):
             allowed = f"with normal_law = {law!r} allowed is"

@@ -30,7 +30,7 @@ from presswear.sweeps.responses import (
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import FolderLock, check_ending, digest, inside, is_free, write_bytes
 from presswear.tools.quantities import Choice
-from presswear.tools.serialize import read_json, typed, write_json
+from presswear.tools.serialize import checked_names, read_json, typed, write_json
 
 FILE, PARTS = "sweep.json", "parts"
 SCHEMA = 2
@@ -203,6 +203,7 @@ def run_sweep(
     return sweep
 
 
+@checked_names
 def sweep(
     scene: Scene,
     vary: Mapping[str, Any] | None = None,

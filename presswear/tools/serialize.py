@@ -8,12 +8,13 @@ lists of any sort and plain data alike. ``plain`` and ``from_plain`` walk over t
 import inspect
 import json
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import wraps
 from numbers import Real
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
+from typing import Annotated, Any, Literal, Self, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from presswear.tools.files import read_checked, write_bytes
 from presswear.tools.quantities import Choice, meaning_of, plain_number
 
 T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
 
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
 NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
@@ -53,8 +55,32 @@ def check_fields(owner: Any) -> None:
             object.__setattr__(owner, item.name, result)
 
 
+def check_names(what: str, names: Iterable[str], allowed: Collection[str]) -> None:
+    """Raise InputError for a name that is not allowed, with the nearest that is."""
+    for name in names:
+        if name not in allowed:
+            raise unknown(what, name, allowed)
+
+
+def checked_names(function: F) -> F:
+    """Decorate a function of the face, so that a misspelt argument raises InputError."""
+    allowed = inspect.signature(function).parameters
+
+    @wraps(function)
+    def checked(*values: Any, **named: Any) -> Any:
+        check_names(f"argument of {function.__name__}", named, allowed)
+        return function(*values, **named)
+
+    return cast(F, checked)
+
+
 class Checked:
     """Base of data classes whose fields are converted and checked; see ``check_fields``."""
+
+    def __new__(cls, *_values: Any, **named: Any) -> Self:
+        """Create an instance; raise InputError for an argument that is not a field."""
+        check_names(f"argument of {cls.__name__}", named, cls.__dataclass_fields__)  # type: ignore[attr-defined]
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -162,9 +188,7 @@ def make(place: str, kind: Callable[..., T], data: Any) -> T:
     arguments = {**data}
     if isinstance(getattr(kind, "kind", None), str):
         arguments.pop("kind", None)
-    for key in arguments:
-        if key not in parameters:
-            raise unknown(f"key of {place}", key, parameters)
+    check_names(f"key of {place}", arguments, parameters)
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{place}: {key} is missing")
