@@ -1,9 +1,10 @@
 """Key numbers of a result, with intervals and short meanings, and warnings about them."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.life import LifeResult, digits_of, span_of, words_of
 from presswear.results.result import Result
@@ -46,7 +47,8 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     life = [] if result.life is None else [_life(scene, result.life)]
     return [
         *life,
-        *_joint_numbers(scene, first, last, bool(life)),
+        *_joint_numbers(scene, first, last),
+        *([] if life else _wear_depth(scene, stages)),
         *_stroke_numbers(scene, last),
         *_drive_numbers(scene, last),
         *_improvement(scene, last, result.life),
@@ -83,10 +85,8 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     return loads
 
 
-def _joint_numbers(
-    scene: Scene, first: StageResult, last: StageResult, has_life: bool
-) -> list[KeyNumber]:
-    """Return peak force, pin pressure, p v and wear depth at the joints where they are greatest."""
+def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[KeyNumber]:
+    """Return peak force, pin pressure and p v at the joints where they are greatest."""
     joints = last.statistics.joints
     if not joints:
         return []
@@ -112,18 +112,24 @@ def _joint_numbers(
         limit = numbers.quantity_text(limits[at], unit) if limits[at] else f"not given ({key})"
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
         result.append(measured(title, loads[at], unit, text))
-    wear = {
-        (name, side): peak.depth
-        for name, joint in joints.items()
-        for side, peak in joint.wear_peaks.items()
-        if side != "both" and peak.depth.mean > 0.0 and not has_life
-    }
-    if wear:
-        name, side = place = _greatest(wear)
-        strokes = numbers.large(scene.cycles_per_update)
-        text = f"Deepest wear of the next {strokes} strokes, on the {side} of joint {name}."
-        result.append(measured("Wear depth", wear[place], "m", text))
     return result
+
+
+def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
+    """Return the deepest wear of the last update that has one: a jump in one step has none."""
+    for stage in reversed(stages):
+        wear = {
+            (name, side): peak.depth
+            for name, joint in stage.statistics.joints.items()
+            for side, peak in joint.wear_peaks.items()
+            if side != "both" and peak.depth.mean > 0.0
+        }
+        if wear:
+            name, side = place = _greatest(wear)
+            strokes = numbers.large(scene.cycles_per_update)
+            text = f"Deepest wear of {strokes} strokes after the stage “{stage.name}”, on the "
+            return [measured("Wear depth", wear[place], "m", f"{text}{side} of joint {name}.")]
+    return []
 
 
 def _greatest(values: Mapping[Any, Estimate]) -> Any:
@@ -219,9 +225,10 @@ def warnings(result: Result) -> list[str]:
     joints = [joint for stage in stages for joint in stage.statistics.joints.values()]
     strokes = min((one.peak_force_per_cycle.samples for one in joints), default=ENOUGH)
     if strokes < ENOUGH:
+        cycles = STARTUP_CYCLES + math.ceil(ENOUGH / scene.replicate_count)
         lines.append(
             f"Few strokes: peak forces are means of {strokes}, so their intervals are wide. "
-            f"Run at least {ENOUGH} (cycles)."
+            f"Run at least {ENOUGH}: cycles = {cycles} or more."
         )
     for stage in stages[-1:]:
         for key, loads in _bearing_loads(scene, stage).items():

@@ -90,7 +90,25 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
     expected = "First wear: contact forces create 12 % of the energy"
     assert any(line.startswith(expected) for line in lines)
     assert not any("create" in line for line in warnings(result))
-    assert any(line.startswith("Few strokes: peak forces are means of 2") for line in lines)
+    (few,) = [line for line in lines if line.startswith("Few strokes: peak forces are means of 2")]
+    assert few.endswith("Run at least 20: cycles = 7 or more.")  # of one replicate
+
+
+def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
+    result = made_up(made.BOTH, 2)
+    (last,) = [one for one in key_numbers(result) if one.name == "Wear depth"]
+    assert "after the stage “first wear”" in last.meaning
+    statistics = result.stages[1].statistics
+    joints = {name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()}
+    jump = altered(result, 1, statistics=replace(statistics, joints=joints))
+    (first,) = [one for one in key_numbers(jump) if one.name == "Wear depth"]
+    assert "after the stage “no wear”" in first.meaning
+
+
+def test_mean_power_of_round_off_is_zero() -> None:
+    result = made_up(pw.scenes.slider_crank(), 1)
+    (power,) = [one for one in key_numbers(result) if one.name == "Motor power"]
+    assert "mean 0 W" in power.meaning
 
 
 @pytest.mark.parametrize(
