@@ -59,7 +59,7 @@ _BEARING = (
 )
 _SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
 _LIMITS = "torque_limit", "pressure_limit", "pv_limit"
-_RUN = "conventions", "wear_updates", "cycles_per_update", "cycles", "engine"
+_RUN = "conventions", "wear_updates", "cycles_per_update", "max_cycles", "cycles", "engine"
 
 
 def example_file(kind: str) -> str:
@@ -76,7 +76,8 @@ def example_file(kind: str) -> str:
         first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
     joints = ",".join(mechanism.default_joints) or "B"
     bearings, refined = Bearing(clearance=0.3e-3), CONVENTIONS["refined"]
-    scene = Scene(mechanism, joints=joints, bearings=bearings, conventions=refined, wear_updates=1)
+    run = {"conventions": refined, "wear_updates": 1, "max_cycles": 256}  # up to 64 wear steps
+    scene = Scene(mechanism, joints=joints, bearings=bearings, **run)
     possible = {setting.key for setting in settings_of(scene)}
     scene = changed(scene, {key: value for key, value in _OFF.items() if key in possible})
     if kind == SliderCrank.kind:  # the work of a press is where the slider is farthest from O

@@ -20,7 +20,7 @@ from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
-from presswear.tools.serialize import check_fields, from_plain, make, plain
+from presswear.tools.serialize import Checked, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
 Parametric = Press | SliderCrank | FourBar | SixBar
@@ -38,7 +38,7 @@ MAX_MASS_RATIO = 1e6  # beyond it accelerations of the light body are round-off 
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Checked):
     """Mechanism, clearance joints and options of a run; see the texts of the fields for ranges.
 
     Attributes
@@ -66,7 +66,7 @@ class Scene:
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         *("standard", CONVENTIONS),
-        "model choices: of the paper with smoothed wear maps, as printed, or as recommended",
+        "model choices: standard (paper, smoothed maps), paper (as printed), refined (advised)",
     )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(
@@ -84,12 +84,14 @@ class Scene:
     )
     wear_updates: int = count(2, 0, 20, "paper, per study", "number of wear updates")
     cycles: int | None = count(
-        None, 1, 100_000, "chosen", "cycles of a stage; default: until the wear maps have converged"
+        None, 1, 100_000, "chosen", "cycles of a replicate; default: until the wear maps converge"
     )
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps over their rms"
     )
-    max_cycles: int = count(200, 1, 100_000, "paper", "most cycles of a stage without --cycles")
+    max_cycles: int = count(
+        200, 1, 100_000, "paper", "most cycles of all replicates, if cycles = none"
+    )
     cycles_per_update: float = quantity(
         4e6, "", 1.0, 1e12, "paper", "cycles that one wear update represents"
     )
@@ -126,7 +128,7 @@ class Scene:
                 names = ", ".join(self.mechanism.allowed_joints)
                 raise InputError(f"bearings: no joint has clearance; set joints to any of {names}")
             self._set(joints=self._joint_choice.combine(self.mechanism.default_joints))
-        check_fields(self)
+        super().__post_init__()
         for name in self.joint_bearings:
             if name not in self.mechanism.allowed_joints:
                 raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
