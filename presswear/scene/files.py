@@ -14,7 +14,7 @@ import numpy as np
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.surface import SIDES
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import (
     DEFAULT,
@@ -75,11 +75,10 @@ def example_file(kind: str) -> str:
         numbers = [setting for setting in settings_in(mechanism) if not setting.is_part]
         first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
     joints = ",".join(mechanism.default_joints) or "B"
-    bearings, refined = Bearing(clearance=0.3e-3), CONVENTIONS["refined"]
-    run = {"conventions": refined, "wear_updates": 1, "max_cycles": 256}  # up to 64 wear steps
-    scene = Scene(mechanism, joints=joints, bearings=bearings, **run)
+    bearings, run = Bearing(clearance=0.3e-3), {"conventions": "refined", "max_cycles": 256}
+    scene = Scene(mechanism, joints=joints, bearings=bearings, wear_updates=1)
     possible = {setting.key for setting in settings_of(scene)}
-    scene = changed(scene, {key: value for key, value in _OFF.items() if key in possible})
+    scene = changed(scene, run | {k: value for k, value in _OFF.items() if k in possible})
     if kind == SliderCrank.kind:  # the work of a press is where the slider is farthest from O
         scene = changed(scene, {"process.bottom": "highest"})
     settings = {setting.key: setting for setting in settings_of(scene)}

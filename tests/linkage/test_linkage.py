@@ -202,7 +202,7 @@ def test_the_parameters_of_a_user_law_are_checked() -> None:
 
 def test_a_missing_cycle_is_requested() -> None:
     for drives in ([], [Drive("crank", 1.0), Drive("rocker", math.pi)]):
-        with pytest.raises(InputError, match="it is needed, s"):
+        with pytest.raises(InputError, match="specify cycle, s"):
             _ = FOUR_BAR.changed(drives=drives).period
     assert FOUR_BAR.changed(drives=[], cycle="2 s").period == 2.0
 
