@@ -105,11 +105,6 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     assert "after the stage “no wear”" in first.meaning
 
 
-def test_mean_power_of_round_off_is_zero() -> None:
-    result = made_up(pw.scenes.slider_crank(), 1)
-    (power,) = [one for one in key_numbers(result) if one.name == "Motor power"]
-    assert "mean 0 W" in power.meaning
-
 
 @pytest.mark.parametrize(
     ("engine", "advice"),
