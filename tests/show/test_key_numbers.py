@@ -105,7 +105,6 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     assert "after the stage “no wear”" in first.meaning
 
 
-
 @pytest.mark.parametrize(
     ("engine", "advice"),
     [
