@@ -128,6 +128,7 @@ def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
     ("name", "argument", "meant"),
     [
         ("Bearing", "clearence", "clearance"),
+        ("InHouse", "alpa", "alpha"),
         ("Scene", "wear_update", "wear_updates"),
         ("SliderCrank", "slidermass", "slider_mass"),
         ("Bar", "lenght", "length"),

@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
 from presswear.tools.quantities import choice, count, quantity
+from presswear.tools.serialize import Named
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,7 +35,7 @@ IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
 PAPER_STEP = 1e-4  # s; integral step of the paper's Table 2
 
 
-class _Engine:
+class _Engine(Named):
     """Longest step, tolerance and run of any engine."""
 
     word: ClassVar[str]

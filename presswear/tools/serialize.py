@@ -74,13 +74,17 @@ def checked_names(function: F) -> F:
     return cast(F, checked)
 
 
-class Checked:
-    """Base of data classes whose fields are converted and checked; see ``check_fields``."""
+class Named:
+    """Base of data classes whose constructors name the nearest to a misspelt argument."""
 
     def __new__(cls, *_values: Any, **named: Any) -> Self:
         """Create an instance; raise InputError for an argument that is not a field."""
         check_names(f"argument of {cls.__name__}", named, cls.__dataclass_fields__)  # type: ignore[attr-defined]
         return super().__new__(cls)
+
+
+class Checked(Named):
+    """Base of data classes whose fields are converted and checked; see ``check_fields``."""
 
     def __post_init__(self) -> None:
         check_fields(self)
