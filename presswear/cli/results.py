@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from rich.console import Console
 from presswear.cli import terminal
 from presswear.cli.terminal import load_result, print_lines
 from presswear.tools.errors import InputError
-from presswear.tools.files import check_ending, check_folder
+from presswear.tools.files import check_ending, check_folder, write_whole
 from presswear.tools.quantities import Quantity, parse_quantity
 
 if TYPE_CHECKING:
@@ -64,10 +65,9 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     if still is not None:
         check_ending(still, ".png", option="--still")
     if movie is not None:
-        from presswear.show.replay.output import check_movie
-
-        check_ending(movie, ".mp4", ".gif", option="--movie")
-        check_movie(movie)
+        kind = check_ending(movie, ".mp4", ".gif", option="--movie")
+        if kind == ".mp4" and shutil.which("ffmpeg") is None:
+            raise InputError(f"--movie {movie}: .mp4 needs ffmpeg; install it or write a .gif")
     from presswear.show.replay.clip import equal_limits, life_clip
 
     if arguments.life:
@@ -112,11 +112,14 @@ def _time(flag: str, text: str | None, clip: "Clip", default: float) -> float:
 
 
 def _still(arguments: argparse.Namespace, console: Console, clips: "list[Clip]") -> int:
+    from PIL import Image
+
     from presswear.show.replay.clip import frames_at
-    from presswear.show.replay.output import still, write_still
+    from presswear.show.replay.output import still
 
     time = _time("--at", arguments.at, clips[0], clips[0].default_start)
-    write_still(arguments.still, still(clips, frames_at(clips, time), arguments.size))
+    pixels = still(clips, frames_at(clips, time), arguments.size)
+    write_whole(arguments.still, lambda file: Image.fromarray(pixels).save(file, format="png"))
     print_lines(console, f"picture in {arguments.still}")
     return 0
 

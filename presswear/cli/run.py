@@ -114,8 +114,8 @@ def run_scene(
     else:
         from presswear.show.report import write_report
 
-        with console.status("drawing the report"):
-            report = write_report(result)
+        with console.status("drawing the figures") as line:
+            report = write_report(result, lambda count: line.update(f"drawing {count} figures"))
         terminal.print_lines(console, f"results in {folder}, report in {report}")
     terminal.print_lines(console, *deep_contacts(result.scene, result.stages))
     if result.status == "failed":

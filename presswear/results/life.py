@@ -16,6 +16,10 @@ _FINE = 0.05  # half width of a logarithm below which a life has three digits
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
 
+def _error(sampling: float | None, step: float | None) -> float | None:
+    return None if sampling is None or step is None else math.hypot(sampling, step)
+
+
 @dataclass(frozen=True)
 class LimitResult:
     """Strokes after which a limit is exceeded."""
@@ -28,6 +32,11 @@ class LimitResult:
     step: float | None  # half width of ln(strokes) by the wear step
     last: float  # value at the end, and its half width
     last_half_width: float | None
+
+    @property
+    def error(self) -> float | None:
+        """Half width of the logarithm of the strokes; None: unknown."""
+        return _error(self.sampling, self.step)
 
 
 @dataclass(frozen=True)
@@ -89,9 +98,7 @@ class LifeResult:
     @property
     def error(self) -> float | None:
         """Half width of the logarithm of the life for its wear coefficients; None: unknown."""
-        if self.sampling is None or self.step is None:
-            return None
-        return math.hypot(self.sampling, self.step)
+        return _error(self.sampling, self.step)
 
     @property
     def total_error(self) -> float | None:

@@ -6,7 +6,7 @@ A table has a column per stage, or a line per record; a record holds the values 
 
 import math
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -37,11 +37,11 @@ from presswear.show.figures import drawings
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
 from presswear.show.key_numbers import key_numbers, warnings
-from presswear.show.page import NOTHING, Illustration, Line, Row, Table, text_of
+from presswear.show.page import NOTHING, Illustration, Line, Row, Table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.quantities import Choice, Quantity
+from presswear.tools.quantities import Choice
 
 Record = dict[str, Any]
 
@@ -50,11 +50,16 @@ _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
 
 
-def write_report(result: Result) -> Path:
-    """Draw the figures and write ``report.html`` into the folder of a result; return the page."""
+def write_report(result: Result, notify: Callable[[int], None] = lambda count: None) -> Path:
+    """Draw the figures and write ``report.html`` into the folder of a result; return the page.
+
+    ``notify`` is called with the number of figures before they are drawn.
+    """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
-    figures = page.illustrated(drawings(result), inside(result.path, "figures"))
+    sheets = list(drawings(result))
+    notify(len(sheets))
+    figures = page.illustrated(sheets, inside(result.path, "figures"))
     file = result.path / "report.html"
     write_bytes(file, render_report(result, figures).encode())
     return file
@@ -65,25 +70,16 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     scene, changes = result.scene, changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
+    packages = result.provenance["packages"].items()
+    listed = ", ".join(f"{name} {version}" for name, version in packages)
+    origin = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
     content: Record = {
         "result": result,
         "scene": scene,
         "base": named_scene(scene),
         "stages": stages,
         "moves": bottom_of(scene.ideal) is not None,
-        "chosen": [
-            setting.key
-            for setting in settings_of(scene)
-            if isinstance(setting.meaning, Quantity)
-            and setting.meaning.origin.startswith(("chosen", "assumed"))
-        ],
         "untrusted": untrusted,
-        "worn_sides": [
-            f"{side} of {joint} {numbers.quantity_text(float(surface.depth.max()), 'm')}"
-            for joint, pair in scene.surfaces.items()
-            for side, surface in zip(SIDES, pair, strict=True)
-            if surface.is_worn
-        ],
         "laws": _normal_laws(scene),
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
         "dry": [] if untrusted else dry_contact(scene),
@@ -95,7 +91,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
             "drives": drive_table(result),
             "growth": growth_table(result),
             "motion": motion_table(result),
-            "provenance": provenance_table(result),
+            "provenance": _result_table("provenance", result, [origin], numeric=False),
         },
         "life": result.life and _life(result, result.life),
         "words_of": words_of,
@@ -117,17 +113,15 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
 
 def _status(result: Result) -> str:
     """Return a sentence on the end of the run."""
-    count = len(result.stages)
-    if result.status == "completed":
-        return f"Completed: {count} of {count} stages ran."
-    if result.status == "unconverged":
-        return f"Not converged: {result.message}. {count} stages ran."
-    if result.status == "failed":
-        return f"Failed: {result.message or 'no reason was stored'}"
-    if result.status == "running":
-        total = result.scene.wear_updates + 1
-        return f"Unfinished: {count} of {total} stages are stored; the run goes on or was stopped."
-    return f"Ended with the status “{result.status}”. {result.message}"
+    count, message = len(result.stages), result.message
+    total = result.scene.wear_updates + 1
+    return {
+        "completed": f"Completed: {count} of {count} stages ran.",
+        "unconverged": f"Not converged: {message}. {count} stages ran.",
+        "failed": f"Failed: {message or 'no reason was stored'}",
+        "running": f"Unfinished: {count} of {total} stages are stored; "
+        "the run goes on or was stopped.",
+    }.get(result.status, f"Ended with the status “{result.status}”. {message}")
 
 
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
@@ -390,14 +384,6 @@ def setting_tables(result: Result) -> dict[str, Table]:
     return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
 
 
-def provenance_table(result: Result) -> Table | None:
-    """Return versions, machine and time of a result."""
-    packages = result.provenance["packages"].items()
-    listed = ", ".join(f"{name} {version}" for name, version in packages)
-    record = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
-    return _result_table("provenance", result, [record], numeric=False)
-
-
 def _life(result: Result, life: LifeResult) -> Record:
     """Return what the template reads on the service life of a result."""
     first = life.first if life.ended == "limit" else None
@@ -407,7 +393,7 @@ def _life(result: Result, life: LifeResult) -> Record:
         for limit in life.limits
         if limit is not first
         and limit.strokes is not None
-        and limit.strokes / math.exp(_limit_error(limit) or 0.0) <= high
+        and limit.strokes / math.exp(limit.error or 0.0) <= high
     ]
     return {
         "result": life,
@@ -419,20 +405,9 @@ def _life(result: Result, life: LifeResult) -> Record:
 
 
 def _life_tables(result: Result, life: LifeResult) -> dict[str, Table]:
-    """Return the tables of a service life: limits, causes of its error, phases and refinements."""
-    scene = result.scene
-    causes = {
-        f"sampling: {scene.replicate_count} replicates of a chaotic motion": life.sampling,
-        "step of the wear update, from refinements with coarser steps": life.step,
-        "scatter of the wear coefficients": life.scatter,
-        "all together": life.total_error,
-    }
+    """Return the tables of a service life: limits, and phases of the wear."""
     lines: dict[str, list[Line]] = {
-        "limits": [_limit_line(scene, limit) for limit in life.limits],
-        "causes": [
-            (name, _percent(error), span_of(life.strokes, error) or NOTHING)
-            for name, error in causes.items()
-        ],
+        "limits": [_limit_line(result.scene, limit) for limit in life.limits],
         "phases": [
             (
                 f"{phase.joint}: {phase.name}",
@@ -441,31 +416,9 @@ def _life_tables(result: Result, life: LifeResult) -> dict[str, Table]:
             )
             for phase in life.phases
         ],
-        "refinements": [
-            (
-                str(number),
-                text_of(each.change, "%"),
-                text_of(each.cycles),
-                NOTHING if each.strokes is None else numbers.large(each.strokes),
-                _percent(each.sampling),
-            )
-            for number, each in enumerate(life.refinements, start=1)
-        ],
     }
     end = numbers.large(float(life.curves["strokes"][-1]))
     return {name: _line_table(name, result, rows, True, end=end) for name, rows in lines.items()}
-
-
-def _percent(error: float | None) -> str:
-    """Return the half width of a logarithm as a percentage."""
-    return NOTHING if error is None else text_of(math.expm1(error), "%", 2)
-
-
-def _limit_error(limit: LimitResult) -> float | None:
-    """Return the half width of the logarithm of the strokes to a limit; None if unknown."""
-    if limit.sampling is None or limit.step is None:
-        return None
-    return math.hypot(limit.sampling, limit.step)
 
 
 def _limit_line(scene: Scene, limit: LimitResult) -> Line:
@@ -477,7 +430,7 @@ def _limit_line(scene: Scene, limit: LimitResult) -> Line:
     name = f"{words_of(limit.key)} over {limit_text(limit)}"
     if limit.strokes is None:
         return name, "not exceeded", NOTHING, NOTHING, last
-    error = _limit_error(limit)
+    error = limit.error
     digits, hours = digits_of(error), limit.strokes * scene.mechanism.period / 3600.0
     interval = span_of(limit.strokes, error) or "unknown"
     strokes = numbers.large(limit.strokes, digits=digits)

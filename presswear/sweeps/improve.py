@@ -68,7 +68,7 @@ class Improvement:
         most = max(min(len(items), SHOWN) for items in self.effects.values())
         height = len(self.effects) * (0.8 + BAR * most)
         with rc_context(SETTINGS):
-            sheet, grid = style.panels(len(self.effects), 1, height, layout="constrained")
+            sheet, grid = style.panels(len(self.effects), 1, height)
             for (axes,), (key, items) in zip(grid, self.effects.items(), strict=True):
                 shown = items[:SHOWN]
                 colours = [style.LINES[2][0] if one.is_better else style.MUTED for one in shown]

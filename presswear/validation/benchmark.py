@@ -188,7 +188,7 @@ def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
     """Draw the first two errors of each problem over the CPU time."""
     listed = list({id(point.problem): point.problem for point in points}.values())
     families = list(dict.fromkeys(point.method.family for point in points))
-    sheet, grid = style.panels(len(listed), 2, 1.0 + 2.4 * len(listed), "constrained")
+    sheet, grid = style.panels(len(listed), 2, 1.0 + 2.4 * len(listed))
     handles: dict[str, Any] = {}  # of the legend, by label
     for row, problem in zip(grid, listed, strict=True):
         timed = [p for p in points if p.problem is problem and p.timing is not None]

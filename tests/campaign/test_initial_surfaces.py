@@ -12,7 +12,6 @@ from endurance.sameness import folder_differences
 import presswear as pw
 from presswear.linkage.surface import SIDES
 from presswear.results.result import stored_scene
-from presswear.tools.numbers import readable
 
 QUICK = {
     **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6},
@@ -95,8 +94,7 @@ def test_scene_is_stored(first: pw.Result, tmp_path: Path, command: Callable[...
     whole, again = tmp_path / "whole", tmp_path / "again"
     command(f"{line} --out {whole}")
     shutil.rmtree(source)
-    deepest = readable(1e6 * float(first.stages[1].joints["A"].depth("bearing").max()))
-    text = f"starts on surfaces from {source}:1. Deepest wear: bearing of A {deepest} µm"
+    text = f"starts on surfaces from {source}:1."
     assert text in (whole / "report.html").read_text()
     pw.run(stored_scene(whole)[0], again)
     assert folder_differences(whole, again) == []

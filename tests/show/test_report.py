@@ -135,9 +135,6 @@ def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
     assert "from memory and not checked against a page" in text
     captions = " ".join(drawing.caption for drawing in drawings(result))
     assert not re.search(r"\b(press|paper|crank 2)\b", captions)
-    chosen = text.partition("Chosen or assumed settings: ")[2]
-    assert chosen.startswith("gravity, ")
-    assert ", clearance," not in chosen.partition(".")[0]
 
 
 def test_settings_changes_and_provenance() -> None:
@@ -180,14 +177,9 @@ def test_the_answer_on_a_life() -> None:
     finer = page_of(lived(LIVED, made.made_up_life(0.003, 0.004))).text
     assert "5 million strokes (4.98 to 5.03 million)" in finer.replace("\u00a0", " ")
     assert "with an unknown error" in page_of(lived(LIVED, made.made_up_life(None, 0.1))).text
-    sampling = f"sampling: {LIVED.scene.replicate_count} replicates of a chaotic motion"
     for label, cells in {
-        sampling: ["3.0", "4.85 to 5.15 million"],
-        "scatter of the wear coefficients": ["65", "3 to 8.2 million"],
-        "all together": ["65", "3 to 8.3 million"],
         "depth of A over 50 µm": ["not exceeded", "–", "–", "20.0\u00a0± 1.0 µm"],
         "A: running-in": ["0 to 2 million", "3.00\u00a0± 0.20"],
-        "2": ["0.100", "320", "5 million", "3.0"],
     }.items():
         assert page.row(label)[1:] == cells
     first = page.row("depth of C over 50 µm")
@@ -212,7 +204,6 @@ def test_an_unknown_life_is_not_guessed(ended: Ended, message: str, line: str) -
     assert "No limit is exceeded within 5 million strokes, " in page.text
     assert "depth of A 25.0 µm of 50 µm" in page.text
     assert line in page.text
-    assert "all together" not in page.text
 
 
 @pytest.mark.parametrize(("strokes", "is_named"), [(5.4e6, True), (7e6, False)])

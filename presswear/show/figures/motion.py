@@ -216,8 +216,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
         last = max(float(number[-1]) for number, _ in replicates if number.size)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        width = (style.WIDTH - 0.7) / len(shown) - 0.1
-        axes.set_xlabel(style.wrapped("since the start (strokes)", width))
+        axes.set_xlabel("since the start (strokes)")
     row[0].set_ylabel(f"lowest position of the {scene.output}\nminus ideal ({unit})")
     return style.finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
 

@@ -15,9 +15,7 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
-from matplotlib.layout_engine import LayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.transforms import ScaledTranslation
 from numpy.typing import ArrayLike
 
 from presswear.results.press_analysis import has_motion
@@ -45,11 +43,6 @@ _TEMPLATES = files("presswear.show") / "templates"
 with as_file(_TEMPLATES / "figures.mplstyle") as file:
     SETTINGS = matplotlib.rc_params_from_file(file, use_default_template=False)
 SUBTICKS = (2.0, 5.0)  # multiples of a power of ten that are marked on a logarithmic axis
-_POINTS = 72.0  # per inch
-_TEXT_LINE = 1.3 * SETTINGS["font.size"]  # height of a line of text, points
-_TEXT_PAD = 5.0  # around a title or label, points
-_TICK = 7.0  # length of a tick and its distance from the label, points
-_GAP = 12.0  # right of a panel, points
 _ROW, _HANDLE = 112, 8  # letters in the width of a figure, and in the handle of a legend
 # The palette of Okabe and Ito is distinct with every common colour blindness.
 LINES: tuple[tuple[str, LineStyle], ...] = (
@@ -174,72 +167,12 @@ def angle_label(result: Result, side: str) -> str:
     return f"{where} (degrees)"
 
 
-class PanelLayout(LayoutEngine):
-    """Layout of a grid of panels with margins for their labels, aligned in each column.
-
-    The constrained layout of matplotlib measures all texts several times, which takes longer than
-    to draw them. This layout measures only tick labels beside the panels, and those once.
-    """
-
-    _adjust_compatible = _colorbar_gridspec = False
-
-    def execute(self, fig: Any) -> None:
-        """Place the panels of a figure and their labels."""
-        places = [(axes, place) for axes in fig.axes if (place := axes.get_subplotspec())]
-        grid = places[0][1].get_gridspec()
-        above, below = np.zeros((2, grid.nrows))  # margins of rows and columns, points
-        beside, ticks = np.zeros((2, grid.ncols))
-        for axes, place in places:
-            if not axes.axison:
-                continue
-            row, column = place.rowspan.start, place.colspan.start
-            titles = (axes.get_title(loc) for loc in ("left", "center", "right"))
-            above[row] = max(above[row], *map(_text_height, titles))
-            lowest = _TICK + _TEXT_LINE * axes.xaxis.get_tick_params()["labelbottom"]
-            below[row] = max(below[row], lowest + _text_height(axes.get_xlabel()))
-            shift = ScaledTranslation(0.0, -lowest / _POINTS, fig.dpi_scale_trans)
-            axes.xaxis.set_label_coords(0.5, 0.0, axes.transAxes + shift)
-            beside[column] = max(beside[column], _text_height(axes.get_ylabel()))
-        below += 0.5 * _TICK
-        size, scale = fig.get_size_inches() * _POINTS, _POINTS / fig.dpi
-        top = size[1] - sum(scale * key.get_window_extent().height + _TICK for key in fig.legends)
-        shares = np.array(grid.get_height_ratios()) / np.sum(grid.get_height_ratios())
-        high = (top - np.sum(above + below)) * shares
-        bottom = top - np.cumsum(above + high + below) + below
-        for axes, place in places:  # the height decides on the ticks beside a panel
-            row, column = place.rowspan.start, place.colspan.start
-            axes.set_position((0.2, bottom[row] / size[1], 0.7, high[row] / size[1]))
-            if axes.axison and axes.yaxis.get_tick_params()["labelleft"]:
-                widths = [text.get_window_extent().width for text in axes.yaxis.get_ticklabels()]
-                widest = scale * max(widths, default=0.0) + 0.5 * _TICK
-                ticks[column] = max(ticks[column], widest)
-        ticks += 0.5 * _TICK
-        wide = (size[0] - np.sum(beside + ticks + _GAP)) / grid.ncols
-        left = np.cumsum(beside + ticks) + (wide + _GAP) * np.arange(grid.ncols)
-        for axes, place in places:
-            row, column = place.rowspan.start, place.colspan.start
-            corner, extent = (left[column], bottom[row]), (wide, high[row])
-            axes.set_position((*(corner / size), *(extent / size)))
-            axes.set_in_layout(True)  # undo what ``set_position`` did
-            away = -(ticks[column] + 0.5 * _TEXT_PAD) / _POINTS
-            shift = ScaledTranslation(away, 0.0, fig.dpi_scale_trans)
-            axes.yaxis.set_label_coords(0.0, 0.5, axes.transAxes + shift)
-
-
-def _text_height(text: str) -> float:
-    """Return the height of a title or label with its distance, points."""
-    return _TEXT_PAD + _TEXT_LINE * (1 + text.count("\n")) if text else 0.0
-
-
-def panels(
-    rows: int, columns: int, height: float, layout: Any = None, **sharing: Any
-) -> tuple[Sheet, Any]:
+def panels(rows: int, columns: int, height: float, **sharing: Any) -> tuple[Sheet, Any]:
     """Return a sheet of the common width and its grid of axes, an array of shape (rows, columns).
 
-    The height is in inches; ``sharing`` goes to ``Figure.subplots``. A figure with a colour bar
-    needs matplotlib's ``constrained`` layout.
+    The height is in inches; ``sharing`` goes to ``Figure.subplots``.
     """
-    sheet = Sheet(figsize=(WIDTH, height), layout=layout or PanelLayout())
+    sheet = Sheet(figsize=(WIDTH, height), layout="constrained")
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
 
 

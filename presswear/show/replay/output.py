@@ -2,7 +2,6 @@
 
 import multiprocessing
 import os
-import shutil
 import subprocess
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -26,7 +25,7 @@ from presswear.scene.scene import Scene
 from presswear.show.replay import clip as clip_module
 from presswear.show.replay.clip import Chapter, Clip, Snapshot, frames_at, snapshots
 from presswear.show.replay.picture import Picture, exu
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import RunFailed
 from presswear.tools.files import write_whole
 from presswear.tools.processes import cores, end_with_parent
 
@@ -52,11 +51,6 @@ def still(clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]) -
     with closing(Picture(clips, size)) as picture:
         picture.show(snapshots(clips, frames, frames), part, "")
         return picture.image()
-
-
-def write_still(file: Path, pixels: Pixels) -> None:
-    """Write a picture as PNG."""
-    write_whole(file, lambda part: Image.fromarray(pixels).save(part, format="png"))
 
 
 _worker: list[Any] = []  # picture, clips, frames and note of a worker process
@@ -93,12 +87,6 @@ def pictures(
         raise RunFailed("a process that draws pictures ended unexpectedly") from None
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-def check_movie(file: Path) -> None:
-    """Raise InputError unless a film with the ending of this name can be encoded."""
-    if file.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
-        raise InputError(f"--movie {file}: .mp4 needs ffmpeg; install it or write a .gif")
 
 
 def write_movie(file: Path, images: Iterator[Pixels], rate: float) -> None:

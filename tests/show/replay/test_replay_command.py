@@ -69,6 +69,7 @@ BAD_INPUT = """
 --still x.png --life --stage 1: --life
 --still x.gif: must end in .png
 --movie x.png: must end in .mp4 or .gif
+--movie x.mp4: .mp4 needs ffmpeg; install it or write a .gif
 --movie x.gif --at 0.1s: --at
 --movie x.gif --still x.png: --still
 --movie x.gif --from 0.2 --to 0.1: --to
@@ -81,6 +82,7 @@ def test_bad_input_is_refused_in_one_line(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shutil, "which", lambda name: None)
     for case in BAD_INPUT.strip().splitlines():
         options, _, message = case.partition(": ")
         assert message in command(f"replay {folder} {options}", 2)
