@@ -167,12 +167,12 @@ def resonance(stage: StageResult, joint: str) -> float | None:
 
 
 def combine(timelines: Sequence[Timeline]) -> Timeline:
-    """Return the joint modes of several joints over one span, named ``first + second``."""
+    """Return the joint modes of several joints over one span, named ``first + second``.
+
+    Only modes that occur have a name, because ten joints have a million.
+    """
     edges = np.unique(np.concatenate([each.edges for each in timelines]))
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    codes = np.zeros(middle.size, np.int64)
-    names: tuple[str, ...] = ("",)
-    for each in timelines:
-        codes = codes * len(each.names) + each.at(middle)
-        names = tuple(f"{a} + {b}" if a else b for a in names for b in each.names)
-    return _merged(edges, codes, names)
+    modes = np.column_stack([each.at(0.5 * (edges[1:] + edges[:-1])) for each in timelines])
+    rows, codes = np.unique(modes, axis=0, return_inverse=True)
+    words = [[each.names[mode] for each, mode in zip(timelines, row, strict=True)] for row in rows]
+    return _merged(edges, codes.ravel(), tuple(map(" + ".join, words)))

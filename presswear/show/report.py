@@ -6,6 +6,7 @@ A table has a column per stage, or a line per record; a record holds the values 
 
 import math
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from importlib.resources import files
@@ -47,6 +48,7 @@ Record = dict[str, Any]
 
 _TABLES = TEMPLATES.from_string((files(__package__) / "templates/tables.toml").read_text("utf-8"))
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
+_TOGETHER = 8  # most frequent modes of all joints together that are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
 
 
@@ -313,9 +315,12 @@ def motion_table(result: Result) -> Table | None:
     ]
     if not records:
         return None
-    several = dict.fromkeys(mode for record in records for mode in record["together"])
+    shares = Counter[str]()
+    for record in records:
+        shares.update(record["shares"])
     series = list(records[0]["harmonics"])
-    together = list(several) if len(result.scene.clearance_joints) > 1 else []
+    is_alone = len(result.scene.clearance_joints) == 1
+    together = [] if is_alone else [mode for mode, _ in shares.most_common(_TOGETHER)]
     return _result_table("motion", result, records, together=together, series=series)
 
 
@@ -346,7 +351,8 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     return {
         "cycles": cycles,
         "modes": {joint: visits(line) for joint, line in lines.items()},
-        "together": {m: text for m, text in visits(together).items() if together.shares[m]},
+        "together": visits(together),
+        "shares": together.shares,
         "changes": {joint: changes(line) for joint, line in lines.items()},
         "period": str(period_of(scene, stage)),
         "harmonics": {

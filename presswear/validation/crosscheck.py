@@ -319,7 +319,7 @@ _COLOURS = (style.MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
 @matplotlib.rc_context(style.SETTINGS)
 def draw_differences(result: Crosscheck) -> style.Drawing:
     """Draw the distance of the slider from the reference over time, up to 1.5 horizons."""
-    sheet, ((axes,),) = style.panels(1, 1, 3.6, "constrained")
+    sheet, ((axes,),) = style.panels(1, 1, 3.6)
     end = max(float(curve[-1, 0]) for curve in result.differences.values())
     end = min(end, 1.5 * result.horizon)
     for (label, curve), colour in zip(result.differences.items(), _COLOURS, strict=False):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from itertools import combinations
 from typing import Any
 
 import matplotlib
@@ -24,6 +25,7 @@ _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring
 _MARGIN = 0.16  # around everything that moves, relative to its size
+_ROOM = 0.05  # between a label and other bodies, relative to the same size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _UP, _LEFT = np.array([0.0, 1.0]), np.array([-1.0, 0.0])
@@ -177,9 +179,28 @@ def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size:
         if is_plate:
             inwards = corners.mean(axis=0) - corners[k] - 0.5 * edges[k]
             direction = -direction if direction @ inwards > 0.0 else direction
-        elif (y if abs(y) > 0.2 else x) < 0.0:
-            direction = -direction
+        else:
+            if (y if abs(y) > 0.2 else x) < 0.0:
+                direction = -direction
+            near, far = (
+                _room(linkage, name, position, place, s * direction, size) for s in (1, -1)
+            )
+            direction = -direction if near < min(far, _ROOM * size) else direction
     _label(axes, name, place, direction, gap, color=colour)
+
+
+def _room(
+    linkage: Linkage, name: str, position: Array, place: Array, side: Array, size: float
+) -> float:
+    """Return the distance, m, of a label beside a place of a body from all other bodies."""
+    label, part = place + side * (0.09 * size, 0.04 * size), np.linspace(0.0, 1.0, 21)[:, None]
+    distances = [math.inf]
+    for body in linkage.bodies:
+        joined = attachments(linkage, body.name) if body.name != name else []
+        ends = [points_of(linkage, position, end)[0, :2] for _, end in joined]
+        for first, second in combinations(ends, 2):
+            distances.append(np.hypot(*(first + part * (second - first) - label).T).min())
+    return float(min(distances))
 
 
 def _draw_guides_and_forces(
