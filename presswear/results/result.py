@@ -16,7 +16,7 @@ from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
-from presswear.results.stage import StageResult, angle_names
+from presswear.results.stage import StageResult
 from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
@@ -28,7 +28,6 @@ from presswear.tools.numbers import large
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
     from matplotlib.axes import Axes
 
 
@@ -147,22 +146,6 @@ class Result:
         names = [self.stage_name(stage.index) for stage in self.stages]
         table.index = pandas.Index(names, name="stage")
         return table
-
-    def dataset(self, stage: int) -> "xarray.Dataset":
-        """Return series and wear maps of a stage over time and angle, SI units; needs xarray."""
-        import xarray
-
-        data = self.stage(stage)
-        bins = {name: joint.angle.size for name, joint in data.joints.items()}
-        lengths = {"time": data.time.size}
-        lengths |= {angle: bins[name] for name, angle in angle_names(bins).items()}
-        variables = {}
-        for name, array in data.arrays.items():
-            along = [axis for axis, size in lengths.items() if array.shape[:1] == (size,)]
-            if along and name not in lengths:
-                across = [f"{name}_{axis}" for axis in range(1, array.ndim)]
-                variables[name] = ([along[0], *across], array)
-        return xarray.Dataset(variables, coords={axis: data.arrays[axis] for axis in lengths})
 
 
 def stored_scene(path: Path) -> tuple[Scene, StoredResult]:

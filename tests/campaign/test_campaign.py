@@ -57,7 +57,7 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
     peak = disk.stages[1].joints["A"].statistics.peak_force
     assert disk.table().loc["first wear", "joints.A.peak_force"] == peak
     with pytest.raises(pw.InputError, match="no stage 7; it has 0 to 1"):
-        disk.dataset(7)
+        disk.stage(7)
 
 
 def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign) -> None:
