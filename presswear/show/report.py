@@ -72,9 +72,6 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     scene, changes = result.scene, changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
-    packages = result.provenance["packages"].items()
-    listed = ", ".join(f"{name} {version}" for name, version in packages)
-    origin = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
     content: Record = {
         "result": result,
         "scene": scene,
@@ -93,7 +90,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
             "drives": drive_table(result),
             "growth": growth_table(result),
             "motion": motion_table(result),
-            "provenance": _result_table("provenance", result, [origin], numeric=False),
+            "provenance": provenance_table(result),
         },
         "life": result.life and _life(result, result.life),
         "words_of": words_of,
@@ -383,11 +380,19 @@ def setting_tables(result: Result) -> dict[str, Table]:
             if isinstance(value, int | float):
                 record["value"] = numbers.short_number(value)
             if not is_from_paper and meaning.origin.startswith("paper"):
-                record["origin"] = "default"
+                record["origin"] = ""  # the value is the user's, or a default
         records["parameters"].append(record)
         if scene.origins.get(setting.key, "").startswith(SET):
             records["chosen"].append(record)
     return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
+
+
+def provenance_table(result: Result) -> Table | None:
+    """Return versions, machine and time of a result."""
+    packages = result.provenance["packages"].items()
+    listed = ", ".join(f"{name} {version}" for name, version in packages)
+    record = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
+    return _result_table("provenance", result, [record], numeric=False)
 
 
 def _life(result: Result, life: LifeResult) -> Record:
