@@ -20,6 +20,7 @@ import lines  # noqa: E402
 import readme  # noqa: E402
 
 from presswear.results.folder import program_digest  # noqa: E402
+from presswear.scene.scene import Scene  # noqa: E402
 from presswear.tools.quantities import Quantity, meaning_of  # noqa: E402
 
 # Pages call ``presswear`` and ``python`` of the environment of the build.
@@ -111,12 +112,12 @@ def _draw(app: Sphinx) -> None:
 def _document_fields(
     app: Sphinx, what: str, name: str, owner: object, options: object, lines: list[str]
 ) -> None:
-    """Write the fields of a data class, with units and ranges, as its parameters."""
-    if not (isinstance(owner, type) and is_dataclass(owner)) or "----------" in lines:
+    """Write the fields of a data class that have a range as its parameters, with units."""
+    if not (isinstance(owner, type) and is_dataclass(owner)):
         return
     text: list[str] = []
     for item in fields(owner):
-        meaning = meaning_of(item)
+        meaning = meaning_of(item, owner() if owner is Scene else None)
         if isinstance(meaning, Quantity):
             text += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
         elif meaning is not None:

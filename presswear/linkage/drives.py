@@ -303,7 +303,7 @@ def torque_limit() -> Any:
 
 @dataclass(frozen=True)
 class Drive(_Motion):
-    """Body with a prescribed angle: a mean speed, and what repeats with a cycle beside it.
+    """Drive of a body: a mean speed and a periodic motion.
 
     theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t),
     with a_k, b_k of ``harmonics``, rad, and f from a table or from rises, less its start.
@@ -361,7 +361,7 @@ class Drive(_Motion):
 
     @property
     def repeats(self) -> bool:
-        """True where something repeats beside the mean speed."""
+        """True if the drive has a periodic motion."""
         return bool(self.harmonics or self.table or self.rises or self.follow is not None)
 
     @property

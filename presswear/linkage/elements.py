@@ -54,7 +54,7 @@ class Attachment(Checked):
 
 @dataclass(frozen=True)
 class OutputPoint(Checked):
-    """Coordinate that a study observes: a point of a body, as an Attachment, along a direction."""
+    """Recorded coordinate: a point of a body along a direction."""
 
     body: str
     direction: float = angle("direction along which the output point is observed")
@@ -136,7 +136,7 @@ def Bar(  # noqa: N802 - in a linkage it is a kind of body
 
 @dataclass(frozen=True)
 class Pin(Checked):
-    """Ideal pin joint between two points as a person writes them; see ``Revolute``."""
+    """Ideal pin joint between two points, as names or coordinates; see ``Revolute``."""
 
     name: str
     first: End

@@ -207,7 +207,7 @@ def assemble(
     clearances: Sequence[ClearanceJoint] = (),
     direction: float | str | None = None,
 ) -> Linkage:
-    """Return a linkage, its points found by name and its parts checked together.
+    """Assemble a linkage from bodies, joints and drives, and check it.
 
     Points are ``body.point``, ``body`` for its mass centre, or coordinates on the frame. Every part
     may be given as plain data, too.
@@ -218,14 +218,13 @@ def assemble(
     output : str, tuple, Attachment or OutputPoint
         Output point; default: the mass centre of the last body.
     guess : mapping of str to float
-        Rough angles at the start, rad, of bodies that are neither driven nor guided, which tell
-        the two ways apart in which a loop closes.
+        Approximate initial angles, rad, of bodies that are neither driven nor guided. They select
+        one of the two assemblies of a loop.
     cycle : float, str or None
         Time after which the motion repeats, s; None: the shortest in which every drive makes whole
         turns.
     run_up : int
-        Cycles through which it runs up from rest, all drives in step, in the time of twice as
-        many; 0: it starts at speed.
+        Cycles in which the mechanism runs up from rest, in twice their time; 0: no run-up.
     gravity : float or str
         Acceleration along -y, m/s^2.
     loads : sequence of Load, Force or Moment
@@ -236,7 +235,7 @@ def assemble(
     Raises
     ------
     InputError
-        With the body, point, joint or value that does not fit.
+        Names the body, point, joint or value that does not fit.
     """
     rows = [
         make(f"bodies[{k}]", Bar if "length" in body else Body, body)

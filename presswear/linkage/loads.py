@@ -112,25 +112,25 @@ class OverTime(Checked):
 class OverPosition(Checked):
     """Table over the position of the point along the force, or the angle of the body.
 
-    In one sense of motion alone, a load resists: it is 0 at rest and behind, and grows with the
-    speed to its full size, as friction in a joint does. With ``unloading`` it is elastic-plastic
-    and no speed matters: where the motion turns back it falls along a straight line to zero, and on
-    the way in again it rises along that line up to the greatest depth and then follows the table. A
-    run that begins within the table begins at the greatest depth.
+    A load with one ``sense`` resists the motion. It is 0 at rest and in the other sense, and grows
+    with the speed to its full size, like friction in a joint. With ``unloading`` the load is
+    elastic-plastic and independent of the speed. If the motion reverses, it falls along a straight
+    line to zero. On the way in it rises along this line up to the largest depth, and then follows
+    the table. A run that begins within the table begins at the largest depth.
 
     Attributes
     ----------
     table : tuple of (float, float)
         Position, m, and force, N; or angle, rad, and moment, N m. Linear between.
     sense : {"both", "along", "against"}
-        Motion in which it acts: both senses, along the direction of the force alone
-        (counterclockwise) or against it. Forces and moments are counted along the direction, so
-        that one that resists motion against it is positive.
+        Motion in which the load acts: both senses, only along the direction of the force
+        (counterclockwise), or only against it. Forces and moments are positive along the direction,
+        so that a load that resists motion against it is positive.
     outside : {"zero", "hold"}
-        Beyond the ends of the table: nothing, or the value at the end.
+        Load beyond the ends of the table: zero, or the value at the end.
     release : bool
-        Once the motion has passed the end of the table there is no load until it is back where
-        the table begins, as in blanking.
+        After the end of the table the load is zero until the motion is back at the start of the
+        table, as in blanking.
     """
 
     kind: ClassVar[str] = "over-position"
@@ -260,7 +260,7 @@ class Force(Checked):
 class Moment(Checked):
     """Moment on a body, counterclockwise, with a law of its size, N m, as a Force has.
 
-    The position of a table is the angle of the body, which goes on counting turn after turn.
+    The position of a table is the angle of the body, continuous over several turns.
     """
 
     body: str
@@ -326,7 +326,7 @@ class _Work(Checked):
 
 @dataclass(frozen=True)
 class Blanking(_Work):
-    """Sheet that is cut: the force rises, stays, and snaps through to zero."""
+    """Blanking: the force rises, stays constant, and falls to zero after the fracture."""
 
     kind: ClassVar[str] = "blanking"
 
@@ -367,9 +367,9 @@ class Blanking(_Work):
 
 @dataclass(frozen=True)
 class Drawing(_Work):
-    """Cup that is drawn: the force rises and falls over the punch travel, as half cosines.
+    """Deep drawing: the force rises and falls over the punch travel as half cosines.
 
-    Each half cosine is made of straight pieces.
+    Each half cosine consists of straight pieces.
     """
 
     kind: ClassVar[str] = "drawing"
@@ -393,7 +393,7 @@ class Drawing(_Work):
 
 @dataclass(frozen=True)
 class Coining(_Work):
-    """Stiff stop of die and work, elastic: it pushes on the way back as on the way in."""
+    """Coining: an elastic stop, whose force is the same on the way down and up."""
 
     kind: ClassVar[str] = "coining"
 

@@ -71,7 +71,7 @@ class Surface:
 
     @property
     def is_worn(self) -> bool:
-        """True where any part of the surface has lost material."""
+        """True if the surface is worn."""
         return bool(np.any(self.depth != 0.0))
 
     def __call__(self, angle: Array) -> Array:

@@ -196,23 +196,23 @@ def pull_of(linkage: Linkage) -> float:
 def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     """Return the total clearance at bottom dead centre, m (JIS B 6402).
 
-    The output body is pulled up and down, the drives held: the difference of its heights is the
-    play of all joints on the way of the load, worn surfaces included, and what they give under
-    the force. Weight acts, so that the force has to be larger than what hangs.
+    The output body is pulled up and down with fixed drives. The difference of its heights contains
+    the clearance, wear and elastic deflection of all loaded joints. Weight acts too, so that the
+    force must be larger than the weight that the joints carry.
 
     Parameters
     ----------
     linkage : Linkage
         With clearance; on the surfaces of a stage it is ``scene.linkage(stage.surfaces)``.
     force : float or None
-        Pull either way, N; None: 100 N, or ten times the weight of all bodies where that is more.
+        Pull in both directions, N; None: 100 N, or ten times the weight if that is more.
 
     Raises
     ------
     InputError
-        For a force out of range, and where the output point stands.
+        If the force is out of range, or the output point does not move.
     RunFailed
-        Where the linkage does not come to rest.
+        If no static equilibrium is found.
     """
     force = pull_of(linkage) if force is None else force
     _SIZE.check("force", force)
@@ -221,10 +221,10 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
 
 
 def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
-    """Return the rise of bottom dead centre between two static loads, m, the drives held there.
+    """Return the rise of bottom dead centre between two static loads, m, with fixed drives.
 
-    ``force`` and ``idle`` act on the output point along its direction, N; without the latter the
-    linkage hangs by its weight. Errors are those of ``total_clearance``.
+    ``force`` and ``idle`` act on the output point along its direction, N. Without ``idle`` only the
+    weight acts. Errors are those of ``total_clearance``.
     """
     _FORCE.check("force", force)
     _FORCE.check("idle", idle)

@@ -62,7 +62,7 @@ class Result:
         object.__setattr__(self, "stages", _Stages(self.stages))
 
     def stage(self, index: int) -> StageResult:
-        """Return the stage after a number of wear updates; InputError names the stored ones."""
+        """Return the stage after a number of wear updates; InputError lists the stored stages."""
         if 0 <= index < len(self.stages):
             return self.stages[index]
         where = self.path or self.scene.name
@@ -96,7 +96,7 @@ class Result:
 
     @property
     def grew_in_steps(self) -> bool:
-        """True if any wear update was applied in more than one step."""
+        """True if a wear update was applied in more than one step."""
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
     def __str__(self) -> str:

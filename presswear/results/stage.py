@@ -142,7 +142,7 @@ class WearStep:
 
 @dataclass(frozen=True)
 class JointResult:
-    """One clearance joint in a stage."""
+    """Clearance joint in a stage."""
 
     name: str
     stored: JointStatistics | None  # None if the stage failed before a cycle was complete
@@ -151,7 +151,7 @@ class JointResult:
 
     @property
     def statistics(self) -> JointStatistics:
-        """Its statistics; InputError if the stage failed before a cycle was complete."""
+        """Statistics of the joint; raises InputError if no cycle is complete."""
         if self.stored is None:
             raise InputError(f"joint {self.name}: no cycle of the stage is complete")
         return self.stored
@@ -183,42 +183,42 @@ class JointResult:
 
     @property
     def angle(self) -> Array:
-        """Angles of its wear maps, shape (bins,), rad."""
+        """Angles of the bins of the wear maps, shape (bins,), rad."""
         return bin_centres(self.arrays["depth_bearing"].size)
 
     def contact(self, name: str) -> Array:
-        """Return a number of each recorded contact, by a name of ``CONTACT_COLUMNS``; SI."""
+        """Return a quantity of each recorded contact, by a name of ``CONTACT_COLUMNS``; SI."""
         return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
 
     def each_cycle(self, name: str) -> Array:
-        """Return a number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI."""
+        """Return a quantity of each cycle, by a name of ``CYCLE_JOINT``, shape (cycles,); SI."""
         return self.arrays["cycles"][:, observe.CYCLE_JOINT.index(name)]
 
     def depth(self, side: str) -> Array:
-        """Return the depth that the stage ran on, ``bearing`` or ``pin``, shape (bins,), m."""
+        """Return the wear depth of ``bearing`` or ``pin`` in the stage, shape (bins,), m."""
         return self.arrays[f"depth_{side}"]
 
     def wear(self, side: str) -> Array:
-        """Return the depth that the wear after the stage adds to a side, shape (bins,), m."""
+        """Return the depth that the next wear update adds to a side, shape (bins,), m."""
         return self.arrays[f"wear_{side}"]
 
 
 @dataclass(frozen=True)
 class StageResult:
-    """One stage and the wear after it; the same in memory and on disk.
+    """Stage and the wear update after it.
 
     Attributes
     ----------
     index : int
-        0 unworn, 1 after the first wear, and so on.
+        Number of wear updates before the stage.
     status : {"completed", "enough", "failed"}
-        ``enough``: its wear maps were accurate before all cycles had run.
+        ``enough``: the wear maps reached the tolerance before all cycles had run.
     message : str
         Reason of a failure.
     amplification : float
         Multiplier of the depth of the simulated cycles.
     wear_steps : tuple of WearStep
-        Steps of the wear after it; empty after the last stage.
+        Steps of the wear update after the stage; empty after the last stage.
     arrays : mapping
         Arrays by their names in ``stage-K.npz``.
     """
@@ -244,7 +244,7 @@ class StageResult:
 
     @property
     def is_worn(self) -> bool:
-        """True if any surface that it ran on had lost material."""
+        """True if a surface in the stage is worn."""
         return any(
             bool(np.any(self.arrays.get(f"{name}_depth_{side}", 0.0)))
             for name in self.joint_names
@@ -253,12 +253,12 @@ class StageResult:
 
     @property
     def has_joint_series(self) -> bool:
-        """True if series of its joints were stored."""
+        """True if series of the joints are stored."""
         return any(f"{name}_force" in self.arrays for name in self.joint_names)
 
     @property
     def surfaces(self) -> dict[str, tuple[Surface, Surface]]:
-        """Bearing and pin by joint that it ran on, the mean of its replicates."""
+        """Surfaces of bearing and pin in the stage by joint, mean over the replicates."""
         return {
             name: (Surface(joint.depth("bearing")), Surface(joint.depth("pin")))
             for name, joint in self.joints.items()
@@ -266,12 +266,12 @@ class StageResult:
 
     @property
     def failed(self) -> bool:
-        """True if its run failed, so that its numbers are meaningless."""
+        """True if the run of the stage failed; its numbers are then meaningless."""
         return self.status == "failed"
 
     @property
     def film(self) -> Film:
-        """Frames of its first replicate; InputError if they are missing or damaged."""
+        """Film frames of the first replicate; raises InputError if missing or damaged."""
         if self.read_film is None:
             raise InputError(f"{self.name}: no film was stored")
         return self.read_film()
@@ -326,7 +326,7 @@ class StageResult:
         return joints
 
     def section(self, name: str, joint: str = "") -> Array:
-        """Return a number in the Poincaré sections of the first replicate; SI.
+        """Return a quantity in the Poincaré sections of the first replicate; SI.
 
         Its name is of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` for a joint. The result has
         the shape (cycles, sections).
@@ -339,5 +339,5 @@ class StageResult:
         return self.arrays["sections"][:, :, columns.index(f"{joint}.{name}" if joint else name)]
 
     def each_cycle(self, name: str) -> Array:
-        """Return a number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI."""
+        """Return a quantity of each cycle, by a name of ``CYCLE_FIXED``, shape (cycles,); SI."""
         return self.arrays["cycles"][:, observe.CYCLE_FIXED.index(name)]

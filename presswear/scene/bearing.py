@@ -21,7 +21,7 @@ MIN_ANGLES = 16  # bins of a wear map
 
 @dataclass(frozen=True)
 class Conventions(Checked):
-    """Readings of the paper's wear model; each can be chosen alone."""
+    """Choices of the contact and wear model; each can be set separately."""
 
     stiffness: laws.StiffnessReading = choice(
         "paper", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"

@@ -64,7 +64,7 @@ class Recording(Checked):
 
     @property
     def phases(self) -> tuple[float, ...]:
-        """Parts of a cycle at which its sections lie, rising, each above 0 up to 1, its end."""
+        """Fractions of a cycle at which the Poincaré sections lie, increasing, in (0, 1]."""
         first, count = self.section_angle / (2.0 * math.pi), self.sections
         return tuple(sorted(1.0 - (1.0 - first - k / count) % 1.0 for k in range(count)))
 

@@ -39,7 +39,7 @@ MAX_MASS_RATIO = 1e6  # beyond it accelerations of the light body are round-off 
 
 @dataclass(frozen=True)
 class Scene(Checked):
-    """Mechanism, clearance joints and options of a run; see the texts of the fields for ranges.
+    """Mechanism, bearings and all other settings of a run.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Scene(Checked):
         Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping gives
         its joints clearance, each with its bearing.
     joint_bearings : mapping of str to Bearing
-        Bearings of single joints that differ.
+        Bearings of single joints that differ from ``bearings``.
     surfaces : mapping of str to pair
         Initial surfaces of bearing and pin in every replicate, by joint; the rest is round. A side
         is a ``Surface``, None, depths of equal bins of a turn, shape (m,), m, or rows of angle,
@@ -151,7 +151,7 @@ class Scene(Checked):
             object.__setattr__(self, name, value)
 
     def check(self) -> None:
-        """Raise InputError where the scene cannot be run.
+        """Raise InputError if the scene cannot be run.
 
         Assembles the mechanism over a cycle, and checks the process, the torque limits of the
         drives and the engine. Called once before a run, because it takes longer than the checks of
@@ -261,14 +261,14 @@ class Scene(Checked):
 
     @property
     def stores_torques(self) -> bool:
-        """True where the torques of the drives are stored."""
+        """True if the torques of the drives are stored."""
         if self.drive_torque == "auto":
             return self.process is not None
         return self.drive_torque == "on"
 
     @property
     def wears_in_steps(self) -> bool:
-        """True where a wear update is applied in steps.
+        """True if a wear update is applied in steps.
 
         By default only with the distribution over the arc: a profile whose depth depends on the
         width of its bins has no step that is small enough.

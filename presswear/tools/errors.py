@@ -20,12 +20,12 @@ class AssemblyError(InputError):
 
 
 class RunFailed(RuntimeError):
-    """Run that had to stop.
+    """Failed run.
 
     Attributes
     ----------
     finding : Finding or None
-        Cause with time, joint and remedy, where it was a finding about the run.
+        Cause with time, joint and remedy; None if there is no such cause.
     """
 
     def __init__(self, message: str, finding: Any = None) -> None:
