@@ -61,8 +61,15 @@ BOTTOM_STEPS = 60  # of Newton's method towards the lowest position in a step
 BOTTOM_NOISE = 1e-14  # part of a step that is round-off
 FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
 
-# Wear integrals of a joint over one step: F_n ds, N m, and p ds, N/m
-WEAR_INTEGRALS = np.dtype([("work", np.float64), ("pressure", np.float64)])
+# Wear integrals of a joint over one step
+WEAR_INTEGRALS = np.dtype(
+    [
+        ("work", np.float64),  # F_n ds, N m
+        ("pressure", np.float64),  # p ds, N/m
+        ("work_rate", np.float64),  # at its end, W; of engines that sum by the trapezoidal rule
+        ("pressure_rate", np.float64),  # W/m^2
+    ]
+)
 
 # A drive in the recording; engines fill the integrals before they call ``observe``
 DRIVE = np.dtype(

@@ -15,6 +15,7 @@ from presswear.linkage.elements import Attachment
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
 from presswear.physics.packed import mass_of
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.validation import reference_problems as references
 
@@ -93,6 +94,15 @@ def test_impacts_at_the_pivot_of_a_driven_crank_are_resolved() -> None:
     assert counters["contacts"] > 5
     assert counters["fewest_steps"] >= 20
     assert residual(run) < 1e-6
+
+
+def test_load_distance_is_that_of_the_inhouse_engine() -> None:
+    """Through free impacts and sustained contact, whose steps are unequal."""
+    scene = replace(wear_times(), joints="A", conventions=CONVENTIONS["refined"])
+    engines = ExudynJoints(), InHouse(integration_tolerance=1e-11)
+    ours, reference = (run_scene(scene, engine, 0.03).recorder for engine in engines)
+    expected = reference.each_cycle("load_distance", 0)[0]
+    assert ours.each_cycle("load_distance", 0)[0] == pytest.approx(expected, rel=1e-4)
 
 
 CHAIN = "crank 2, crank 7, plate 4 and rod 3"

@@ -169,24 +169,26 @@ def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tu
 def sum_step(
     records: RecorderState, drive_power: float, load_power: float, t: float, h: float
 ) -> None:
-    """Fill the wear integrals of a step, and add to the ledger of energy by the trapezoidal rule.
+    """Fill the wear integrals of a step, and add to the ledger of energy, by the trapezoidal rule.
 
-    Wear integrals are those of the step's end: over a whole contact that is the same rule, since
-    the force is zero at both ends.  A step that began open has force only since its touchdown.
+    A step that began open has force only since its touchdown. The wear of a step that ends open,
+    which has no place any more, is left out.
     """
     ledger = records.ledger[0]
-    half = 0.5 * h
     contact_power = friction_power = made_power = 0.0
     for k in range(records.memory.shape[0]):
-        contact = records.contacts[k]
+        contact, integrals = records.contacts[k], records.wear_integrals[k]
         work, pressure = wear_rates(records.packed.joints[k], contact, contact.normal)
         duration = min(h, t - records.memory[k].touchdown_time)
-        records.wear_integrals[k].work = work * duration
-        records.wear_integrals[k].pressure = pressure * duration
+        half = 0.5 * duration if contact.penetration > 0.0 else 0.0
+        integrals.work = half * (integrals.work_rate + work)
+        integrals.pressure = half * (integrals.pressure_rate + pressure)
+        integrals.work_rate, integrals.pressure_rate = work, pressure
         lost, rubbed, made = loss_powers(contact, contact.normal, contact.tangential)
         contact_power += lost
         friction_power += rubbed
         made_power += made
+    half = 0.5 * h
     ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
     ledger.drive_work += half * (ledger.drive_power + drive_power)
     ledger.load_work += half * (ledger.load_power + load_power)
