@@ -71,6 +71,17 @@ def test_the_build_runs_all_other_commands() -> None:
     assert all_lines()["help"]
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_names_imported_by_a_page_exist(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder in (ROOT / "tests", ROOT / "tests" / "literature"):
+        monkeypatch.syspath_prepend(folder)
+    for cell in re.findall(r"(?s)```\{code-cell\} ipython3\n(?!%%)(.*?)```", page.read_text()):
+        for node in ast.walk(ast.parse(re.sub(r"^:tags.*\n", "", cell))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                module = import_module(node.module)
+                assert all(hasattr(module, item.name) for item in node.names), node.module
+
+
 def test_failing_command_is_reported_and_long_command_is_stopped() -> None:
     (message,) = failures({"page": ["list", "list wear-tims"]}, longest=60.0)
     assert message.startswith("page: presswear list wear-tims: exit code 2")
