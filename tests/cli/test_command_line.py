@@ -62,9 +62,16 @@ sweep wear-times --resume --out nowhere: --resume --out nowhere: there is no suc
 run wear-times --checkpoint soon: --checkpoint soon: must be a number of seconds
 run wear-times --surfaces nowhere:1: nowhere: there is no such folder
 run wear-times --surfaces here:two: here:two & a stage, 0, 1, 2 ...
+run slider-crank --set crank_length=0.12m: rod_length = 0.12 m & joint B
+run ideal --cycles 1 --set cycles=2: --cycles and --set cycles
 run ideal --out '': --out & name is expected
 run ideal --out /dev/null/x: /dev/null & not a folder
 run ideal --set 'fric\ntion=1': fric\ntion
+life press-blanking --until 'deth > 1 mm': deth & did you mean depth
+life press-blanking --until 'depth > 1': depth & has no unit; known are m, cm, mm
+life press-blanking --until 'B.depth > 1 mm': 'B' & known are A, C
+life press-blanking --at-most 0: at_most = 0 & 1 to 1e+15
+life press-blanking --replace A: replaced = 'A' & JOINT@STROKES
 life press-blanking --compare clearance=0.8mm: changes nothing
 life press-blanking --conventions paper: wear_distribution & arc
 life press-blanking --at-most 5 --set life.at_most=6: --at-most and --set life.at_most cannot be
