@@ -90,10 +90,7 @@ def impact_limits(duration: Array, closing_speed: Array) -> Array:
 
 
 def resonance_frequency(duration: Array, closing_speed: Array) -> float | None:
-    """Return the contact resonance of a joint, Hz: one over twice the median impact duration.
-
-    It is None if no contact is an impact. For the parameters see ``impact_limits``.
-    """
+    """Return the contact resonance, Hz: one over twice the median impact duration, or None."""
     is_impact = (duration > 0.0) & (duration <= impact_limits(duration, closing_speed))
     return float(0.5 / np.median(duration[is_impact])) if is_impact.any() else None
 

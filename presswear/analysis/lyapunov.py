@@ -77,10 +77,9 @@ def growth_logarithms(
         direction = scaled(moved)
         after = float(np.linalg.norm(direction))
         if not 0.0 < after < math.inf:
-            raise InputError(
-                f"interval {k}: the distance of the pair is {after:g} times the initial distance; "
-                "use a larger initial distance or a shorter interval"
-            )
+            fault = f"the distance of the pair is {after:g} times the initial distance"
+            remedy = "use a larger initial distance or a shorter interval"
+            raise InputError(f"interval {k}: {fault}; {remedy}")
         logarithms[k] = math.log(after / before)
         direction /= after
     return logarithms

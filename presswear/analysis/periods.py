@@ -69,10 +69,7 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
 
 
 def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
-    """Return the touchdowns of a joint in the recorded settled cycles, shape (n,) each.
-
-    The first array is the fraction of the cycle, 0 to 1, the second the closing speed, m/s.
-    """
+    """Return phase, 0 to 1, and closing speed, m/s, of settled touchdowns, (n,) each."""
     start, end = settled_span(scene, stage)
     item = stage.joints[joint]
     instant = item.contact("touchdown")

@@ -79,10 +79,6 @@ def run(
     interval : float
         Time between two checkpoints in the folder, s.
 
-    Returns
-    -------
-    Result
-
     Raises
     ------
     RunFailed
@@ -318,10 +314,7 @@ def run_stage(
     observers: Sequence[Observer] = (),
     workers: Workers | None = None,
 ) -> tuple[StageResult, Ensemble]:
-    """Run one stage on a depth of the surfaces of each run, m, or those that the scene starts on.
-
-    The wear update after it is not applied; the runs are returned as well.
-    """
+    """Run one stage without the wear update after it; return its runs as well."""
     runner = Runner(scene, workers or Workers(), observers)
     runner.start_stage(index)
     depth = initial_depth(scene) if depth is None else depth
@@ -412,10 +405,7 @@ class _Campaign:
         return None
 
     def _apply_wear(self, index: int, ensemble: Ensemble, strokes: float | None) -> Finding | None:
-        """Apply the wear update after a stage to the state; return the finding that ended it.
-
-        With a service life it is the wear within some of its strokes.
-        """
+        """Apply the wear after a stage, by updates or of the life; return the finding."""
         runner, scene, at = self._runner, self._runner.scene, self._at
         joints = ensemble.linkage.clearances
         if strokes is not None:
@@ -516,9 +506,7 @@ def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
         return [f"the life is not known: {life.message}"]
     if life.error is not None and life.error <= scene.tolerance:
         return []
-    if life.error is None:
-        return ["the error of the life is unknown: a larger life.max_cycles is needed"]
-    return [
-        f"the error of the life, {100.0 * life.error:.2g} %, exceeds tolerance = "
-        f"{100.0 * scene.tolerance:.2g} %: a larger life.max_cycles is needed"
-    ]
+    fault = "is unknown"
+    if life.error is not None:
+        fault = f"is {100.0 * life.error:.2g} %, above tolerance = {100.0 * scene.tolerance:.2g} %"
+    return [f"the error of the life {fault}: a larger life.max_cycles is needed"]

@@ -91,9 +91,10 @@ class Ensemble:
             runs.append(run.run(scene, spec, surfaces))
         if runs[-1].status == "failed":
             state = replace(state, step_errors={})
-        state = replace(state, runs=state.runs[: len(runs)])
-        bins = scene.smoothed_bins
-        return Ensemble(scene.linkage(), depth, tuple(runs), scene.replicate_count, state, bins)
+        state, linkage = replace(state, runs=state.runs[: len(runs)]), scene.linkage()
+        is_raw = scene.conventions.wear_maps == "raw"
+        bins = () if is_raw else tuple(joint.bins for joint in linkage.clearances)
+        return Ensemble(linkage, depth, tuple(runs), scene.replicate_count, state, bins)
 
     @property
     def together(self) -> "Ensemble":
@@ -270,10 +271,7 @@ class _Rounds:
         return {STEP_CHECK: job}
 
     def units(self, indices: Iterable[int]) -> dict[int, Job]:
-        """Return the work units that runs lack until the end of their round, by their first run.
-
-        Each process gets as many runs as the engine computes together, if there are as many.
-        """
+        """Return the work units that runs lack in their round, by the first run in each."""
         runner, runs, last = self._runner, self.state.runs, self._last()
         frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)

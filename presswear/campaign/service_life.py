@@ -205,10 +205,7 @@ class LifeEstimate:
 
 
 def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
-    """Return the fit through samples of one service interval, at the ends of its blocks.
-
-    It is a polynomial over the depth worn off, not over strokes: running-in bends no curve.
-    """
+    """Return a polynomial over the depth worn off through samples, at the ends of blocks."""
     strokes = np.array([block.strokes for block in blocks])
     rates = np.array([block.rate for block in blocks[1:]])
     # A service interval starts with its new state, not with the end of its first block.
@@ -241,10 +238,7 @@ def run_refinements(
     refinements: Refinements = (),
     keep: Callable[[tuple[Refinement, ...]], None] = lambda refinements: None,
 ) -> tuple[Refinement, ...]:
-    """Run refinements until the life is known, after those that have run; keep them each block.
-
-    InputError if a limit is exceeded when new.
-    """
+    """Run refinements until the life is known; InputError if a limit is exceeded when new."""
     done = list(refinements) or [Refinement()]
     while True:
         last = done[-1]

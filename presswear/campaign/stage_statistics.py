@@ -79,10 +79,7 @@ def stage_result(
     update: WearUpdate | None = None,
     finding: Finding | None = None,
 ) -> StageResult:
-    """Return a stage with its statistics and arrays, and the wear update after it, if known.
-
-    Without one, the statistics are of what one jump would add.
-    """
+    """Return a stage with statistics, arrays and the wear of its update, or else of one jump."""
     together, joints = ensemble.together, ensemble.linkage.clearances
     wear, diagnostics = _stage_wear(scene, index, ensemble, update), ensemble.diagnostics()
     if update is not None and scene.wears_in_steps:

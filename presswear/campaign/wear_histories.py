@@ -233,10 +233,7 @@ def wear_between(
     since: float,
     until: float,
 ) -> wear_update.WearUpdate:
-    """Return the wear between two numbers of strokes, by the last refinement.
-
-    Surfaces are interpolated between the ends of blocks; at maintenance they are those after it.
-    """
+    """Return the wear between two numbers of strokes, interpolated between ends of blocks."""
     last, coarser = refinements[-1], None
     surfaces_at = _interpolated(last, initial)
     added = surfaces_at(until)[1] - surfaces_at(since)[1]

@@ -9,6 +9,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
@@ -18,7 +19,7 @@ from presswear.physics.forces import Ledger
 from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine
-from presswear.tools.arrays import Array, State, named, numbers, part, set_numbers
+from presswear.tools.arrays import Array, State, named, part
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,8 @@ def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
     if plan.resume is not None:
         for name, array in running.arrays.items():
             array[...] = plan.resume[name]
-        set_numbers(running.sums, plan.resume["sums"])
+        stored = plan.resume["sums"].tolist()
+        running.sums.update(zip(sorted(running.sums), stored, strict=True))
         recorder.load(part(plan.resume, "recorder"))
     status, finding = yield from _cycles(linkage, recorder, plan, running)
     time, position, velocity = running.state()
@@ -131,7 +133,7 @@ def _cycles(
     def state() -> State:
         return {
             **{name: array.copy() for name, array in running.arrays.items()},
-            "sums": numbers(running.sums),
+            "sums": np.array([running.sums[name] for name in sorted(running.sums)]),
             **named("recorder", recorder.save()),
         }
 

@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 import numpy as np
@@ -64,10 +63,7 @@ _L = Annotated[float, LENGTH]
 
 @dataclass(frozen=True)
 class Rise(Checked):
-    """Rise of a motion between two phases of its cycle, rad, which is 2 pi long.
-
-    A negative ``by`` is a return. Between rises the motion dwells.
-    """
+    """Rise between two phases of a cycle of 2 pi, rad; a negative ``by`` is a return."""
 
     start: Annotated[float, ANGLE]
     end: Annotated[float, ANGLE]
@@ -77,10 +73,8 @@ class Rise(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 0.0 <= self.start < self.end - MIN_PIECE:
-            raise InputError(
-                f"a rise from {self.start:g} to {self.end:g} rad: it must begin at 0 or later and "
-                "end behind that"
-            )
+            span = f"a rise from {self.start:g} to {self.end:g} rad"
+            raise InputError(f"{span}: it must begin at 0 or later and end behind that")
 
 
 class Pieces(NamedTuple):
@@ -103,11 +97,8 @@ class Pieces(NamedTuple):
             value = value * x + self.polynomial[place, power]
         amplitude, w, first = self.wave[place].T
         sine, cosine = np.sin(w * x + first), np.cos(w * x + first)
-        return (
-            value + amplitude * sine,
-            slope + amplitude * w * cosine,
-            bend - amplitude * w * w * sine,
-        )
+        value, slope = value + amplitude * sine, slope + amplitude * w * cosine
+        return value, slope, bend - amplitude * w * w * sine
 
 
 NO_PIECES = Pieces(np.zeros(0), np.zeros((0, DEGREE + 1)), np.zeros((0, 3)), 0.0)
@@ -169,7 +160,7 @@ def _quintics(phase: Array, value: Array, slope: Array, bend: Array) -> Array:
 
 
 def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
-    """Return rises one after the other, with dwells wherever there is room between them."""
+    """Return rises one after the other, with dwells between them where there is room."""
     rows: list[tuple[float, Array, tuple[float, float, float]]] = []
     level, ways = 0.0, []
     for rise, then in zip(rises, _next_starts(rises), strict=True):
@@ -196,7 +187,7 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
 
 
 def _next_starts(rises: tuple[Rise, ...]) -> list[float]:
-    return [*(rise.start for rise in rises[1:]), rises[0].start + _TURN]
+    return [*(rise.start for rise in rises[1:]), *(rise.start + _TURN for rise in rises[:1])]
 
 
 def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
@@ -210,13 +201,11 @@ def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
     rows = len(table) - closes
     if not MIN_ROWS <= rows <= MAX_PIECES:
         raise InputError(f"{label} {rows} rows; allowed are {MIN_ROWS} to {MAX_PIECES}")
-    gaps = [after - before for before, after in pairwise(phases)]
-    gaps += [] if closes else [_TURN - length]
+    gaps = [*np.diff(phases), *([] if closes else [_TURN - length])]
     if phases[0] < 0.0 or min(gaps) < MIN_PIECE or length > _TURN + _PHASE_TOL:
-        raise InputError(
-            f"{label} phases from {phases[0]:g} to {phases[-1]:g} rad; they must rise, from 0 or "
-            f"above, by {MIN_PIECE:g} rad or more, in a cycle of 2 pi"
-        )
+        allowed = f"from 0 or above, by {MIN_PIECE:g} rad or more, in a cycle of 2 pi"
+        span = f"phases from {phases[0]:g} to {phases[-1]:g} rad"
+        raise InputError(f"{label} {span}; they must rise, {allowed}")
 
 
 class _Motion(Checked):
@@ -233,16 +222,16 @@ class _Motion(Checked):
 
     def _check(self, owner: str) -> None:
         """Raise InputError where lists of numbers are no motion."""
-        if len(self.harmonics) > MAX_HARMONICS:
-            raise InputError(
-                f"harmonics of {owner}: {len(self.harmonics)}; allowed are 0 to {MAX_HARMONICS}"
-            )
+        count = len(self.harmonics)
+        if count > MAX_HARMONICS:
+            allowed = f"allowed are 0 to {MAX_HARMONICS}"
+            raise InputError(f"harmonics of {owner}: {count}; {allowed}")
         if self.table and self.rises:
             raise InputError(f"{owner}: a table and rises; one of them is expected")
         if self.table:
             _check_table(self.table, owner)
         rises = tuple(self.rises)
-        for rise, then in zip(rises, _next_starts(rises) if rises else (), strict=True):
+        for rise, then in zip(rises, _next_starts(rises), strict=True):
             room = then - rise.end
             if room < -_PHASE_TOL or _PHASE_TOL < room < MIN_PIECE:
                 raise InputError(
@@ -255,10 +244,7 @@ class _Motion(Checked):
 
 
 def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Array]:
-    """Return the repeating part of a motion and two time derivatives at times, s.
-
-    ``base`` is the frequency of the first harmonic, rad/s.
-    """
+    """Return the repeating part and two time derivatives at times, s; ``base`` in rad/s."""
     place, speed, faster = np.zeros((3, *time.shape))
     for k, (a, b) in enumerate(motion.harmonics, start=1):
         w = k * base
@@ -274,10 +260,7 @@ def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Arr
 
 @dataclass(frozen=True)
 class Follow(_Motion):
-    """Curve that a point follows: its coordinate along a direction, from where it starts, m.
-
-    The drive of this curve moves so that the point follows, while the other drives run on.
-    """
+    """Curve that a drive makes a point follow: coordinate along a direction, from its start, m."""
 
     point: Attachment | OutputPoint | str
     direction: float | None = angle("direction of the curve that a point follows", None)
@@ -288,11 +271,9 @@ class Follow(_Motion):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check("follow")
-        if abs(self.pieces.net) > 0.0:
-            raise InputError(
-                f"follow: the curve ends {self.pieces.net:g} m from where it begins; it must "
-                "come back"
-            )
+        if net := self.pieces.net:
+            fault = f"the curve ends {net:g} m from where it begins"
+            raise InputError(f"follow: {fault}; it must come back")
 
 
 def torque_limit() -> Any:
@@ -334,15 +315,13 @@ class Drive(_Motion):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check(self.body)
-        names = [name for name in ("harmonics", "table", "rises") if getattr(self, name)]
-        if self.follow is not None and names:
+        kinds = "harmonics", "table", "rises", "follow"
+        names = [name for name in kinds if getattr(self, name)]
+        if self.follow is not None and len(names) > 1:
             raise InputError(f"drive of {self.body}: {names[0]} and follow cannot be combined")
-        names += ["follow"] if self.follow is not None else []
         if names and not self.base > 0.0:
-            raise InputError(
-                f"frequency of {self.body} = {self.frequency:g} rad/s: with {names[0]} and a "
-                "mean speed of 0 it must be above 0"
-            )
+            fault = f"with {names[0]} and a mean speed of 0 it must be above 0"
+            raise InputError(f"frequency of {self.body} = {self.frequency:g} rad/s: {fault}")
 
     @property
     def name(self) -> str:
@@ -362,7 +341,7 @@ class Drive(_Motion):
     @property
     def repeats(self) -> bool:
         """True if the drive has a periodic motion."""
-        return bool(self.harmonics or self.table or self.rises or self.follow is not None)
+        return bool(self.harmonics or self.table or self.rises or self.follow)
 
     @property
     def frequencies(self) -> tuple[float, ...]:
@@ -371,38 +350,15 @@ class Drive(_Motion):
         return (*mean, self.base) if self.repeats else tuple(mean)
 
     def motion(self, time: Array) -> tuple[Array, Array, Array]:
-        """Return angle, rad, speed, rad/s, and acceleration, rad/s^2, at times, s.
-
-        The motion of a drive that follows a curve has to be found first.
-        """
+        """Return angle, rad, speed and acceleration at times, s; not of a drive that follows."""
         assert self.follow is None
         mean = self.mean_speed
         beside, faster, acceleration = series(self, self.base, time)
         return self.angle + mean * time + beside, mean + faster, acceleration
 
 
-def run_up_motion(time: Array, duration: float) -> tuple[Array, Array, Array]:
-    """Return the time at which motions are followed, s, its rate, and its second derivative, 1/s.
-
-    From rest its rate 10 x^3 - 15 x^4 + 6 x^5 rises to 1 over a duration, s, in which half that
-    time passes; 0: it is the time itself.
-    """
-    if duration == 0.0:
-        return time, np.ones_like(time), np.zeros_like(time)
-    x = np.clip(time / duration, 0.0, 1.0)
-    rising = duration * x**4 * (2.5 - x * (3.0 - x))
-    rate = x**3 * (10.0 - x * (15.0 - 6.0 * x))
-    return (
-        np.where(time < duration, rising, time - 0.5 * duration),
-        rate,
-        30.0 * (x * (1.0 - x)) ** 2 / duration,
-    )
-
-
 # A servo moves crank 7 of the press while crank 2 turns evenly. The crank swings between two of its
-# dead points, in which it does not move the slider: wherever crank 2 is, the slider may be at any
-# height between those of the two. A crank that turns all around passes its dead points in each
-# turn and has no choice of the height there.
+# dead points, so that the slider may be at any height between theirs, wherever crank 2 is.
 _MIN_APPROACH = 0.125  # part of the cycle in which the slider comes down to its slow part
 
 
@@ -432,11 +388,9 @@ class Dwell(Checked):
         """Return the drive of a body that makes the slider, a point, dwell; frequency in rad/s."""
         half = math.pi * self.part
         low, top = self.bottom + half, self.bottom + math.pi
-        rises = [
-            Rise(low, top, self.stroke, self.law),
-            Rise(top, self.bottom + _TURN - half, -self.stroke, self.law),
-        ]
-        follow = Follow(slider, rises=rises)
+        up = Rise(low, top, self.stroke, self.law)
+        down = Rise(top, self.bottom + _TURN - half, -self.stroke, self.law)
+        follow = Follow(slider, rises=[up, down])
         return Drive(body, angle=self.angle, frequency=frequency, follow=follow)
 
 
@@ -444,8 +398,7 @@ class Dwell(Checked):
 class Forming(Checked):
     """Slider that comes down fast, works at a constant speed, stops smoothly, and goes back.
 
-    Between its places of rest, constant speed and rest it moves by polynomials of degree 5,
-    without acceleration at their ends.
+    In between it moves by polynomials of degree 5 without acceleration at their ends.
     """
 
     kind: ClassVar[str] = "forming"
@@ -462,10 +415,8 @@ class Forming(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not self.end < self.height < self.stroke:
-            raise InputError(
-                f"height = {self.height:g} m: must lie between end = {self.end:g} m and stroke = "
-                f"{self.stroke:g} m"
-            )
+            limits = f"end = {self.end:g} m and stroke = {self.stroke:g} m"
+            raise InputError(f"height = {self.height:g} m: must lie between {limits}")
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that moves the slider, a point, so; frequency in rad/s.
@@ -478,20 +429,18 @@ class Forming(Checked):
         # Slower at first than 0.4 of the speed, as a mean, it would go up before it comes down.
         high = (2.5 * (self.stroke - self.height) + way) * frequency / math.pi
         if not low <= self.speed <= high:
-            raise InputError(
-                f"servo.speed = {self.speed:g} m/s: with these heights, stroke and cycle allowed "
-                f"is {low:.6g} to {high:.6g} m/s"
-            )
+            allowed = f"with these heights, stroke and cycle allowed is {low:.6g} to {high:.6g} m/s"
+            raise InputError(f"servo.speed = {self.speed:g} m/s: {allowed}")
         slope = self.speed / frequency
         slow = self.bottom - 2.0 * self.end / slope
-        rows = [
-            (slow - (self.height - self.end) / slope, self.height, -slope, 0.0),
-            (slow, self.end, -slope, 0.0),
-            (self.bottom, 0.0, 0.0, 0.0),
-            (self.bottom + math.pi, self.stroke, 0.0, 0.0),
+        fast = slow - (self.height - self.end) / slope
+        table = [
+            (fast % _TURN, self.height, -slope, 0.0),
+            (slow % _TURN, self.end, -slope, 0.0),
+            (self.bottom % _TURN, 0.0, 0.0, 0.0),
+            ((self.bottom + math.pi) % _TURN, self.stroke, 0.0, 0.0),
         ]
-        table = sorted((row[0] % _TURN, row[1], row[2], row[3]) for row in rows)
-        follow = Follow(slider, table=table)
+        follow = Follow(slider, table=sorted(table))
         return Drive(body, angle=self.angle, frequency=frequency, follow=follow)
 
 
@@ -508,10 +457,8 @@ class Pendulum(Checked):
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that swings; frequency in rad/s, slider not used."""
         cosine = -self.amplitude * math.sin(self.phase)
-        sine = self.amplitude * math.cos(self.phase)
-        return Drive(
-            body, angle=self.middle + cosine, frequency=frequency, harmonics=[(cosine, sine)]
-        )
+        series = [(cosine, self.amplitude * math.cos(self.phase))]
+        return Drive(body, angle=self.middle + cosine, frequency=frequency, harmonics=series)
 
 
 Servo = Dwell | Forming | Pendulum

@@ -101,10 +101,7 @@ class Body(Checked):
 
     @property
     def effective_inertia(self) -> float:
-        """Inertia in the equations of motion, kg m^2.
-
-        A body without inertia cannot turn, so that any value gives the same motion.
-        """
+        """Inertia in the equations, kg m^2; any value where the body cannot turn."""
         return self.inertia or self.mass  # mass times 1 m^2
 
 

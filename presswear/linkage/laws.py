@@ -167,10 +167,7 @@ class FrictionLaw:
 
 
 def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
-    """Raise InputError where a user normal law returns no number, pulls, or creates energy.
-
-    ``values`` has the values of NORMAL_PARAMETERS, those of the state left out.
-    """
+    """Raise InputError where a user normal law gives no number, pulls, or creates energy."""
 
     def force(penetration: float, rate: float, onset_speed: float) -> float:
         state = {"penetration": penetration, "rate": rate, "onset_speed": onset_speed}
@@ -195,19 +192,15 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
 
 
 def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
-    """Raise InputError where a user friction law returns no number or creates energy.
-
-    ``values`` has the values of FRICTION_PARAMETERS, those of the state left out.
-    """
+    """Raise InputError where a user friction law gives no number or creates energy."""
     for speed in (0.1 * values["upper_speed"], values["upper_speed"], 0.01, 0.1, 0.4, 1.0, 4.0):
         for sliding in (speed, -speed):
             state = {**values, "sliding": sliding, "normal": 100.0}
             force = law.number(key, FRICTION_PARAMETERS, state)
             if force * sliding > 0.0:
-                raise InputError(
-                    f"{key}: {law.name} makes energy: it gives {force:g} N where the surfaces "
-                    f"slide at {sliding:g} m/s; a force against the sliding has the other sign"
-                )
+                fault = f"it gives {force:g} N where the surfaces slide at {sliding:g} m/s"
+                remedy = "a force against the sliding has the other sign"
+                raise InputError(f"{key}: {law.name} makes energy: {fault}; {remedy}")
 
 
 @dataclass(frozen=True)

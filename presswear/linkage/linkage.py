@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
+from functools import partial
 from itertools import permutations
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -42,20 +43,12 @@ _TABLES = ("bodies", "joints", "drives", "springs", "loads")
 Joint = Revolute | Guide
 
 
-def run_up() -> Any:
-    """Return a data class field for the cycles of a run-up."""
-    return count(0, 0, 1000, "chosen", "cycles through which it runs up from rest")
-
-
-def cycle() -> Any:
-    """Return a data class field for the time of a cycle, s; None: from the drives."""
-    text = "time after which the motion repeats"
-    return quantity(None, "s", MIN_CYCLE, MAX_CYCLE, "", text)
-
-
-def gravity() -> Any:
-    """Return a data class field for the acceleration along -y, m/s^2."""
-    return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y")
+# Fields of data classes; without a cycle its time follows from the drives.
+run_up = partial(count, 0, 0, 1000, "chosen", "cycles through which it runs up from rest")
+cycle = partial(
+    quantity, None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
+)
+gravity = partial(quantity, 9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y")
 
 
 @dataclass(frozen=True)
@@ -126,10 +119,9 @@ class Linkage(Checked):
         for name, speed in speeds:
             turns = speed * period / (2.0 * math.pi)
             if turns > MAX_TURNS:
-                raise InputError(
-                    f"{label} = {period:g} s: {name} turns {turns:.6g} times in it, with {speed:g} "
-                    f"rad/s; allowed are {MAX_TURNS} times at most"
-                )
+                fault = f"{name} turns {turns:.6g} times in it, with {speed:g} rad/s"
+                allowed = f"allowed are {MAX_TURNS} times at most"
+                raise InputError(f"{label} = {period:g} s: {fault}; {allowed}")
         return period
 
     def _common_period(self, speeds: Sequence[float]) -> float:
@@ -237,12 +229,10 @@ def assemble(
     InputError
         Names the body, point, joint or value that does not fit.
     """
-    rows = [
-        make(f"bodies[{k}]", Bar if "length" in body else Body, body)
-        if isinstance(body, Mapping)
-        else body
-        for k, body in enumerate(bodies)
-    ]
+    rows = list(bodies)
+    for k, body in enumerate(bodies):
+        if isinstance(body, Mapping):
+            rows[k] = make(f"bodies[{k}]", Bar if "length" in body else Body, body)
     if not rows:
         raise InputError("bodies: at least one is needed")
     end = output or getattr(rows[-1], "name", "")
@@ -333,10 +323,8 @@ def _check(linkage: Linkage) -> None:
             raise InputError(f"{what} {name}: the name is used twice")
     for one, longer in permutations(joints, 2):
         if longer.startswith(f"{one}_"):
-            raise InputError(
-                f"name of a joint = {longer!r}: must not begin with {one}_, because {one} is a "
-                "joint too"
-            )
+            fault = f"must not begin with {one}_, because {one} is a joint too"
+            raise InputError(f"name of a joint = {longer!r}: {fault}")
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
@@ -344,11 +332,11 @@ def _check(linkage: Linkage) -> None:
     fixed |= {drive.body for drive in linkage.drives if drive.speed == 0.0 and not drive.repeats}
     for body in linkage.bodies:
         if body.inertia < MIN_INERTIA and not (body.inertia == 0.0 and body.name in fixed):
-            raise InputError(
-                f"inertia of {body.name} = {body.inertia:g} kg m^2: must be {MIN_INERTIA:g} kg m^2 "
-                "or more; 0 is allowed for a body that a guide, or a drive at rest, keeps from "
-                "turning"
+            exception = (
+                "0 is allowed for a body that a guide, or a drive at rest, keeps from turning"
             )
+            allowed = f"must be {MIN_INERTIA:g} kg m^2 or more; {exception}"
+            raise InputError(f"inertia of {body.name} = {body.inertia:g} kg m^2: {allowed}")
 
 
 def _parts_of(linkage: Linkage) -> _Parts:
@@ -402,11 +390,6 @@ def _ends(joint: Joint) -> tuple[Attachment, Attachment]:
     return joint.first, joint.second
 
 
-def joints_of(linkage: Linkage) -> tuple[Joint, ...]:
-    """Return the ideal joints: pins, then guides."""
-    return (*linkage.revolutes, *linkage.guides)
-
-
 def bodies_of(joint: Joint) -> set[str]:
     """Return the bodies that a joint holds, without the frame."""
     return {end.body for end in _ends(joint)} - {GROUND}
@@ -420,7 +403,7 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     that could pass a row on to it; all others are prescribed. The rows of a linkage that closes
     away from its dead points are independent, so that counting them is enough.
     """
-    rows = [bodies_of(joint) for joint in joints_of(linkage) for _ in range(2)]
+    rows = [bodies_of(joint) for joint in linkage.joints for _ in range(2)]
     rows += [{drive.body} for drive in linkage.drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
 
@@ -490,16 +473,14 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
             return f"{drive.name} turns a body that is free to move"
     if len(prescribed) == len(linkage.bodies):
         return "the drives hold every body"
-    joints = [joint for joint in joints_of(linkage) if not bodies_of(joint) <= prescribed]
+    joints: list[Joint] = [*linkage.revolutes, *linkage.guides]
+    joints = [joint for joint in joints if not bodies_of(joint) <= prescribed]
     branches, closing, _ = _tree_of(joints, (GROUND, *prescribed), linkage.bodies)
     return f"joint {closing[0].name} closes a loop" if closing else tuple(branches)
 
 
 def chain_of(linkage: Linkage, bodies: frozenset[str]) -> tuple[list[Branch], list[Revolute]]:
-    """Return bodies with prescribed motion as a tree, and the pins that close it.
-
-    ValueError where they are no such chain.
-    """
+    """Return prescribed bodies as a tree, and the pins that close it; ValueError for no chain."""
     # Guides first: what slides does so by its coordinate, and pins close the loops.
     joints: tuple[Joint, ...] = (*linkage.guides, *linkage.revolutes)
     inner = [joint for joint in joints if bodies_of(joint) <= bodies]

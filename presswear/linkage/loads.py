@@ -62,10 +62,7 @@ class Load(Checked):
 
 @dataclass(frozen=True)
 class Harmonics(Checked):
-    """Fourier series over time: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t.
-
-    The mean and the rows a_k, b_k of ``harmonics`` are in N or N m.
-    """
+    """Fourier series, N or N m: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t."""
 
     kind: ClassVar[str] = "harmonics"
 
@@ -102,10 +99,8 @@ class OverTime(Checked):
         """Raise InputError unless the table fits into a period, s."""
         first, last = self.table[0][0], self.table[-1][0]
         if period > 0.0 and not (first >= 0.0 and last <= period):
-            raise InputError(
-                f"table: from {first:g} to {last:g} s; with a {name} of {period:g} s allowed is 0 "
-                f"to {period:g} s"
-            )
+            allowed = f"with a {name} of {period:g} s allowed is 0 to {period:g} s"
+            raise InputError(f"table: from {first:g} to {last:g} s; {allowed}")
 
 
 @dataclass(frozen=True)
@@ -153,10 +148,9 @@ class OverPosition(Checked):
         jumps = (ends if self.release else (table[0], table[-1])) if self.outside == "zero" else ()
         for place, size in jumps:
             if size != 0.0:
-                raise InputError(
-                    f"table: {size:g} N or N m at the end, {place:g} m or rad, would be a jump to "
-                    "0; allowed are 0 there, or outside = hold"
-                )
+                end = f"{size:g} N or N m at the end, {place:g} m or rad,"
+                allowed = "allowed are 0 there, or outside = hold"
+                raise InputError(f"table: {end} would be a jump to 0; {allowed}")
         if self.release and (sense == "both" or len(table) < 2):
             raise InputError("release: it needs a table of two nodes that acts in one sense")
         wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[sense]
@@ -172,10 +166,8 @@ class OverPosition(Checked):
             raise InputError("unloading: it needs a table that acts in one sense")
         place, size = ends[0]
         if size != 0.0:
-            raise InputError(
-                f"table: {size:g} N or N m at {place:g} m or rad, where it begins; with unloading "
-                "allowed is 0"
-            )
+            begin = f"{size:g} N or N m at {place:g} m or rad, where it begins"
+            raise InputError(f"table: {begin}; with unloading allowed is 0")
         # Resistance against the way, whose signs cancel in either sense.
         steepest = max(((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(table)), default=0.0)
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
@@ -192,10 +184,8 @@ def _check_rising(table: Table) -> None:
     least = MIN_GAP * (max(row[0] for row in table) - min(row[0] for row in table))
     for k, (before, row) in enumerate(pairwise(table), start=1):
         if not row[0] - before[0] > least:
-            raise InputError(
-                f"table[{k}]: {row[0]:g} does not lie above {before[0]:g}, the row before it, by "
-                "a millionth of the table's length"
-            )
+            fault = f"{row[0]:g} does not lie above {before[0]:g}, the row before it"
+            raise InputError(f"table[{k}]: {fault}, by a millionth of the table's length")
 
 
 LAWS: Mapping[str, Any] = {law.kind: law for law in (Harmonics, OverTime, OverPosition)}
@@ -349,10 +339,8 @@ class Blanking(_Work):
         if self.stiffness is not None:
             low, high = self.force / MAX_DEPTH, self.force / MIN_DEPTH
             if not low <= self.stiffness <= high:
-                raise InputError(
-                    f"stiffness = {self.stiffness:g} N/m: with force = {self.force:g} N allowed is "
-                    f"{low:g} to {high:g} N/m"
-                )
+                allowed = f"with force = {self.force:g} N allowed is {low:g} to {high:g} N/m"
+                raise InputError(f"stiffness = {self.stiffness:g} N/m: {allowed}")
 
     @property
     def curve(self) -> Curve:  # noqa: D102
@@ -367,10 +355,7 @@ class Blanking(_Work):
 
 @dataclass(frozen=True)
 class Drawing(_Work):
-    """Deep drawing: the force rises and falls over the punch travel as half cosines.
-
-    Each half cosine consists of straight pieces.
-    """
+    """Deep drawing: the force rises and falls as half cosines of straight pieces."""
 
     kind: ClassVar[str] = "drawing"
 

@@ -32,27 +32,18 @@ _OF_BAR = "length", "mass", "inertia"
 _MIN_ROD_RATIO = 1.0001  # rod over crank: an upright rod leaves the side of the slider open
 
 
-def _length(origin: str, default: float, text: str) -> Any:
-    return quantity(default, "m", MIN_LINK, MAX_LINK, origin, text)
+def _number(unit: str, low: float, high: float, origin: str, default: float, text: str) -> Any:
+    return quantity(default, unit, low, high, origin, text)
 
 
-def _mass(origin: str, default: float, text: str) -> Any:
-    return quantity(default, "kg", 1e-6, 1e4, origin, text)
-
-
-def _inertia(origin: str, default: float, text: str) -> Any:
-    return quantity(default, "kg m^2", 1e-9, 1e4, origin, text)
-
-
-def _speed(origin: str, default: float, text: str) -> Any:
-    return quantity(default, "rad/s", 0.1 * math.pi, 5000.0, origin, text)
-
-
+_length = partial(_number, "m", MIN_LINK, MAX_LINK)
+_mass = partial(_number, "kg", 1e-6, 1e4)
+_inertia = partial(_number, "kg m^2", 1e-9, 1e4)
 _side = partial(_length, "paper, reading chosen")
 _p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
 _l_length, _l_mass, _l_inertia = (partial(make, LITERATURE) for make in (_length, _mass, _inertia))
 _c_length, _c_mass, _c_inertia = (partial(make, "chosen") for make in (_length, _mass, _inertia))
-_c_speed = partial(_speed, "chosen")
+_c_speed = partial(_number, "rad/s", 0.1 * math.pi, 5000.0, "chosen")
 
 
 class Mechanism(Checked, ABC):
@@ -110,10 +101,8 @@ class Geometry(Checked):
                 )
         short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
         if longest >= short + middle:
-            raise InputError(
-                f"plate 4 is not a triangle: its longest side {longest:g} m must be below the sum "
-                f"of the others, {short + middle:g} m"
-            )
+            allowed = f"must be below the sum of the others, {short + middle:g} m"
+            raise InputError(f"plate 4 is not a triangle: its longest side {longest:g} m {allowed}")
 
 
 GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equally well
@@ -286,11 +275,9 @@ class SliderCrank(Mechanism):
         super().__post_init__()
         least = _MIN_ROD_RATIO * self.crank_length
         if not self.rod_length >= least:
-            raise InputError(
-                f"rod_length = {self.rod_length:g} m: with crank_length = {self.crank_length:g} m "
-                f"allowed is {least:.6g} m to {MAX_LINK:g} m; joint B does not close over the "
-                "whole turn"
-            )
+            allowed = f"with crank_length = {self.crank_length:g} m allowed is {least:.6g} m"
+            reason = f"to {MAX_LINK:g} m; joint B does not close over the whole turn"
+            raise InputError(f"rod_length = {self.rod_length:g} m: {allowed} {reason}")
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the rod from A to B: both are at angle 0 at the start.

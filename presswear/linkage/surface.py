@@ -41,10 +41,7 @@ def bin_centres(count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Worn surface of a bearing or a pin: depth, m, and slope, m/rad, at the bin centres, (m,).
-
-    Both are empty for an unworn surface.
-    """
+    """Worn surface: depth, m, and slope, m/rad, at the bin centres, (m,); empty where unworn."""
 
     depth: Array = field(default_factory=lambda: np.zeros(0))
     slope: Array = field(init=False)

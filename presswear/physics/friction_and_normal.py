@@ -19,12 +19,12 @@ from presswear.tools.compile import (
     Records,
     address_of,
     call,
-    compile_function,
     compiled,
     floats,
     inlined,
 )
 from presswear.tools.lanes import anywhere, where
+from presswear.tools.user_function import compile_function
 
 INLINE = 0  # address of a law that stands in the kernels
 FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, beside it, user law

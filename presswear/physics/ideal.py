@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import MAX_PIECES, MIN_PIECE, run_up_motion
+from presswear.linkage.drives import MAX_PIECES, MIN_PIECE
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Mechanism
 from presswear.physics.assembly import (
@@ -96,7 +96,11 @@ class IdealMotion:
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 2.0 * self.rows.linkage.run_up * self.period
-        time, rate, rise = run_up_motion(now, duration)
+        time = now
+        if duration > 0.0:
+            from presswear.physics.drive_motion import run_up_motion  # slow import
+
+            time, rate, rise = np.transpose([run_up_motion(duration, t) for t in now])
         cycle = np.floor(time / self.period)
         within = time - cycle * self.period
         nodes = len(self.position) - 1

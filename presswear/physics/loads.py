@@ -27,13 +27,12 @@ from presswear.tools.compile import (
     Records,
     address_of,
     call,
-    compile_function,
     compiled,
     floats,
     inlined,
     lazily_compiled,
 )
-from presswear.tools.user_function import UserFunction
+from presswear.tools.user_function import UserFunction, compile_function
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
 # Branches of a load in one sense of motion: none, growing with the speed, all of it; the elastic

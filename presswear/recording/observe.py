@@ -255,10 +255,7 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
 
 @inlined
 def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
-    """Record one accepted step of length ``h``, s, that ended in a state.
-
-    Contacts and loads of the state are in the records, settled.
-    """
+    """Record one accepted step of length ``h``, s, whose contacts and loads are settled."""
     memory, counters, series = records.memory, records.counters, records.series
     cycle = records.cycle
     state = records.output[0]

@@ -137,10 +137,7 @@ class Recorder:
             pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
 
     def wear(self, lost: Array, q: Array, v: Array) -> None:
-        """Update the surfaces by a depth, m, shape (joints, 2, bins), between two cycles.
-
-        Pins that rested on the lost material are open; a lasting contact keeps its closing speed.
-        """
+        """Wear surfaces by a depth, m, (joints, 2, bins); pins that rested on it are open."""
         records, depth = self.records, self.surface_depth + lost
         self._rebuild(depth)
         growth = [lost.max(axis=2), self.surface_depth.max(axis=2)]

@@ -319,10 +319,7 @@ def about(mean: float, estimate: Estimate) -> Estimate:
 
 
 def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
-    """Return bootstrap samples of a weighted mean over maps, shape (RESAMPLES, bins).
-
-    Maps have shape (n, bins); weights, the cycles in each, (n,).
-    """
+    """Return bootstrap means, (RESAMPLES, bins), of maps, (n, bins), with weights, (n,)."""
     count = len(maps)
     generator = np.random.default_rng(seed)
     picked = generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLES) * weights

@@ -54,10 +54,7 @@ Law = str | UserFunction | Callable[..., float]
 
 @dataclass(frozen=True)
 class Bearing(Checked):
-    """Joint with clearance: dimensions, contact laws and materials.
-
-    Fields take numbers in SI or texts with units; see their texts for ranges.
-    """
+    """Joint with clearance; fields take numbers in SI or texts with units, see their texts."""
 
     clearance: float = quantity(
         0.8e-3,
@@ -147,10 +144,7 @@ class Bearing(Checked):
             raise InputError(f"lower_speed = {self.lower_speed:g} m/s: allowed is {allowed}")
 
     def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
-        """Raise InputError where surfaces that are or become worn cannot meet in this way.
-
-        Messages begin with ``where``.
-        """
+        """Raise InputError, beginning with ``where``, if worn surfaces cannot meet in this way."""
         if contact != "foundation":
             return
         if self.exponent != 1.5:
@@ -188,18 +182,16 @@ class Bearing(Checked):
 
     def check_user_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
-        from presswear.tools.compile import check_compiles  # slow import
-
         if isinstance(law := self.normal_law, UserFunction):
             key, normal = f"{joint}.normal_law", self.normal(reading)
             state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
             laws.check_normal(key, law, {**state, "clearance": self.clearance})
-            check_compiles(law, key, laws.NORMAL_PARAMETERS)
+            law.check_compiles(key, laws.NORMAL_PARAMETERS)
         if isinstance(law := self.friction_law, UserFunction):
             key = f"{joint}.friction_law"
             ramp = {"lower_speed": self.lower_speed, "upper_speed": self.upper_speed}
             laws.check_friction(key, law, {"coefficient": self.friction, **ramp})
-            check_compiles(law, key, laws.FRICTION_PARAMETERS)
+            law.check_compiles(key, laws.FRICTION_PARAMETERS)
 
     def joint(
         self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]

@@ -152,10 +152,7 @@ class Life(Checked):
     )
 
     def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:
-        """Return the limits, of all joints with clearance where none is named.
-
-        InputError for an unknown number or joint, and for a value that is none or has no unit.
-        """
+        """Return the limits, of all joints with clearance where none is named; raise InputError."""
         limits = []
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)

@@ -214,9 +214,7 @@ class Scene(Checked):
             self.bearing(joint).check_user_laws(joint, self.conventions.stiffness)
         for key, law in self.user_laws.items():
             if key.startswith("loads["):
-                from presswear.tools.compile import check_compiles  # slow import
-
-                check_compiles(law, key, loads.LOAD_PARAMETERS)
+                law.check_compiles(key, loads.LOAD_PARAMETERS)
 
     @property
     def user_laws(self) -> dict[str, UserFunction]:
@@ -277,18 +275,8 @@ class Scene(Checked):
             return self.conventions.wear_distribution == "arc"
         return self.extrapolation == "steps"
 
-    @property
-    def smoothed_bins(self) -> tuple[int, ...]:
-        """Bins of each joint's wear maps, if they are smoothed; else none."""
-        if self.conventions.wear_maps == "raw":
-            return ()
-        return tuple(joint.bins for joint in self.linkage().clearances)
-
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
-        """Return the linkage of a stage.
-
-        ``worn`` has bearing and pin surface by joint; joints without have their initial surfaces.
-        """
+        """Return the linkage on worn surfaces, bearing and pin by joint, or on initial ones."""
         return self._linkage_on(worn) if worn else self._initial_linkage
 
     @cached_property
@@ -355,10 +343,7 @@ class Scene(Checked):
 
     @property
     def solver(self) -> Engine:
-        """Engine of a run: for ``exudyn`` the smallest model that the linkage allows.
-
-        Unspecified tolerances are set for the purpose of the scene.
-        """
+        """Engine of a run, tolerances resolved; ``exudyn`` is the smallest model possible."""
         word = self.engine
         if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)

@@ -63,10 +63,7 @@ class Setting:
 
 
 def settings_of(scene: Scene) -> list[Setting]:
-    """Return all settings of a scene with their present values.
-
-    Of bearings of single joints, ``JOINT.KEY``, those that differ from the common bearing.
-    """
+    """Return all settings with present values; of single joints only those that differ."""
     common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
     single = (setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint))
     differing = (one for one in single if one.value != common[one.key.rpartition(".")[2]])
@@ -202,10 +199,7 @@ def _changed(
     message_prefix: str = "",
     **updates: Any,
 ) -> Any:
-    """Return a data class with its fields, and those of its parts, set by key.
-
-    The data classes convert and check their fields themselves.
-    """
+    """Return a data class with its fields, and those of its parts, set by key."""
     for item in fields(owner):
         key, value = f"{prefix}{item.name}", getattr(owner, item.name)
         meaning = meaning_of(item, owner)
@@ -229,17 +223,8 @@ def _changed(
 def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     """Return the values of a list or a range, SI, in the order in which they are typed.
 
-    =============================  ======================================================
-    ``0.02,0.05,0.1``              a list
-    ``0.2mm:1.0mm:9``              nine values in equal steps, both ends among them
-    ``2pi:12pi:200 rad/s``         the same, with the unit written once
-    ``1e8N/m:1e10N/m:5:log``       five in equal ratios
-    =============================  ======================================================
-
-    Raises
-    ------
-    InputError
-        With the key, and what is missing, unknown or out of range.
+    A list is as ``0.02,0.05,0.1``. A range has both ends and a number of values, in equal steps as
+    ``2pi:12pi:200 rad/s``, or in equal ratios as ``1e8N/m:1e10N/m:5:log``. InputError with the key.
     """
     if ":" not in text:
         return [float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")]
@@ -265,10 +250,7 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
 
 
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
-    """Return the keys under which two stored scenes differ, with both values.
-
-    A user function is replaced by its name and digest, a long value by its beginning and digest.
-    """
+    """Return keys under which two stored scenes differ, with both values, long ones cut."""
     has_function = is_stored_function(first) or is_stored_function(second)
     if isinstance(first, Mapping) and isinstance(second, Mapping) and not has_function:
         inner = {n: key if key and n in ("name", "kind") else n for n in {**first, **second}}
@@ -308,10 +290,7 @@ class Change:
 
 
 def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
-    """Return the changes of a scene against another one.
-
-    Values that follow from a named set or a part that was changed are left out.
-    """
+    """Return the changes of a scene against another one that do not follow from others."""
     was, settings = {one.key: one.value for one in settings_of(base)}, settings_of(scene)
     for one in settings:
         if not isinstance(one.meaning, Choice) or not one.is_part:

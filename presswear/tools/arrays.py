@@ -29,16 +29,6 @@ def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
     return {name[len(start) :]: one for name, one in state.items() if name.startswith(start)}
 
 
-def numbers(values: Mapping[str, float]) -> Array:
-    """Return numbers by name as one array, in the order of their names."""
-    return np.array([values[name] for name in sorted(values)], dtype=np.float64)
-
-
-def set_numbers(values: dict[str, float], stored: NDArray[Any]) -> None:
-    """Set numbers by name as ``numbers`` stored them."""
-    values.update(zip(sorted(values), map(float, stored), strict=True))
-
-
 def write_arrays(path: Path, arrays: State, pack: Callable[..., None] = np.savez_compressed) -> str:
     """Write arrays whole or not at all, by ``np.savez`` or alike; return the digest of the file."""
     packed = io.BytesIO()

@@ -1,24 +1,21 @@
 """Just-in-time compilation by numba, and a cache of machine code for all environments of a user.
 
-Numba stores machine code beside an index for each source file. A damaged file ends every program
-that reads it, and an edit in ``friction_and_normal.py`` leaves the compiled callers in
-``contact.py`` unchanged. This package therefore stores each compiled kernel in a file of its own.
-The name is a digest of all that the machine code depends on, and the content is checked before
-use.
+A damaged file in the cache of numba ends every program that reads it, and an edit in
+``friction_and_normal.py`` leaves the compiled callers in ``contact.py`` unchanged. This package
+therefore stores each kernel in a file whose name is a digest of all that the machine code depends
+on, and whose content is checked before use.
 
-User laws and kernels that few scenes need are called by the address of their machine code.
-Their callers do not depend on them and are not compiled again for them.
+User laws and kernels that few scenes need are called by the address of their machine code, so that
+their callers are not compiled again for them.
 """
 
 import ctypes
 import gc
-import inspect
 import os
 import pickle
 import re
 import sys
 import threading
-import time
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
@@ -38,10 +35,8 @@ from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, 
 from numba.np.numpy_support import numpy_version
 
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError
 from presswear.tools.files import BUSY, digest, lock, write_bytes
 from presswear.tools.lanes import COUNTS, Lanes, lane_by_lane
-from presswear.tools.user_function import UserFunction
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -57,7 +52,6 @@ _PACKAGE = Path(__file__).parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
 _IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import ", re.MULTILINE)
 _MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
-_PAUSE, _MAX_PAUSES = 0.1, 1200  # s between two looks at code that another process compiles
 _WHEEL_PROCESSOR = "x86-64-v3", ""  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
 _WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 
@@ -76,7 +70,7 @@ class _Cache(NullCache):
     The process that compiles a function locks a file beside it, and the others wait for the code.
     """
 
-    _claim: IO[str] | None = None  # locked file
+    _lock: IO[str] | None = None  # locked file
 
     def __init__(self, *key: object) -> None:
         versions = sys.implementation.cache_tag, numba.__version__, numpy_version
@@ -96,43 +90,33 @@ class _Cache(NullCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where it is to be compiled in this process."""
-        for _ in range(_MAX_PAUSES):
-            code = self._stored(signature, context)
-            is_mine = code is None and self._claimed(signature, context)
-            if is_mine:
-                code = self._stored(signature, context)  # it may have come meanwhile
+        code = self._stored(signature, context)
+        if code is None:
+            file, *_ = self._files(signature, context)
+            with suppress(OSError):  # nothing can be stored
+                file.parent.mkdir(parents=True, exist_ok=True)
+                self._lock = file.with_suffix(".lock").open("a+", encoding="utf-8")
+                if lock(self._lock):
+                    with event.trigger_event("numba:compile"):
+                        lock(self._lock, waits=True)
+            code = self._stored(signature, context)  # it may have come meanwhile
             if code is not None:
-                self._end_claim()
-            if code is not None or is_mine:
-                return code
-            with event.trigger_event("numba:compile"):
-                time.sleep(_PAUSE)
-        return None
+                self._release()
+        return code
 
     def is_compiled_elsewhere(self, signature: Any, context: Any) -> bool:
-        """Return whether code is not stored because another process compiles it now."""
-        is_stored = any(file.is_file() for file in self._files(signature, context))
-        return not (is_stored or self._claimed(signature, context))
-
-    def _claimed(self, signature: Any, context: Any) -> bool:
-        """Claim to compile a function; return whether no other process does."""
-        self._end_claim()
+        """Return whether another process compiles the code now."""
         file, *_ = self._files(signature, context)
-        with suppress(OSError):  # nothing can be stored
-            file.parent.mkdir(parents=True, exist_ok=True)
-            claim = file.with_suffix(".lock").open("a+", encoding="utf-8")
-            if lock(claim) in BUSY:
-                claim.close()
-                return False
-            self._claim = claim
-        return True
+        with suppress(OSError), file.with_suffix(".lock").open("r+", encoding="utf-8") as locked:
+            return lock(locked) in BUSY
+        return False
 
-    def _end_claim(self) -> None:
-        if self._claim is not None:
+    def _release(self) -> None:
+        if self._lock is not None:
             with suppress(OSError):
-                Path(self._claim.name).unlink()
-            self._claim.close()
-            self._claim = None
+                Path(self._lock.name).unlink()
+            self._lock.close()
+            self._lock = None
 
     def _stored(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it is damaged."""
@@ -153,7 +137,7 @@ class _Cache(NullCache):
             part = file.with_suffix(f".{os.getpid()}")
             write_bytes(part, digest(content).encode() + content)
             part.replace(file)
-        self._end_claim()
+        self._release()
         with suppress(OSError):
             files = sorted(file.parent.iterdir(), key=lambda file: file.stat().st_mtime)
             for file in files[:-_MAX_FILES]:
@@ -183,8 +167,8 @@ event.register("numba:compile", _Listener(gc.disable, gc.enable))
 
 def on_compiling(report: Callable[[], object]) -> AbstractContextManager[Any]:
     """Report the start and the end of every compilation within the context."""
-    listener = _Listener(report, report)
-    return cast(AbstractContextManager[Any], event.install_listener("numba:compile", listener))
+    listener: Any = event.install_listener("numba:compile", _Listener(report, report))
+    return cast(AbstractContextManager[Any], listener)
 
 
 class Kernel:
@@ -213,30 +197,23 @@ class Kernel:
         return self.dispatcher(no_cfunc_wrapper=True)
 
     @cached_property
-    def _from_kernels(self) -> Any:
+    def _numba_type_(self) -> Any:
         options = {**self._options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        return numba.njit(**options)(self.py_func)
+        self._from_kernels = numba.njit(**options)(self.py_func)  # its type does not keep it
+        return self._from_kernels._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the compiled function."""
         return self.from_python(*arguments)
 
-    @property
-    def _numba_type_(self) -> Any:
-        return self._from_kernels._numba_type_
-
 
 def _decorator(**options: Any) -> Callable[[F], F]:
-    def decorate(function: F) -> F:
-        return cast(F, Kernel(function, **options))
-
-    return decorate
+    return cast(Callable[[F], F], partial(Kernel, **options))
 
 
-# Kernels do not allocate: every array belongs to the caller. The reference counting of numba is
-# switched off because it took half of the time of these small functions. The compiler refuses a
-# kernel that allocates. A kernel of every evaluation is inlined, because to pass its arrays takes
-# as long as its work. A fused multiply-add rounds once; it is for long sums.
+# Kernels do not allocate, and the compiler refuses one that does: the reference counting of numba
+# would take half of their time. A kernel of every evaluation is inlined, because to pass its arrays
+# takes as long as its work. A fused multiply-add rounds once; it is for long sums.
 compiled = _decorator()
 inlined = _decorator(forceinline=True)
 fused = _decorator(fastmath={"contract"})
@@ -271,11 +248,8 @@ class _LazyKernel(Kernel):
                 of_lanes = types.UniTuple(lanes, len(result)) if is_tuple else lanes
                 signatures.append(typing.signature(of_lanes, *wide))
                 lower_builtin(self, *wide)(self._generate_lanes)
-        self._type = types.Function(typing.make_concrete_template(self._name, self, signatures))
-
-    @property
-    def _numba_type_(self) -> Any:
-        return self._type
+        template = typing.make_concrete_template(self._name, self, signatures)
+        self._numba_type_ = types.Function(template)
 
     def _compile(self) -> int | None:
         """Compile or load the kernel; kernels call this and cannot be interrupted."""
@@ -310,22 +284,10 @@ class _LazyKernel(Kernel):
         return value
 
     def _generate_lanes(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        result = signature.return_type
-        kinds = tuple(result) if isinstance(result, types.BaseTuple) else (result,)
-        vectors = [ir.Constant(context.get_value_type(kind), ir.Undefined) for kind in kinds]
-        for i in range(kinds[0].count):
-            place = ir.Constant(ir.IntType(32), i)
-            numbers = [
-                builder.extract_element(value, place) if isinstance(kind, Lanes) else value
-                for value, kind in zip(arguments, signature.args, strict=True)
-            ]
-            value = self._generate_call(context, builder, self._scalar, numbers)
-            parts = [value] if kinds == (result,) else cgutils.unpack_tuple(builder, value)
-            vectors = [
-                builder.insert_element(vector, part, place)
-                for vector, part in zip(vectors, parts, strict=True)
-            ]
-        return vectors[0] if kinds == (result,) else context.make_tuple(builder, result, vectors)
+        def each(builder: Any, *numbers: Any) -> Any:
+            return self._generate_call(context, builder, self._scalar, numbers)
+
+        return lane_by_lane(each)(builder, *arguments)
 
 
 def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
@@ -343,19 +305,12 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
         return numba.typeof(example)
 
     kinds = tuple(map(numba_type, parameters))
-
-    def decorate(function: F) -> F:
-        return cast(F, _LazyKernel(function, numba_type(result), kinds))
-
-    return decorate
+    made = partial(_LazyKernel, result=numba_type(result), parameters=kinds)
+    return cast(Callable[[F], F], made)
 
 
 def specialised(kernel: F, *arguments: Any) -> F:
-    """Return the compiled function for arguments of these types.
-
-    The dispatcher of numba looks up the types of all arguments in every call. With a dozen records
-    and arrays that takes longer than a small kernel.
-    """
+    """Return the compiled function for these types, which numba would look up in each call."""
     dispatcher = cast(Kernel, kernel).from_python
     kinds = tuple(map(numba.typeof, arguments))
     dispatcher.compile(kinds)
@@ -364,10 +319,7 @@ def specialised(kernel: F, *arguments: Any) -> F:
 
 def is_compiled_elsewhere(kernel: Callable[..., Any], *arguments: Any) -> bool:
     """Return whether another process compiles a kernel for arguments of these types now."""
-    dispatcher = cast(Kernel, kernel).from_python
-    kinds = tuple(map(numba.typeof, arguments))
-    if kinds in dispatcher.overloads:
-        return False
+    dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
     return bool(dispatcher._cache.is_compiled_elsewhere(kinds, dispatcher.targetctx))
 
 
@@ -407,38 +359,6 @@ def address_of(kernel: Callable[..., float], count: int) -> int:
     return int(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
 
 
-@cache
-def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Callable[..., float]:
-    """Compile a user function as a function of all these parameters, in their order.
-
-    InputError for a function that numba cannot compile.
-    """
-    compiler = numba.njit(**_OPTIONS)
-    namespace = function.namespace()
-    for name, value in namespace.items():
-        if inspect.isfunction(value):
-            namespace[name] = compiler(value)
-    used = ", ".join(function.parameters(function.name, parameters))
-    call = f"float({function.name}({used}))"
-    exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)
-    kernel = compiler(namespace["kernel"])
-    try:
-        kernel.compile((types.float64,) * len(parameters))
-    except Exception as error:  # numba raises more than its own errors for unsupported code
-        reason = next((line for line in f"{error}".splitlines()[1:] if line.strip()), f"{error}")
-        raise InputError(f"{function.name} cannot be compiled: {reason.strip()}") from None
-    return cast(Callable[..., float], kernel)
-
-
-def check_compiles(function: UserFunction, key: str, parameters: tuple[str, ...]) -> None:
-    """Raise InputError with the key for a user function that fails or cannot be compiled."""
-    function.try_in_python(key, parameters)
-    try:
-        compile_function(function, parameters)
-    except InputError as error:
-        raise InputError(f"{key}: {error}") from None
-
-
 @compiled
 def copy_to(target: Array, source: Array) -> None:
     """Copy numbers; ``target[:] = source`` would allocate in case the two overlap."""
@@ -458,8 +378,7 @@ def all_finite(first: Array, second: Array) -> bool:
 class PackedArguments(int):
     """Address of unpacked arguments, which it keeps alive; for numba a pointer to their tuple.
 
-    Numba unpacks every array of a call into address, shape and strides. For three dozen arrays that
-    takes as long as a small kernel. These are unpacked once for a million calls.
+    Numba unpacks every array in each call. These are unpacked once for a million calls.
     """
 
     arguments: tuple[Any, ...]
@@ -511,23 +430,16 @@ def _layout(argument: Any) -> Any:
     if isinstance(argument, tuple):
         return type(argument), *map(_layout, argument)
     if isinstance(argument, np.ndarray):
-        flags = argument.flags
-        memory = flags.c_contiguous, flags.f_contiguous, flags.aligned, flags.writeable
-        return type(argument), argument.dtype, argument.ndim, memory
+        return type(argument), argument.dtype, argument.ndim, f"{argument.flags}"
     return numba.typeof(argument)
 
 
-# By layout: type of the pointer, size in bytes, and the function that stores the arguments. Numba
-# takes milliseconds to find them.
+# By layout: type of the pointer, size, function that stores; numba takes milliseconds to find them
 _packing: dict[Any, tuple[Any, int, Any]] = {}
 
 
 def pack_arguments(*arguments: Any) -> PackedArguments:
-    """Return arguments for kernels that unpack them.
-
-    They are arrays, records, or named tuples of such. Arrays may change their values but not their
-    memory.
-    """
+    """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
     layout = _layout(arguments)
     if layout not in _packing:
         context, kind = cpu_target.target_context, numba.typeof(arguments)
@@ -545,11 +457,5 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
 
 def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> "partial[T]":
     """Return a kernel of packed arguments and a number as a function of the number."""
-    return bind_packed(kernel, pack_arguments(*arguments))
-
-
-def bind_packed(
-    kernel: Callable[[PackedArguments, float], T], packed: PackedArguments
-) -> "partial[T]":
-    """Return a kernel of packed arguments and a number as a function of the number."""
+    packed = pack_arguments(*arguments)
     return partial(specialised(kernel, packed, 0.0), packed)

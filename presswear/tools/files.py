@@ -142,10 +142,7 @@ check_file = partial(_check_exists, Path.is_file, "file")
 
 
 def is_free(path: Path) -> bool:
-    """Return whether a new run can start in a folder: it is not there, or empty.
-
-    InputError where no folder of this name can be made and written into.
-    """
+    """Return whether a folder is new or empty; InputError where it cannot be written."""
     check_name(path)
     try:
         if path.exists():
@@ -223,18 +220,18 @@ class FolderLock:
         self._file.close()
 
 
-def lock(file: IO[str]) -> int:
-    """Take the system's lock on a file; return the number of the error, or 0."""
+def lock(file: IO[str], waits: bool = False) -> int:
+    """Take the system's lock on a file, or wait for it; return the number of the error, or 0."""
     try:
         if sys.platform == "win32":
             import msvcrt
 
             file.seek(1 << 30)  # behind the text, which other processes may read
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK, 1)
         else:
             import fcntl
 
-            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | (0 if waits else fcntl.LOCK_NB))
     except OSError as error:
         return error.errno or errno.EIO
     return 0
@@ -258,10 +255,7 @@ def holder(path: Path) -> str | None:
 
 @contextmanager
 def only_writer(path: Path) -> Iterator[None]:
-    """Hold the lock of a new folder; an empty one is removed at the end.
-
-    InputError where the folder holds something, cannot be made, or is locked.
-    """
+    """Hold the lock of a new folder; InputError where it is not new, or locked."""
     if not is_free(path):
         raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
     lock = FolderLock(path)

@@ -81,10 +81,7 @@ def _type_of(array: LaneArray, context: Any) -> Any:
 
 
 def lane_zeros(shape: int | tuple[int, ...], count: int, dtype: np.dtype[Any] | None = None) -> Any:
-    """Return an array of zeros of so many lanes, or of records with lanes for numbers.
-
-    See ``lanes_of`` for its numbers.
-    """
+    """Return zeros of so many lanes, or records of such; see ``lanes_of`` for the numbers."""
     number = np.dtype((np.void, 8 * count))
     kind = number if dtype is None else np.dtype([(name, number) for name in dtype.names or ()])
     return np.zeros(shape, kind).view(LaneArray)
@@ -132,25 +129,27 @@ def _by_name(name: str) -> Any:
 
 
 def lane_by_lane(generate: Any) -> Any:
-    """Return the code of a function of lanes that calls one of single numbers for each."""
+    """Return the code of a function of lanes that calls one of single numbers, or a tuple, each."""
 
     def of_lanes(builder: Any, *values: Any) -> Any:
-        (kind, *_) = (value.type for value in values if value.type != _DOUBLE)
-        result = ir.Constant(kind, ir.Undefined)
+        is_wide = [isinstance(value.type, ir.VectorType) for value in values]
+        kind = values[is_wide.index(True)].type
+        vectors: list[Any] = []
         for i in range(kind.count):
             place = ir.Constant(ir.IntType(32), i)
             each = [
-                builder.extract_element(value, place) if value.type != _DOUBLE else value
-                for value in values
+                builder.extract_element(value, place) if wide else value
+                for value, wide in zip(values, is_wide, strict=True)
             ]
-            result = builder.insert_element(result, generate(builder, *each), place)
-        return result
+            result = generate(builder, *each)
+            is_number = result.type == _DOUBLE
+            parts = [result] if is_number else cgutils.unpack_tuple(builder, result)
+            vectors = vectors or [ir.Constant(kind, ir.Undefined)] * len(parts)
+            pairs = zip(vectors, parts, strict=True)
+            vectors = [builder.insert_element(vector, part, place) for vector, part in pairs]
+        return vectors[0] if is_number else cgutils.pack_array(builder, vectors)
 
     return of_lanes
-
-
-def _comparison(word: str) -> Any:
-    return lambda builder, x, y: builder.fcmp_ordered(word, x, y)
 
 
 for _functions, _generate in {
@@ -170,10 +169,9 @@ _operation(operator.neg, lambda builder, x: builder.fneg(x), 1)
 _operation(abs, _by_name("llvm.fabs"), 1)
 _operation(math.sqrt, _by_name("llvm.sqrt"), 1)
 _operation(math.exp, lane_by_lane(_by_name("llvm.exp")), 1)
-for _word, _compare in {
-    **{"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
-}.items():
-    _operation(_compare, _comparison(_word), 2, result=True)
+_COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+for _word, _compare in (_COMPARISONS | {"==": operator.eq}).items():
+    _operation(_compare, lambda b, x, y, word=_word: b.fcmp_ordered(word, x, y), 2, result=True)
 _operation(operator.ne, lambda builder, x, y: builder.fcmp_unordered("!=", x, y), 2, result=True)
 _operation(operator.and_, lambda builder, x, y: builder.and_(x, y), 2, True, True)
 

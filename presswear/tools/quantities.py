@@ -68,10 +68,7 @@ def plain_number(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Unit (empty for a pure number), range, origin of the default and meaning of a number.
-
-    The range includes its ends unless ``open_low`` excludes the lower one.
-    """
+    """Unit, range with its ends (not the lower if ``open_low``), origin and meaning."""
 
     unit: str = ""
     low: float = -math.inf
@@ -257,10 +254,7 @@ class Choice:
 def quantity(
     default: float | None, unit: str, low: float, high: float, origin: str, text: str, **more: bool
 ) -> Any:
-    """Return a data class field for a number with a unit; a default of None may stay None.
-
-    ``more`` are ``open_low`` and ``whole`` of ``Quantity``.
-    """
+    """Return a field for a number with a unit; ``more`` are fields of ``Quantity``."""
     return _field(default, Quantity(unit, low, high, origin, text, **more))
 
 
@@ -296,10 +290,7 @@ def one_of(kinds: Mapping[str, Any], text: str) -> Any:
 
 
 def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
-    """Return the meaning of a field, also from its annotation; None for a plain field.
-
-    The owner is needed for a choice whose words depend on it.
-    """
+    """Return the meaning of a field, None without; the words of a choice may need the owner."""
     for meaning in (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ())):
         if isinstance(meaning, Choice) and callable(meaning.words):
             return replace(meaning, words=meaning.words(owner))

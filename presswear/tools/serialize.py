@@ -211,19 +211,16 @@ def plain(value: Any) -> Any:
     if hasattr(value, "as_plain"):
         return value.as_plain()
     if is_dataclass(value):
+        kind = getattr(value, "kind", None)
+        first = {"kind": kind} if isinstance(kind, str) else {}
         items = (item.name for item in fields(value) if item.init and item.metadata != NOT_STORED)
-        return _kind_of(value) | {name: plain(getattr(value, name)) for name in items}
+        return first | {name: plain(getattr(value, name)) for name in items}
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
         return [plain(item) for item in value]
     number = plain_number(value)
     return None if isinstance(number, float) and not math.isfinite(number) else number
-
-
-def _kind_of(value: Any) -> dict[str, str]:
-    kind = getattr(value, "kind", None)
-    return {"kind": kind} if isinstance(kind, str) else {}
 
 
 def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
@@ -233,9 +230,9 @@ def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
     """
     try:
         result = make(place, kind, data)
-    except InputError:
-        raise
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"{place}: {error}") from None
     for key in _missing_keys(plain(result), data):
         raise InputError(f"{place}: {key!r} is missing")

@@ -9,9 +9,11 @@ import hashlib
 import inspect
 import math
 import textwrap
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
@@ -32,10 +34,7 @@ def is_stored_function(data: Any) -> bool:
 
 @dataclass(frozen=True)
 class UserFunction:
-    """Function of numbers that returns a number, by its name in a Python text.
-
-    The text has everything that the function needs; ``math`` is provided.
-    """
+    """Function of numbers by its name in a Python text, in which ``math`` is provided."""
 
     name: str
     source: str
@@ -141,11 +140,11 @@ class UserFunction:
             raise InputError(f"{key}: {self.name} gives {result!r} at {place}: must be a number")
         return float(result)
 
-    def try_in_python(self, key: str, allowed: tuple[str, ...]) -> None:
-        """Run the function at twenty points, because compiled code cannot be stopped by Ctrl-C.
+    def check_compiles(self, key: str, allowed: tuple[str, ...]) -> None:
+        """Raise InputError with the key for a function that fails or cannot be compiled.
 
-        InputError with the key for a function that fails, but for arithmetic errors: a point may
-        lie outside of the range of the law.
+        It runs at twenty points in Python before, because compiled code cannot be stopped by
+        Ctrl-C. Arithmetic errors are allowed: a point may lie outside of the range of the law.
         """
         count = len(self.parameters(key, allowed))
         function = self.namespace()[self.name]
@@ -158,6 +157,34 @@ class UserFunction:
                 continue
             except (Exception, SystemExit) as error:
                 raise InputError(f"{key}: {self.name} fails: {error}") from None
+        try:
+            compile_function(self, allowed)
+        except InputError as error:
+            raise InputError(f"{key}: {error}") from None
+
+
+@cache
+def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Callable[..., float]:
+    """Compile a user function of these parameters, in order; InputError if numba cannot."""
+    import numba  # slow to import
+
+    compiler = numba.njit(error_model="numpy", _nrt=False)
+    namespace = function.namespace()
+    for name, value in namespace.items():
+        if inspect.isfunction(value):
+            namespace[name] = compiler(value)
+    used = ", ".join(function.parameters(function.name, parameters))
+    call = f"float({function.name}({used}))"
+    exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)
+    kernel: Any = compiler(namespace["kernel"])
+    try:
+        kernel.compile((numba.float64,) * len(parameters))
+    # The text may be any Python. Numba has no common base for its errors: what it does not support
+    # shows as TypeError, ValueError, KeyError, NotImplementedError or AssertionError, too.
+    except Exception as error:
+        reason = next((line for line in f"{error}".splitlines()[1:] if line.strip()), f"{error}")
+        raise InputError(f"{function.name} cannot be compiled: {reason.strip()}") from None
+    return cast(Callable[..., float], kernel)
 
 
 def _unpickled(name: str, source: str, is_trusted: bool) -> UserFunction:

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicSpline
 
 import presswear as pw
-from presswear.linkage.drives import RISES, Drive, Rise, pieces_of, run_up_motion
+from presswear.linkage.drives import RISES, Drive, Rise, pieces_of
+from presswear.physics.drive_motion import run_up_motion
 from presswear.physics.ideal import motion_of
 from presswear.tools.arrays import Array
 
@@ -140,14 +141,15 @@ def test_a_run_up_is_smooth_and_ends_in_step() -> None:
     """Each derivative is that of the one before; half of the time has passed at the end."""
     time = np.linspace(-0.5, 6.0, 200)
     h = 1e-5
-    levels = run_up_motion(time, 4.0)
-    up, down = run_up_motion(time + h, 4.0), run_up_motion(time - h, 4.0)
+    levels, up, down = (
+        np.transpose([run_up_motion(4.0, t) for t in time + shift]) for shift in (0.0, h, -h)
+    )
     for level in (0, 1):
         slope = (up[level] - down[level]) / (2.0 * h)
         np.testing.assert_allclose(slope, levels[level + 1], atol=1e-9)
     late = time > 4.0
     np.testing.assert_array_equal(levels[0][late], time[late] - 2.0)
-    assert [float(x[0]) for x in run_up_motion(np.zeros(1), 4.0)] == [0.0, 0.0, 0.0]
+    assert run_up_motion(4.0, 0.0) == (0.0, 0.0, 0.0)
 
 
 IDEAL = pw.scenes.ideal()

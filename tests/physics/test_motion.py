@@ -14,10 +14,16 @@ from listeners import Keeps
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.drives import RISES, Drive, Rise, run_up_motion
+from presswear.linkage.drives import RISES, Drive, Rise
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
-from presswear.physics.drive_motion import break_after, drive_motion, is_steady, motions_of
+from presswear.physics.drive_motion import (
+    break_after,
+    drive_motion,
+    is_steady,
+    motions_of,
+    run_up_motion,
+)
 from presswear.physics.ideal import motion_of as ideal_of
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
@@ -269,9 +275,9 @@ def test_kernels_see_the_pieces_that_are_written(drive: Drive, t: float, run_up:
     """To round-off after hundreds of cycles, whose phase is known to 1e-12 rad."""
     linkage = FOUR_BAR.changed(drives=[drive], run_up=run_up, cycle=TURN / 7.0)
     motion = motions_of(linkage)[0]
-    tau, rate, rise = run_up_motion(np.array([t]), linkage.run_up_time)
-    angle, speed, faster = (float(level[0]) for level in drive.motion(tau))
-    exact = angle - drive.angle, speed * rate[0], faster * rate[0] ** 2 + speed * rise[0]
+    tau, rate, rise = run_up_motion(linkage.run_up_time, t)
+    angle, speed, faster = (float(level[0]) for level in drive.motion(np.array([tau])))
+    exact = angle - drive.angle, speed * rate, faster * rate**2 + speed * rise
     steep = np.abs(drive.pieces.polynomial).max() + 10.0 * np.abs(drive.pieces.wave[:, :2]).prod()
     for one, other in zip(drive_motion(motion, t), exact, strict=True):
         assert one == pytest.approx(other, rel=1e-12, abs=1e-10 * (1.0 + steep))
@@ -288,7 +294,7 @@ def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) ->
     for _ in range(3 * len(drive.pieces.start) + 1):
         result.append(break_after(motion, result[-1]))
     assert np.all(np.diff(result) > 0.0)
-    turns = 7.0 * run_up_motion(np.array(result), duration)[0] / TURN
+    turns = 7.0 * np.array([run_up_motion(duration, t)[0] for t in result]) / TURN
     off = np.abs(np.subtract.outer(turns, drive.pieces.start / TURN) % 1.0)
     off = np.minimum(off, 1.0 - off).min(axis=1)
     of_run_up = np.isclose(result, duration, rtol=1e-12) & (off > 1e-9)

@@ -9,6 +9,7 @@ from collections import namedtuple
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import Any, cast
 
 import numpy as np
@@ -148,25 +149,25 @@ def test_oldest_files_are_removed(stored: Path, monkeypatch: pytest.MonkeyPatch)
     assert not _compiles()
 
 
-def test_code_that_another_process_compiles_is_awaited(
-    stored: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("is_killed", [False, True])
+def test_code_that_another_process_compiles_is_awaited(stored: Path, is_killed: bool) -> None:
     (file,) = stored.iterdir()
     code = file.read_bytes()
     file.unlink()
+    kernel = Kernel(cast(Kernel, all_finite).py_func)
     with file.with_suffix(".lock").open("w") as other:
         assert not lock(other)
-        kernel = Kernel(cast(Kernel, all_finite).py_func)
+        waiting = Thread(target=kernel, args=(ONES, ONES))
+        waiting.start()
+        waiting.join(0.5)
+        assert waiting.is_alive()
         assert is_compiled_elsewhere(kernel, ONES, ONES)
-        monkeypatch.setattr("time.sleep", lambda _: file.write_bytes(code))
-        assert kernel(ONES, ONES)
-        assert sum(kernel.from_python.stats.cache_hits.values()) == 1
-        assert not is_compiled_elsewhere(kernel, ONES, ONES)
-        file.unlink()
-        monkeypatch.setattr("time.sleep", lambda _: None)
-        assert _compiles()  # the other process takes too long
-        file.unlink()
-    assert not is_compiled_elsewhere(Kernel(kernel.py_func), ONES, ONES)
+        if not is_killed:
+            file.write_bytes(code)
+    waiting.join()
+    assert sum(kernel.from_python.stats.cache_hits.values()) == (not is_killed)
+    assert list(stored.iterdir()) == [file]
+    assert not is_compiled_elsewhere(kernel, ONES, ONES)
 
 
 def test_kernels_run_where_nothing_can_be_stored(

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.tools.compile import address_of, call, check_compiles, compile_function, compiled
+from presswear.tools.compile import address_of, call, compiled
 from presswear.tools.errors import InputError
-from presswear.tools.user_function import UserFunction
+from presswear.tools.user_function import UserFunction, compile_function
 
 KNOWN = ("a", "b", "c")
 
@@ -103,7 +103,7 @@ def test_unreadable_function_is_refused(value: object) -> None:
 )
 def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
     function = UserFunction("law", text).trusted()
-    check_compiles(function, "F1", KNOWN)
+    function.check_compiles("F1", KNOWN)
     assert compile_function(function, KNOWN)(3.0, 0.0, 0.0) == pytest.approx(value)
 
 
@@ -117,4 +117,4 @@ def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
 )
 def test_a_law_that_cannot_be_compiled_is_refused_by_name(body: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        check_compiles(law(body), "F1", KNOWN)
+        law(body).check_compiles("F1", KNOWN)

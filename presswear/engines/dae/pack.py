@@ -18,7 +18,7 @@ from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     PackedArguments,
-    bind_packed,
+    bind,
     compiled,
     inlined,
     is_compiled_elsewhere,
@@ -202,10 +202,9 @@ def together(members: Sequence[Member]) -> Advance | None:
     if np.any(bins != bins[0]):
         return None
     pack = pack_of([member.address for member in members])
-    packed = pack_arguments(pack)
-    if is_compiled_elsewhere(march_together, packed, 0.0):
+    if is_compiled_elsewhere(march_together, pack_arguments(pack), 0.0):
         return None
-    march = bind_packed(march_together, packed)
+    march = bind(march_together, pack)
     pack.status[:] = IDLE
 
     def start_again(k: int, end: float) -> None:

@@ -33,7 +33,7 @@ from presswear.engines.exudyn_joints.kernels import (
 )
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import GROUND, Attachment
-from presswear.linkage.linkage import Linkage, bodies_of, joints_of, prescribed_of
+from presswear.linkage.linkage import Linkage, bodies_of, prescribed_of
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
@@ -62,7 +62,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
         return frozenset()
     omitted -= {end.body for spring in linkage.springs for end in spring.ends}
     while True:
-        joined = [bodies_of(joint) for joint in joints_of(linkage)]
+        joined = [bodies_of(joint) for joint in linkage.joints]
         held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= omitted))
         if not held & omitted:
             return omitted

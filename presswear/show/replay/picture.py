@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import run_up_motion
+from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import mechanism
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
 from presswear.show.replay.mechanism import FORCE, INK, JOINT_COLOURS, STEEL, EnlargedJoint
@@ -195,7 +195,7 @@ class Picture:
 
     def _title(self, clip: Clip, panel: Panel, state: Snapshot, note: str) -> list[dict[str, Any]]:
         linkage = clip.linkage
-        elapsed = float(run_up_motion(np.array(state.time), linkage.run_up_time)[0])
+        elapsed = run_up_motion(linkage.run_up_time, state.time)[0]
         angle = 360.0 * elapsed / clip.period
         status = f"{linkage.phase} {angle % 360.0:5.1f} deg"
         if len(clip.chapters) == 1:  # the cycles of a service life have no common time
