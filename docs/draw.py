@@ -139,7 +139,9 @@ def life(axes: Axes) -> None:
 def _steps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
     """Return the cycles of a replicate and the life of each, with one update per cycle."""
     histories = WearHistories(Runner(scene, workers), initial_depth(scene), ())
-    problem = LifeProblem((UNTIL,), (), 1e12, 1.0, 1_000_000)
+    # Where the mean has crossed this limit, each replicate has crossed the one that is asked for.
+    beyond = replace(UNTIL, value=1.5 * UNTIL.value)
+    problem = LifeProblem((beyond,), (), 1e12, 1.0, 1_000_000)
     level = Refinement(step, 1)
     while isinstance(plan := next_block(problem, level), BlockPlan):
         level = replace(level, blocks=(*level.blocks, histories.advance(1, level.blocks, plan)))

@@ -100,7 +100,7 @@ def coverages(
 
 
 def main(folder: str = "results/coverage", jobs: int | None = None, **settings: Any) -> None:
-    for conventions in ("paper", "refined"):
+    for conventions in ("paper", "standard", "refined"):
         scenes = make_scenes(conventions, **settings)
         results = pw.run_scenes(scenes, f"{folder}/{conventions}", jobs=jobs)
         stages = {
