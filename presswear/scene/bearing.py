@@ -54,7 +54,10 @@ Law = str | UserFunction | Callable[..., float]
 
 @dataclass(frozen=True)
 class Bearing(Checked):
-    """Joint with clearance; fields take numbers in SI or texts with units, see their texts."""
+    """Joint with clearance: dimensions, contact laws and materials.
+
+    Fields take numbers in SI or texts with units; see their texts for ranges.
+    """
 
     clearance: float = quantity(
         0.8e-3,
