@@ -77,7 +77,7 @@ def test_second_wear_by_assumption(tmp_path: Path, capsys: pytest.CaptureFixture
 )
 def test_intervals_that_hold_are_distinguished(half: float, bias: float, passes: bool) -> None:
     """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
-    script = runpy.run_path(str(SCENARIOS / "coverage.py"))
+    script = runpy.run_path(str(SCENARIOS / "intervals.py"))
     draws = 200.0 + 4.0 * (bias + np.random.default_rng(3).standard_normal(400))
     campaigns = [[{"force": (draw, draw - half * 4.0, draw + half * 4.0)}] for draw in draws]
     truths = [[{"force": (200.0 + off, math.nan, math.nan)}] for off in (-1.0, 0.0, 1.0)]
@@ -90,7 +90,7 @@ def test_intervals_that_hold_are_distinguished(half: float, bias: float, passes:
 
 
 def test_campaigns_share_no_seed_with_each_other_or_the_truth() -> None:
-    scenes = runpy.run_path(str(SCENARIOS / "coverage.py"))["make_scenes"]("paper")
+    scenes = runpy.run_path(str(SCENARIOS / "intervals.py"))["make_scenes"]("paper")
     assert sorted(scene.seed for scene in scenes.values()) == list(range(1, 101))
     for name, scene in scenes.items():
         assert (scene.cycles == 200) == name.startswith("truth")
@@ -99,7 +99,7 @@ def test_campaigns_share_no_seed_with_each_other_or_the_truth() -> None:
 @pytest.mark.slow
 def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
     """Fewer than seventeen of twenty intervals of 95 % hold by chance in one case of forty."""
-    script = runpy.run_path(str(SCENARIOS / "coverage.py"))
+    script = runpy.run_path(str(SCENARIOS / "intervals.py"))
     every = script["make_scenes"]("refined", wear_updates=1)
     some = {f"campaign-{k}": every[f"campaign-{k}"] for k in range(1, 21)}
     some |= {f"truth-{k}": replace(every[f"truth-{k}"], cycles=100) for k in range(1, 9)}

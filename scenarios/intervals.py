@@ -2,7 +2,7 @@
 
 The long campaigns have one replicate each and 200 cycles per stage, as in the paper.
 
-Run:  python scenarios/coverage.py [FOLDER]     (hours; results: docs/validation/intervals.md)
+Run:  python scenarios/intervals.py [FOLDER]     (hours; results: docs/validation/intervals.md)
 """
 
 import sys
