@@ -166,8 +166,8 @@ class OverPosition(Checked):
             raise InputError("unloading: it needs a table that acts in one sense")
         place, size = ends[0]
         if size != 0.0:
-            begin = f"{size:g} N or N m at {place:g} m or rad, where it begins"
-            raise InputError(f"table: {begin}; with unloading allowed is 0")
+            fault = f"{size:g} N or N m at {place:g} m or rad, where it begins"
+            raise InputError(f"table: {fault}; with unloading allowed is 0")
         # Resistance against the way, whose signs cancel in either sense.
         steepest = max(((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(table)), default=0.0)
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
