@@ -13,6 +13,8 @@ from importlib.metadata import version
 
 # The threads of numpy's linear algebra would wait in a busy loop beside these small matrices.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Else worker processes would take a file of the user, such as statistics.py, for a module.
+os.environ.setdefault("PYTHONSAFEPATH", "1")
 
 from presswear.tools.errors import InputError, RunFailed, one_line
 from presswear.tools.processes import exit_code, is_stopped, stoppable

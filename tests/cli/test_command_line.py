@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -323,3 +324,14 @@ def test_completion_of_commands_options_and_names(tmp_path: Path, command: Comma
         output = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=True)
         assert set(output.stdout.split()) == words, line
         assert not output.stderr
+
+
+def test_files_of_the_user_are_no_modules(tmp_path: Path) -> None:
+    """Numba imports ``coverage`` where it finds it."""
+    (tmp_path / "coverage").mkdir()
+    (tmp_path / "statistics.py").write_text("raise SystemExit")
+    program = Path(sysconfig.get_path("scripts")) / "presswear"
+    options = "--engine dae --cycles 1 --wear-updates 0 --set replicates=2 --jobs 2 --no-report"
+    command = [str(program), "run", "wear-times", *options.split()]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
