@@ -171,7 +171,7 @@ def test_the_answer_on_a_life() -> None:
     expected = (
         "The first limit, depth of C over 50 µm, is exceeded after 5 million strokes (4.8 to 5.3 "
         f"million), {hours:.0f} hours at {rate:.0f} strokes per minute. The wear coefficient "
-        "scatters by 50.0 %: with this scatter the life is 3 to 8.3 million strokes."
+        "scatters by 50 %: with this scatter the life is 3 to 8.3 million strokes."
     )
     assert expected in page.text
     finer = page_of(lived(LIVED, made.made_up_life(0.003, 0.004))).text
