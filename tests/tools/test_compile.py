@@ -224,7 +224,8 @@ with compile.on_compiling(lambda: print("compiles", end=" ")):
 def _printed(package: Path, **variables: str) -> str:
     """Return what a program prints that calls a kernel of a package."""
     run = partial(subprocess.run, capture_output=True, text=True, check=True, cwd=package.parent)
-    printed: str = run([sys.executable, "-c", PROGRAM], env=os.environ | variables).stdout
+    environment = {**os.environ, "PYTHONPATH": str(package.parent), **variables}
+    printed: str = run([sys.executable, "-c", PROGRAM], env=environment).stdout
     return printed.replace(str(package), "").strip()
 
 
