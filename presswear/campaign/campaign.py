@@ -79,6 +79,10 @@ def run(
     interval : float
         Time between two checkpoints in the folder, s.
 
+    Returns
+    -------
+    Result
+
     Raises
     ------
     RunFailed

@@ -213,11 +213,7 @@ class Materials(Checked):
     )
     poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
     wear_coefficient: float = quantity(
-        1.2e-15,
-        "1/Pa",
-        0.0,
-        1e-9,
-        "assumed",
+        *(1.2e-15, "1/Pa", 0.0, 1e-9, "assumed"),
         "K_d of pin and bearing together; 1e-15 1/Pa is 1e-6 mm^3/(N m)",
     )
     bearing_share: float = quantity(

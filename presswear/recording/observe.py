@@ -66,7 +66,7 @@ WEAR_INTEGRALS = np.dtype(
     [
         ("work", np.float64),  # F_n ds, N m
         ("pressure", np.float64),  # p ds, N/m
-        ("work_rate", np.float64),  # at its end, W; of engines that sum by the trapezoidal rule
+        ("work_rate", np.float64),  # at its end, W; filled by exudyn-joints alone
         ("pressure_rate", np.float64),  # W/m^2
     ]
 )

@@ -505,9 +505,9 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
                 "liu": ("Liu's law", liu_force(ratio, *law)),
             }
             if bearing.elasticity in forces and not on_foundation:
-                name, force = forces[bearing.elasticity]
+                law_name, force = forces[bearing.elasticity]
                 times = force / foundation_force(ratio, *law)
-                text += f"; {name} gives {times:.2f} times the force of an elastic foundation"
+                text += f"; {law_name} gives {times:.2f} times the force of an elastic foundation"
                 if bearing.elasticity == "power":
                     text += ": use elasticity = liu or foundation"
         sentences.append(text)

@@ -60,11 +60,7 @@ class Bearing(Checked):
     """
 
     clearance: float = quantity(
-        0.8e-3,
-        "m",
-        1e-9,
-        1.0,
-        "paper, per study",
+        *(0.8e-3, "m", 1e-9, 1.0, "paper, per study"),
         "radial clearance R_i - R_j, half of that in diameter",
     )
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i")

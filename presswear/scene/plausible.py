@@ -2,12 +2,14 @@
 
 import math
 from itertools import combinations
+from operator import attrgetter
 
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import quantity_text, readable
 
+_MASS = attrgetter("mass")
 STEEL = 7850.0  # density, kg/m^3
 # Lowest and highest usual value of each quantity, and its SI unit
 USUAL = {
@@ -32,19 +34,19 @@ def unusual(key: str, value: float, words: str) -> list[str]:
 def doubts(scene: Scene) -> list[str]:
     """Return a sentence on each number of a scene that is not plausible."""
     linkage, lines = scene.base_linkage, []
-    *_, heavy = light, *_ = sorted(linkage.bodies, key=lambda body: body.mass)
-    words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, over that of {light.name}"
+    heavy, light = max(linkage.bodies, key=_MASS), min(linkage.bodies, key=_MASS)
+    words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, divided by that of {light.name}"
     lines += unusual("mass ratio", heavy.mass / light.mass, words)
     for body in linkage.bodies:
         if (length := _length(linkage, body)) and body.inertia:
             ratio = math.sqrt(body.inertia / body.mass) / length
-            words = f"the radius of gyration of {body.name} over the distance of its joints"
+            words = f"the radius of gyration of {body.name}, divided by the distance of its joints,"
             lines += unusual("gyration", ratio, words)
     for drive in linkage.drives:
         lines += unusual("speed", abs(drive.speed), f"the speed of {drive.body}")
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
-        words = f"the clearance of joint {name} over the radius of its bearing"
+        words = f"the clearance of joint {name}, divided by the radius of its bearing,"
         lines += unusual("relative clearance", bearing.clearance / bearing.bearing_radius, words)
     return lines + _weak_link(scene, linkage)
 
@@ -61,9 +63,8 @@ def _weak_link(scene: Scene, linkage: Linkage) -> list[str]:
     if scene.process is None:
         return []
     force = max(force for _, force in scene.process.curve)
-    stresses = {b.name: force * STEEL * _length(linkage, b) / b.mass for b in linkage.bodies}
-    name = max(stresses, key=lambda one: stresses[one])
-    mass = next(body.mass for body in linkage.bodies if body.name == name)
-    words = f"under the process force of {quantity_text(force, 'N')}, the mean stress in {name}, "
-    words += f"as a steel bar of its length and {readable(mass)} kg,"
-    return unusual("stress", stresses[name], words)
+    body = max(linkage.bodies, key=lambda one: _length(linkage, one) / one.mass)
+    stress = force * STEEL * _length(linkage, body) / body.mass
+    words = f"the mean stress in a steel bar of the length and mass of {body.name}, "
+    words += f"{readable(body.mass)} kg, under the process force of {quantity_text(force, 'N')}"
+    return unusual("stress", stress, words)

@@ -94,7 +94,7 @@ def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[
     at = _greatest(forces)
     largest = numbers.quantity_text(joints[at].peak_force, "N")
     text = f"At joint {at}: greatest force in a stroke, on average. Largest of all: {largest}. "
-    text += "Impacts count; they are harder than on a frame that yields."
+    text += "Impacts are included; a real frame bends and makes them smaller."
     if last is not first and at in first.statistics.joints:
         new = first.statistics.joints[at].peak_force_per_cycle.mean
         text += f" Before the wear: {numbers.quantity_text(new, 'N')}."

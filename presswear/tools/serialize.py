@@ -79,7 +79,7 @@ class Named:
 
     def __new__(cls, *_values: Any, **named: Any) -> Self:
         """Create an instance; raise InputError for an argument that is not a field."""
-        check_names(f"argument of {cls.__name__}", named, cls.__dataclass_fields__)  # type: ignore[attr-defined]
+        check_names(f"argument of {cls.__name__}", named, getattr(cls, "__dataclass_fields__", ()))
         return super().__new__(cls)
 
 

@@ -97,7 +97,7 @@ def test_replicates_run_one_by_one_while_another_process_compiles(
     together = states(scene, parts)
     pack = "presswear.engines.dae.pack"
     monkeypatch.setattr(f"{pack}.is_compiled_elsewhere", lambda *arguments: True)
-    monkeypatch.setattr(f"{pack}.bind", None)
+    monkeypatch.setattr(f"{pack}.specialised", None)
     one_by_one = states(scene, parts)
     assert not any(differences(together[k], one_by_one[k]) for k in parts)
 

@@ -2,6 +2,7 @@
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,11 +19,11 @@ from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     PackedArguments,
-    bind,
     compiled,
     inlined,
     is_compiled_elsewhere,
     pack_arguments,
+    specialised,
     unpack,
 )
 from presswear.tools.lanes import COUNTS, LaneArray, lane_zeros, lanes_of
@@ -202,9 +203,10 @@ def together(members: Sequence[Member]) -> Advance | None:
     if np.any(bins != bins[0]):
         return None
     pack = pack_of([member.address for member in members])
-    if is_compiled_elsewhere(march_together, pack_arguments(pack), 0.0):
+    packed = pack_arguments(pack)
+    if is_compiled_elsewhere(march_together, packed, 0.0):
         return None
-    march = bind(march_together, pack)
+    march = partial(specialised(march_together, packed, 0.0), packed)
     pack.status[:] = IDLE
 
     def start_again(k: int, end: float) -> None:

@@ -25,9 +25,11 @@ _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring
 _MARGIN = 0.16  # around everything that moves, relative to its size
+_ON_AXIS = 0.7  # cosine from which a label lies on the x axis of its body
 _ROOM = 0.05  # between a label and other bodies, relative to the same size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
+_SLIMMEST = 0.6  # width over height, at least
 _UP, _LEFT = np.array([0.0, 1.0]), np.array([-1.0, 0.0])
 
 
@@ -50,6 +52,8 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     size = float(np.hypot(*np.ptp(everything, axis=0)))
     low, high = everything.min(axis=0) - _MARGIN * size, everything.max(axis=0) + _MARGIN * size
     wide, tall = high - low
+    room = max(_SLIMMEST * tall - wide, 0.0)  # for the labels of an upright mechanism
+    low[0], high[0], wide = low[0] - 0.5 * room, high[0] + 0.5 * room, wide + room
     height = min(max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
     sheet, ((axes,),) = style.panels(1, 1, height)
     width = (height - _EDGES[1]) * wide / tall + _EDGES[0]
@@ -185,7 +189,9 @@ def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size:
             near, far = (
                 _room(linkage, name, position, place, s * direction, size) for s in (1, -1)
             )
-            direction = -direction if near < min(far, _ROOM * size) else direction
+            is_close = near < min(far, _ROOM * size)
+            is_on_axis = direction @ along > _ON_AXIS and far > _ROOM * size
+            direction = -direction if is_close or is_on_axis else direction
     _label(axes, name, place, direction, gap, color=colour)
 
 
