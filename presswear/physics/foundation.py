@@ -180,9 +180,9 @@ def add_part(
             if high > sums.overlap:
                 sums = with_peak(g, cell + since, sums)
             places = fit.bearing_place + cell + since, fit.pin_place + cell + since
-            if low <= 0.0:
+            if low <= 0.0 < high:
                 sums = add_pressed(g, sums, *places, shares)
-            else:
+            elif low > 0.0:
                 sums = add_whole(g, sums)
                 if shares.shape[1] > 0:
                     share_out(g, -1.0, 1.0, *places, shares)

@@ -45,7 +45,7 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     y = np.zeros(state_size(system))
     y[:36] = *q, *v
     out = np.zeros_like(y)
-    evaluate(system, system.held, system.tree, system.alone, None, 0.1, y, out, True)
+    evaluate(system, system.held, system.tree, system.alone, None, 0.1, y, out, True, True)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
     assert system.held is not None
     np.testing.assert_allclose(system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9)

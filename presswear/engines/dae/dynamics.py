@@ -16,7 +16,7 @@ import numpy as np
 from presswear.physics.constraints import Constraints, Held, evaluate_constraints, solve
 from presswear.physics.contact import (
     CONTACT,
-    note_contacts,
+    note_contact,
     note_ends,
     note_radial,
     note_sliding,
@@ -46,7 +46,7 @@ from presswear.physics.tree import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
-from presswear.tools.lanes import where
+from presswear.tools.lanes import anywhere, where
 
 POSITION, RATE, ACCELERATION, FORCE, AXES = range(5)  # rows of ``System.state``
 NUMBERS = CONTACT.itemsize // 8  # of a contact
@@ -191,11 +191,13 @@ def evaluate(
     y: Array,
     out: Array,
     torques: bool,
+    is_end: bool,
 ) -> None:
     """Fill dy/dt, and all of the state but for accelerations; leaves multipliers behind.
 
     ``held`` to ``members`` are those of the system, so that the compiler sees which are None.  With
-    ``torques`` the rates of the drives' integrals are filled as well.
+    ``torques`` the rates of the drives' integrals are filled as well.  Contacts that are held open
+    are filled at the end of a step only, where touchdowns are looked for.
     """
     n = system.size
     place(tree, system.state, t, y)
@@ -203,13 +205,15 @@ def evaluate(
     power = where(False, t, 0.0)
     if members is not None:
         power = apply_forces(system, members, t, force)
-        note_members(system, members, q, v, axes)
+        note_members(system, members, q, v, axes, is_end)
     if alone is not None:
         power = applied_forces(alone, t, q, v, force)
-        if tree is None:
-            note_contacts(alone, system.contacts, q, v)
-        else:
-            note_contacts(alone, system.contacts, q, v, axes)
+        for k in range(system.contacts.shape[0]):
+            if is_end or is_felt(alone.joints[k], system.onset[k]):
+                if tree is None:
+                    note_contact(alone, k, q, v, system.contacts[k])
+                else:
+                    note_contact(alone, k, q, v, system.contacts[k], axes)
     if system.has_work:
         out[out.shape[0] - 1] = power
     for k in range(system.contacts.shape[0]):
@@ -266,18 +270,31 @@ def apply_forces(system: System, members: Members, t: float, force: Array) -> fl
 
 
 @inlined
-def note_members(system: System, members: Members, q: Array, v: Array, axes: Array) -> None:
-    """Fill the contacts of all joints; those of worn surfaces one replicate after the other."""
+def is_felt(joint: Records, onset_speed: float) -> bool:
+    """Return whether a slope depends on a contact: it is not held open, or it has bristles."""
+    return anywhere(onset_speed >= 0.0) or joint.friction.bristle_stiffness > 0.0
+
+
+@inlined
+def note_members(
+    system: System, members: Members, q: Array, v: Array, axes: Array, is_end: bool
+) -> None:
+    """Fill the contacts of all joints; those of worn surfaces one replicate after the other.
+
+    Those that are held open in all replicates are filled at the end of a step only.
+    """
     for k in range(system.contacts.shape[0]):
         joint, contact = system.packed.joints[k], system.contacts[k]
+        if not (is_end or is_felt(joint, system.onset[k])):
+            continue
         note_ends(joint, q, v, contact, axes)
         if joint.surface_bins == 0:
             note_radial(joint, None, contact)
             note_sliding(contact)
             continue
         for i in range(members.used):
-            if members.length[i] != 0.0:
-                (run,) = unpack(members.runs[i])
+            (run,) = unpack(members.runs[i])
+            if members.length[i] != 0.0 and (is_end or is_felt(joint, run.system.onset[k])):
                 single, lanes = run.system.contact_rows[k], members.contacts[k]
                 for c in range(single.shape[0]):
                     single[c] = lanes[c, i]

@@ -169,6 +169,9 @@ def judge_steps(address: PackedArguments) -> None:
             copy_lane(run.system.state[r], members.state[r], i)
         for k in range(run.system.contacts.shape[0]):
             copy_lane(run.system.contact_rows[k], members.contacts[k], i)
+            if not pack.errors[0, i] < 1e30:
+                # The next trial does not fill contacts that are held open until it ends.
+                members.contacts[k, :, i] = 0.0
         steps, error, end = run.control[0].steps, pack.errors[0, i], pack.end[i]
         tableau, classical = pack.run.tableau, pack.run.classical
         pack.status[i] = judge_step(members.runs[i], tableau, classical, error, end)

@@ -89,7 +89,7 @@ def rates(address: PackedArguments, t: float, y: Array, stage: int) -> None:
     system = run.system
     out, torques = run.motion.slopes[stage], stage >= 0  # not a literal, as START
     alone, members = system.alone, system.members
-    evaluate(system, system.held, system.tree, alone, members, t, y, out, torques)
+    evaluate(system, system.held, system.tree, alone, members, t, y, out, torques, True)
 
 
 @compiled
@@ -151,7 +151,8 @@ def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float
         torques = is_last or tableau.b[stage] != 0.0
         out = slopes[stage]
         held, tree, alone, members = system.held, system.tree, system.alone, system.members
-        evaluate(system, held, tree, alone, members, t + part * h, new, out, torques)
+        at = t + part * h
+        evaluate(system, held, tree, alone, members, at, new, out, torques, is_last)
     first = 0.0
     second = 0.0
     size, count, allowed = 2 * system.size, 2.0 * system.size, tolerance * POSITION_SCALE
