@@ -91,6 +91,22 @@ def life_of(
     return service_life.estimate_life(refinements, problem.limits), refinements
 
 
+def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
+    """Blocks before the service neither change its length nor its correction."""
+
+    def block(strokes: float, cycles: int, interval: int, rate: float) -> service_life.LoadBlock:
+        quantities = {"A.depth": np.full(8, 1e-6)}, {"bdc_drift": np.zeros(8)}
+        removed = np.full((1, 1, 1), rate * CLEARANCE)
+        return service_life.LoadBlock(strokes, cycles, interval, *quantities, rate, removed)
+
+    old = block(2.0, 2, 0, 1e-9), block(1e5, 8, 0, 5e-9), block(2e5, 8, 0, 2e-9)
+    service = replace(old[-1], cycles=0, interval=1, rate=0.0)
+    blocks = (*old, service, block(2e5 + 2.0, 2, 1, 4e-8))
+    refinement = service_life.Refinement(1e-3, 8, blocks)
+    plan = service_life.next_block(problem(DEPTH, services=(Service("A", 2e5, False),)), refinement)
+    assert plan == service_life.BlockPlan(8, 1e-3 / 4e-8)
+
+
 @pytest.mark.parametrize(
     ("limit", "noise"),
     [(DEPTH, 0.5), (DEPTH, 1.5), (DRIFT, 0.5), (DEPTH, 1e-9)],
