@@ -24,7 +24,7 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder, holder, read_checked
-from presswear.tools.numbers import large
+from presswear.tools.numbers import large, readable
 
 if TYPE_CHECKING:
     import pandas
@@ -102,17 +102,16 @@ class Result:
     def __str__(self) -> str:
         """Return a table of the stages, and sentences on deep contacts."""
         names = self.scene.clearance_joints
-        rows = [["stage", "cycles", "ended"]]
-        for name in names:
-            rows[0][-1:-1] = [f"peak force {name} (N)", f"one wear {name} (mm³)"]
+        rows = [["stage", "cycles", "ended", "joint", "largest force (N)", "wear per update (mm³)"]]
         for stage in self.stages:
             row = [self.stage_name(stage.index) if names else "computed"]
-            row.append(str(stage.statistics.cycles))
-            for name in names:
+            row += [str(stage.statistics.cycles), stage.message or stage.status]
+            for name in stage.statistics.joints or [""]:
                 joint = stage.statistics.joints.get(name)
-                row.append(f"{joint.peak_force:.3g}" if joint else "–")
-                row.append(f"{1e9 * joint.wear_volume.mean:.3g}" if joint else "–")
-            rows.append([*row, stage.message or stage.status])
+                values = (joint.peak_force, 1e9 * joint.wear_volume.mean) if joint else ()
+                row += [name, *map(readable, values)]
+                rows.append([*row, *[""] * (len(rows[0]) - len(row))])
+                row = ["", "", ""]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         ending = f": {self.message}" if self.message else ""

@@ -140,9 +140,9 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
 
 def title_of(scene: Scene) -> str:
     """Return the title of a scene, followed by its changes of a named scene or a file."""
-    titles = [entry.title for entry in SCENES.values()]
-    has_title = named_scene(scene) is not None and scene.title not in titles
-    return scene.title if has_title else _with_changes(scene.title, scene)
+    titles, title = [entry.title for entry in SCENES.values()], scene.title or scene.name
+    has_title = named_scene(scene) is not None and title not in titles
+    return title if has_title else _with_changes(title, scene)
 
 
 def name_of(scene: Scene) -> str:

@@ -61,7 +61,7 @@ class Scene(Checked):
 
     mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
-    title: str = "User scene"
+    title: str = ""  # of reports; empty: the name
     bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(

@@ -108,7 +108,7 @@ def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[
         ratios = {name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one}
         at = _greatest(ratios or loads)
         bearing, (title, unit, words) = scene.bearing(at), titles[key]
-        size = f"{_mm(2.0 * bearing.bearing_radius)} mm × {_mm(bearing.width)} mm"
+        size = f"{_mm(2.0 * bearing.bearing_radius)} × {_mm(bearing.width)} mm"
         limit = numbers.quantity_text(limits[at], unit) if limits[at] else f"not given ({key})"
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
         result.append(measured(title, loads[at], unit, text))
@@ -176,7 +176,7 @@ def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
             result.append(measured(f"Motor {name}", peak, unit, text))
         else:
             largest = numbers.quantity_text(abs(each[body].peak), unit)
-            text += " Without clearance; with it: drive_torque = on."
+            text += " Computed without clearance; drive_torque = on computes it with clearance."
             result.append(KeyNumber(f"Motor {name}", largest, "", text))
     return result
 

@@ -320,7 +320,7 @@ def test_a_mechanism_is_labelled_at_its_position() -> None:
     scene = changed(wear_times(), {"A.clearance": "0.25mm"})
     (axes,) = labelled(scene, 0.1).sheet.axes
     joints = {"B", "D", "E", "O2", "O7", "A\nc = 0.25 mm", "C\nc = 0.8 mm"}
-    assert {*joints, "11 rad/s"} <= words_of(axes)
+    assert {*joints, "105 rpm"} <= words_of(axes)
     position = scene.ideal.at(np.array([0.1])).position[0].reshape(-1, 3)[:, :2]
     marks = [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"]
     np.testing.assert_allclose(marks, position, atol=1e-12)

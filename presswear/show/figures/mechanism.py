@@ -76,7 +76,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
             # Below the arrow, on the side that the body does not reach.
             side = 1.0 if centres[drive.body][0] < hinge[0] - 1e-6 * size else -1.0
             corner = hinge + 0.06 * size * np.array([0.5 * side, -0.87])
-            text = f"{abs(drive.mean_speed):.4g} rad/s"
+            text = f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm"
             _label(axes, text, corner, np.array([side, -1.0]), 5.0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
