@@ -422,10 +422,19 @@ class _Campaign:
         if at.stage is None:
             self._at = replace(at, stage=ensemble.state, running=EnsembleState())
         self._keep()
+        strokes_then = (index + 1) * scene.cycles_per_update
         if not scene.wears_in_steps:
             update = jump(ensemble, scene.cycles_per_update)
             self._at = replace(self._at, update=update)
-            return worn_out(joints, update.depth, f"after stage {index} ", ensemble.simulated_s)
+            where = f"after stage {index} "
+            return worn_out(joints, update.depth, where, ensemble.simulated_s, strokes_then)
+        if self._at.update is None:
+            # Surfaces that fit each other better wear more slowly, but hardly at half the rate.
+            depth = jump(ensemble, 0.5 * scene.cycles_per_update).depth
+            where = f"in half of the {stage_name(index + 1)} at the present rate "
+            finding = worn_out(joints, depth, where, ensemble.simulated_s, 0.5 * strokes_then)
+            if finding is not None:
+                return finding
         while (spec := refinement_spec(scene, index, self._at.update)) is not None:
             runner.later = 2.0 * spec.cycles if self._at.update is None else 0.0
             _LOG.info("the wear after stage %d begins: %s", index, spec.label)
@@ -435,7 +444,7 @@ class _Campaign:
             if worn.finding is not None:
                 return replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
             time, depth = worn.simulated_s, worn.surface_depth
-            finding = worn_out(joints, depth, f"the {spec.label}: ", time)
+            finding = worn_out(joints, depth, f"the {spec.label}: ", time, strokes_then)
             if finding is not None:
                 return finding
             update = cycle_by_cycle(worn, scene.cycles_per_update, self._at.update)

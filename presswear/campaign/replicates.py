@@ -107,12 +107,16 @@ def _linkage_on(scene: Scene, shape: tuple[int, ...], numbers: bytes) -> Linkage
 
 
 def worn_out(
-    joints: Sequence[ClearanceJoint], depth: Array, where: str = "", time: float = 0.0
+    joints: Sequence[ClearanceJoint],
+    depth: Array,
+    where: str = "",
+    time: float = 0.0,
+    strokes: float = 0.0,
 ) -> Finding | None:
     """Return a finding on the first surface that is worn deeper than the clearance.
 
     Beyond that depth the model of a pin in a round bearing does not hold. The shape of the depth is
-    (..., joints, 2, bins), m.
+    (..., joints, 2, bins), m; ``strokes`` wore it.
     """
     deepest = depth.max(axis=-1, initial=0.0)
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
@@ -120,7 +124,9 @@ def worn_out(
         lost = quantity_text(deepest[(*run, k, side)], "m")
         clearance = quantity_text(joints[k].clearance, "m")
         what = f"{where}the {SIDES[side]} would lose {lost}, more than the clearance of {clearance}"
-        advice = "use a smaller cycles_per_update, or check wear_coefficient"
+        tenth = 0.1 * strokes * joints[k].clearance / float(deepest[(*run, k, side)])
+        advice = f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"
+        advice += "; or check wear_coefficient"
         return Finding("wear", what, time, joints[k].name, advice)
     return None
 

@@ -310,11 +310,21 @@ def test_failed_set_does_not_mix_with_the_other(campaign: Campaign) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scene", "where"), [(SCENE, "the first wear in 3 steps:"), (JUMPS, "after stage 0")]
+    ("scene", "factor", "where"),
+    [
+        (SCENE, 1e3, "in half of the first wear at the present rate"),
+        (SCENE, 25.0, "the first wear in 3 steps:"),
+        (JUMPS, 1e3, "after stage 0"),
+    ],
 )
-def test_surface_worn_through_is_named(campaign: Campaign, scene: Scene, where: str) -> None:
-    seen = campaign(scene, FakeEngine(constant), cycles_per_update=1e3 * REPRESENTED)
+def test_surface_worn_through_is_named(
+    campaign: Campaign, scene: Scene, factor: float, where: str
+) -> None:
+    """The first one before any wear is computed, and each with a number of cycles that works."""
+    seen = campaign(scene, FakeEngine(constant), cycles_per_update=factor * REPRESENTED)
     assert seen.status == "failed"
+    tenth = f"cycles_per_update = {2.0 * REPRESENTED:.1g} wears it by about a tenth"
+    assert tenth in seen.message
     assert seen.message.startswith(f"joint A: {where} the bearing would lose")
     assert "more than the clearance of 800 µm;" in seen.message
     (stage,) = seen.stages
