@@ -75,7 +75,8 @@ def example_file(kind: str) -> str:
         numbers = [setting for setting in settings_in(mechanism) if not setting.is_part]
         first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
     joints = ",".join(mechanism.default_joints) or "B"
-    bearings, run = Bearing(clearance=0.3e-3), {"conventions": "refined", "max_cycles": 256}
+    bearings = Bearing(clearance=0.3e-3)
+    run = {"conventions": "refined", "max_cycles": 256, "engine": "dae"}
     scene = Scene(mechanism, joints=joints, bearings=bearings, wear_updates=1)
     possible = {setting.key for setting in settings_of(scene)}
     scene = changed(scene, run | {k: value for k, value in _OFF.items() if k in possible})

@@ -75,7 +75,9 @@ class Scene(Checked):
         "joints with clearance; default: those of the mechanism",
         several=True,
     )
-    engine: str = choice("exudyn", ENGINES, "exudyn: exudyn-tree if possible, else exudyn-joints")
+    engine: str = choice(
+        "exudyn", ENGINES, "dae: in-house, fastest; exudyn: exudyn-tree if possible, else exudyn-joints"
+    )
     purpose: str = choice(
         "auto", PURPOSES, "purpose, sets the tolerances; auto: wear if joints wear, else trajectory"
     )
