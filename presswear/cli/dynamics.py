@@ -18,7 +18,8 @@ def dynamics(arguments: argparse.Namespace, console: Console) -> int:
             raise InputError(f"{folder} is a result folder: --over and --set need a scene")
         return _describe(folder, console)
     settings = terminal.parse_settings(arguments.set)
-    if settings.get("engine", "dae") != "dae" or "wear_updates" in settings:
+    engine = arguments.engine or settings.get("engine", "dae")
+    if engine != "dae" or "wear_updates" in settings:
         raise InputError("presswear dynamics uses engine = dae and no wear updates")
     scene = terminal.requested_scene(arguments)
     if arguments.over is not None:

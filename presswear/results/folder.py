@@ -172,10 +172,10 @@ class ResultFolder(Observer):
         scene.check_trusted()
         free = is_free(path)
         if not free and not resume:
-            remedy = "name a new folder, or resume its run with --resume"
-            raise InputError(f"--out {path}: it exists and is not empty; {remedy}")
+            remedy = "name a new folder, or resume its run (--resume)"
+            raise InputError(f"folder {path}: it exists and is not empty; {remedy}")
         if not free and not (path / FILE).is_file():
-            raise InputError(f"--out {path}: it contains no run to resume: it has no {FILE}")
+            raise InputError(f"folder {path}: it contains no run to resume: it has no {FILE}")
         self.path, self.interval = path, interval
         self.remarks: list[str] = []  # lines for the user
         self._latest: Any = None
@@ -209,10 +209,10 @@ class ResultFolder(Observer):
         InputError unless the run is of the same scene and program.
         """
         stored, here = self._stored, provenance()
-        start = f"--out {self.path}: it holds a run of another scene: "
+        start = f"folder {self.path}: it holds a run of another scene: "
         self._refuse(start, differences(stored.scene, plain(scene.as_dict())))
         before, now = _versions(stored.provenance), _versions(here)
-        start = f"--out {self.path}: another program started this run, and numbers would differ: "
+        start = f"folder {self.path}: another program started this run, and numbers would differ: "
         self._refuse(start, [(name, before.get(name, "missing"), now[name]) for name in now])
         if self.is_finished:
             return

@@ -19,6 +19,7 @@ from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import (
     DEFAULT,
     IN_FILE,
+    TABLES,
     Setting,
     changed,
     name_of_key,
@@ -36,8 +37,7 @@ SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
 SWEEP = "sweep"  # table of the values that a sweep of the scene varies, which the scene ignores
 _PARTS = "process", "servo", "life"
-_GROUPS = "mechanism", "bearings", "limits", "settings"  # tables of settings
-_KEYS = ("title", *_GROUPS, *_PARTS, "surfaces", SWEEP)
+_KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"
 EXAMPLES = (*MECHANISMS, POINTS)  # kinds of example files
@@ -64,6 +64,8 @@ _RUN = "conventions", "wear_updates", "cycles_per_update", "max_cycles", "cycles
 
 def example_file(kind: str) -> str:
     """Return the text of a file that describes a mechanism, one of EXAMPLES."""
+    if not kind:
+        raise InputError(f"name the kind of mechanism: {', '.join(EXAMPLES)}")
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
     mechanism: OneMechanism
@@ -215,7 +217,7 @@ def _texts(value: Any, place: str, folder: Path) -> Any:
 def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the settings of all tables by key, as on the command line."""
     settings: dict[str, Any] = {}
-    for table in (name for name in (*_GROUPS, *_PARTS) if name in data):
+    for table in (name for name in (*TABLES, *_PARTS) if name in data):
         if not isinstance(data[table], Mapping):
             raise InputError(f"{table} = {shown(data[table])}: a table is expected")
         if table in _PARTS and "kind" not in data[table]:

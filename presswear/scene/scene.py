@@ -76,7 +76,7 @@ class Scene(Checked):
         several=True,
     )
     engine: str = choice(
-        "exudyn", ENGINES, "dae: in-house, fastest; exudyn: exudyn-tree if possible, else exudyn-joints"
+        "exudyn", ENGINES, "dae: in-house, fastest; exudyn: exudyn-tree, else exudyn-joints"
     )
     purpose: str = choice(
         "auto", PURPOSES, "purpose, sets the tolerances; auto: wear if joints wear, else trajectory"

@@ -23,6 +23,7 @@ from presswear.tools.user_function import UserFunction, is_stored_function
 
 SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
+TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
 DEFAULT = "default"  # origin of a value that a file leaves out
 SYMBOLS = {  # of the paper and of the contact laws, accepted as names of settings
     **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
@@ -79,8 +80,12 @@ def setting_of(scene: Scene, key: str) -> Setting:
 
 
 def name_of_key(key: str) -> str:
-    """Return a key with the name of the setting in place of its symbol."""
-    first, dot, last = key.rpartition(".")
+    """Return a key with the name of the setting in place of its symbol.
+
+    The name of the table that holds it in a file may stand before it.
+    """
+    table, _, rest = key.partition(".")
+    first, dot, last = (rest if table in TABLES and rest else key).rpartition(".")
     return f"{first}{dot}{SYMBOLS.get(last, last)}"
 
 
@@ -187,8 +192,9 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if first not in scene.clearance_joints and part is None and last in vars(scene.bearings):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
     names = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]
-    joint = f"{first}." if first in scene.clearance_joints else ""
-    hint = nearest(key.removeprefix(joint), [*(inner if joint else names), *SYMBOLS])
+    if first in scene.clearance_joints:
+        names = [f"{first}.{name}" for name in inner]
+    hint = nearest(key, [*names, *SYMBOLS])
     return InputError(f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}")
 
 

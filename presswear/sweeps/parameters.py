@@ -84,7 +84,7 @@ def parse_group(scene: Scene, text: str) -> Group:
     for part in text.split(TOGETHER):
         key, _, listed = (word.strip() for word in part.partition("="))
         if not listed:
-            raise InputError(f"--vary {text}: expected KEY=VALUES, such as friction=0.02,0.05")
+            raise InputError(f"vary {text}: expected KEY=VALUES, such as friction=0.02,0.05")
         setting = setting_of(scene, key)
         choices: tuple[str, ...] = ()
         if isinstance(setting.meaning, Quantity):
@@ -95,12 +95,12 @@ def parse_group(scene: Scene, text: str) -> Group:
             for word in choices:
                 setting.meaning.check(key, word)
         if len(set(choices or values)) < len(values) and TOGETHER not in text:
-            raise InputError(f"--vary {text}: a value is repeated")
+            raise InputError(f"vary {text}: a value is repeated")
         columns.append(column_of(setting, choices))
         rows.append(values)
     if len({len(values) for values in rows}) > 1:
         counts = " and ".join(str(len(values)) for values in rows)
-        raise InputError(f"--vary {text}: expected as many values of each key, got {counts}")
+        raise InputError(f"vary {text}: expected as many values of each key, got {counts}")
     return Group(tuple(columns), np.array(rows, dtype=float).T)
 
 

@@ -257,11 +257,11 @@ def parse_limits(texts: Sequence[str], responses: Sequence[Column]) -> dict[str,
         key, _, value = (part.strip() for part in text.partition(sign))
         if not value:
             example = "RESPONSE>=VALUE or RESPONSE<=VALUE, such as life>=2e6"
-            raise InputError(f"--limit {text}: expected {example}")
+            raise InputError(f"limit {text}: expected {example}")
         if key not in columns:
             raise unknown("response", key, columns)
         if key in limits:
-            raise InputError(f"--limit {text}: {key} already has a limit")
+            raise InputError(f"limit {text}: {key} already has a limit")
         number = parse_quantity(key, value, Quantity(columns[key].unit))
         limits[key] = Limit(float(number), sign == ">=")
     return limits

@@ -142,9 +142,10 @@ def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
     if is_starting or is_free(sweep.path):
         return
     if not (resume or is_part):
-        raise InputError(f"--out {sweep.path}: the folder is not empty; use another or --resume")
+        remedy = "name a new folder, or resume its sweep (--resume)"
+        raise InputError(f"folder {sweep.path}: it exists and is not empty; {remedy}")
     if load_sweep(sweep.path).plan != sweep.plan and not resume:
-        raise InputError(f"--out {sweep.path}: it holds another sweep; --resume extends it")
+        raise InputError(f"folder {sweep.path}: it holds another sweep, which --resume extends")
 
 
 def export_table(table: Table, path: Path) -> None:

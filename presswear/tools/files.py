@@ -148,14 +148,14 @@ def is_free(path: Path) -> bool:
         if path.exists():
             return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
         if path.is_symlink():
-            raise InputError(f"--out {path}: it is a broken link")
+            raise InputError(f"folder {path}: it is a broken link")
         parent = next(folder for folder in path.parents if folder.exists())
         if not parent.is_dir():
-            raise InputError(f"--out {path}: {parent} is not a folder")
+            raise InputError(f"folder {path}: {parent} is not a folder")
         # Permissions do not tell for every kind of file system: trying does.
         os.rmdir(tempfile.mkdtemp(dir=parent))
     except OSError as error:
-        raise InputError(f"--out {path}: no file can be written there: {error.strerror}") from None
+        raise InputError(f"folder {path}: no file can be written there: {error.strerror}") from None
     return True
 
 
@@ -179,7 +179,7 @@ class FolderLock:
             self._file.flush()
         except OSError as error:
             reason = f"no file can be written there: {error.strerror}"
-            raise InputError(f"--out {path}: {reason}") from None
+            raise InputError(f"folder {path}: {reason}") from None
 
     def _locked_file(self) -> IO[str]:
         for _ in range(_TRIES):
@@ -196,7 +196,7 @@ class FolderLock:
             file.close()
             time.sleep(_PAUSE)
         who = holder(self.path) or "another process"
-        raise InputError(f"--out {self.path}: {who} is writing to it; wait, or name another folder")
+        raise InputError(f"folder {self.path}: {who} is writing to it; wait, or name another")
 
     def is_held(self) -> bool:
         """Return whether the folder is still there and still locked by this object."""
@@ -257,7 +257,7 @@ def holder(path: Path) -> str | None:
 def only_writer(path: Path) -> Iterator[None]:
     """Hold the lock of a new folder; InputError where it is not new, or locked."""
     if not is_free(path):
-        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
+        raise InputError(f"folder {path}: it exists and is not empty; name a new folder")
     lock = FolderLock(path)
     try:
         yield

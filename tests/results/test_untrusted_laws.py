@@ -32,7 +32,6 @@ law = "laws.py:gust"
 [settings]
 normal_law = "laws.py:soft"
 drive_torque = "on"
-engine = "dae"
 cycles = 2
 replicates = 1"""
 
@@ -44,9 +43,7 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
     marker = folder / "executed"
     (folder / "laws.py").write_text(PROBE.format(marker=str(marker)))
     text = example_file("points").replace("wear_updates = 1", "wear_updates = 0")
-    (folder / "mine.toml").write_text(
-        text.replace('engine = "exudyn"', "").replace("[settings]", LOAD)
-    )
+    (folder / "mine.toml").write_text(text.replace("[settings]", LOAD))
     scene = scene_from(folder / "mine.toml")
     pw.run(scene, folder / "out")
     assert marker.exists()

@@ -106,7 +106,7 @@ press | A.friction_law=no.py:f | A.friction_law = 'no.py:f': .*no such file
 refined | B.clearance=1mm | B.clearance: joint B has no clearance; joints = AC
 refined | F.clearance=1mm | unknown joint in F.clearance: 'F'; known are O2, O7, A
 refined | geometry.hx=1mm | unknown key 'geometry.hx'; did you mean geometry\?$
-refined | A.clearence=1mm | unknown key 'A.clearence'; did you mean clearance\?$
+refined | A.clearence=1mm | unknown key 'A.clearence'; did you mean A.clearance\?$
 refined | A.angles=8 | A\.angles = 8: allowed is 16 to 100000
 refined | A.clearance=20mm | A\.clearance = 0\.02 m: allowed is below the bearing
 refined | A.clearance=1 | A\.clearance = '1' has no unit
@@ -325,6 +325,14 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
 )
 def test_changes_that_follow_are_omitted(scene: pw.Scene, expected: dict[str, Any]) -> None:
     assert described(scene) == expected
+
+
+def test_a_key_may_have_the_table_of_a_file_before_it() -> None:
+    base = pw.scenes.slider_crank()
+    scene = changed(base, {"bearings.B.clearance": "0.1 mm", "settings.cycles": "7"})
+    assert (scene.bearing("B").clearance, scene.cycles) == (1e-4, 7)
+    with pytest.raises(pw.InputError, match=r"did you mean B\.clearance"):
+        changed(base, {"bearings.B.clearence": "0.1 mm"})
 
 
 def test_a_scene_of_a_file_lists_changes_from_the_defaults(tmp_path: Path) -> None:
