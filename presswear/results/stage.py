@@ -237,6 +237,15 @@ class StageResult:
     joint_names: tuple[str, ...] = field(default=(), metadata=NOT_STORED)  # with clearance
     read_film: Callable[[], Film] | None = field(default=None, metadata=NOT_STORED, repr=False)
 
+    def __str__(self) -> str:
+        """Return the cycles, and peak force and wear of each joint."""
+        statistics = self.statistics
+        lines = [f"{self.name}: {self.message or self.status}, {statistics.cycles} cycles"]
+        for name, joint in statistics.joints.items():
+            volume = f"worn volume {joint.wear_volume.scaled(1e9)} mm³"
+            lines.append(f"{name}: mean peak force {joint.peak_force_per_cycle} N, {volume}")
+        return "\n".join([*lines, "more: statistics, diagnostics, joints, arrays"])
+
     @property
     def name(self) -> str:
         """Name of the stage: ``no wear``, or ``initial surfaces``, ``first wear``, ..."""

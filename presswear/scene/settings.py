@@ -59,7 +59,7 @@ class Setting:
         meaning = self.meaning
         if isinstance(meaning, Choice):
             return f"{self.value}  ({' | '.join(meaning.allowed())})  {meaning.text}"
-        value = NONE if self.value is None else meaning.with_unit(f"{self.value:.6g}")
+        value = NONE if self.value is None else meaning.written(self.value)
         return f"{value}  ({meaning.range_text()}; {meaning.origin})  {meaning.text}"
 
 

@@ -34,7 +34,7 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Sce
     settings = list(settings_of(scene))
     assert len({setting.key for setting in settings}) == len(settings)
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
-    assert "0.0008 m" in _described(scene, "clearance")
+    assert _described(scene, "clearance").startswith("0.8 mm ")
     joints = "O | A | B" if scene is CRANK else "O2 | O7 | A | B | C | D | E"
     assert f"({joints} | none | several, as " in _described(scene, "joints")
     assert "none  (none | blanking | drawing | coining)" in _described(scene, "process")
