@@ -78,7 +78,8 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     if ideal is not None:
         off = rows[:, :, CYCLE_FIXED.index("bottom_height")] - ideal.height
         mean = off.mean(axis=1)
-        samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": off.var(axis=1, ddof=1)}
+        variance = off.var(axis=1, ddof=min(1, off.shape[1] - 1))  # zero of a single stroke
+        samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
     return samples
 
 
