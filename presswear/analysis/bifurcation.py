@@ -60,13 +60,13 @@ class Parameter:
         """Return the parameter from text such as ``speed=2pi:12pi:200 rad/s``."""
         key, _, values_text = (part.strip() for part in text.partition("="))
         if not values_text:
-            raise InputError(f"--over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
+            raise InputError(f"over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
         meaning = setting_of(scene, key).meaning
         if not isinstance(meaning, Quantity) or meaning.whole:
-            raise InputError(f"--over {text}: must be a quantity, not a count or a choice")
+            raise InputError(f"over {text}: must be a quantity, not a count or a choice")
         values = sorted(set(values_of(key, values_text, meaning)))
         if len(values) < 2:
-            raise InputError(f"--over {text}: needs at least two different values")
+            raise InputError(f"over {text}: needs at least two different values")
         for value in (values[0], values[-1]):
             changed(scene, {key: value}).check()  # raises if the scene does not allow the value
         return Parameter(key, tuple(values), meaning.unit)

@@ -78,7 +78,9 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     if ideal is not None:
         off = rows[:, :, CYCLE_FIXED.index("bottom_height")] - ideal.height
         mean = off.mean(axis=1)
-        variance = off.var(axis=1, ddof=min(1, off.shape[1] - 1))  # zero of a single stroke
+        # Where a history wears out in one stroke, only the histories together have a variance.
+        is_single = off.shape[1] == 1
+        variance = np.full(len(off), off.var(ddof=1)) if is_single else off.var(axis=1, ddof=1)
         samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
     return samples
 

@@ -136,7 +136,7 @@ def read_stored(path: Path) -> StoredResult:
     """Return the document of a folder; InputError names the first part that is wrong."""
     file, missing = path / FILE, f"{path} is not a result folder: it has no {FILE}"
     if (path / "sweep.json").exists():
-        missing += "; a sweep holds whole results where it ran with --keep results"
+        missing += "; a sweep holds whole results where it ran with keep = results"
     elif inner := sorted(f"{p.parent}" for d in ("*", "*/*") for p in path.glob(f"{d}/{FILE}")):
         missing += f"; name one that it holds: {', '.join(inner[:3])}"
     stored = typed(read_json(file, missing, SCHEMA), StoredResult, f"{file}")

@@ -158,7 +158,7 @@ class JointResult:
 
     def _series(self, name: str) -> Array:
         if name not in self.arrays:
-            raise InputError(f"joint {self.name}: its {name} was not stored; use --set series=all")
+            raise InputError(f"joint {self.name}: its {name} was not stored; use series = all")
         return self.arrays[name]
 
     @property
@@ -237,7 +237,7 @@ class StageResult:
     joint_names: tuple[str, ...] = field(default=(), metadata=NOT_STORED)  # with clearance
     read_film: Callable[[], Film] | None = field(default=None, metadata=NOT_STORED, repr=False)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the cycles, and peak force and wear of each joint."""
         statistics = self.statistics
         lines = [f"{self.name}: {self.message or self.status}, {statistics.cycles} cycles"]
@@ -341,7 +341,7 @@ class StageResult:
         the shape (cycles, sections).
         """
         if "sections" not in self.arrays:
-            raise InputError(f"{self.name}: no sections were stored; use --set sections=1")
+            raise InputError(f"{self.name}: no sections were stored; use sections = 1")
         columns = [*observe.SECTION_NAMES]
         for prefix in self.joint_names:
             columns += [f"{prefix}.{each}" for each in observe.SECTION_JOINT_NAMES]

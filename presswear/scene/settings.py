@@ -60,7 +60,8 @@ class Setting:
         if isinstance(meaning, Choice):
             return f"{self.value}  ({' | '.join(meaning.allowed())})  {meaning.text}"
         value = NONE if self.value is None else meaning.written(self.value)
-        return f"{value}  ({meaning.range_text()}; {meaning.origin})  {meaning.text}"
+        limits = meaning.in_unit_of(self.value or meaning.low).range_text()
+        return f"{value}  ({limits}; {meaning.origin})  {meaning.text}"
 
 
 def settings_of(scene: Scene) -> list[Setting]:

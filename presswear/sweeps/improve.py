@@ -13,7 +13,7 @@ from typing import Any
 from matplotlib import rc_context
 
 from presswear.campaign.campaign import run_scenes
-from presswear.linkage.laws import MATERIALS
+from presswear.linkage.laws import MATERIALS, Materials
 from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
@@ -98,9 +98,17 @@ def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
             f"{name}.width": SIZE * bearing.width,
         }
         for word, pair in MATERIALS.items():
-            if pair != bearing.materials:
+            if pair != bearing.materials and not _wears_more(pair, bearing.materials):
                 changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
     return changes
+
+
+def _wears_more(pair: Materials, present: Materials) -> bool:
+    """Return whether a pair moves like the present one, and no side of it wears less."""
+    total, bearing = pair.wear_coefficient, pair.wear_coefficient * pair.bearing_share
+    before = present.wear_coefficient * present.bearing_share
+    is_worse = bearing >= before and total - bearing >= present.wear_coefficient - before
+    return is_worse and pair.compliance == present.compliance
 
 
 def improve(

@@ -65,15 +65,15 @@ class Plan:
         if not 1 <= self.replicates <= MAX_REPLICATES:
             raise InputError(f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}")
         if bool(self.sample) != bool(self.ranges):
-            raise InputError("--sample and --range must be used together")
+            raise InputError("a sample and ranges must be used together")
         if not self.groups:
-            raise InputError("nothing varies: use --vary KEY=VALUES, or --sample and --range")
+            raise InputError("nothing varies: vary a key (KEY=VALUES), or use a sample and ranges")
         keys = [column.key for column in self.columns]
         for key in keys:
             if keys.count(key) > 1:
                 raise InputError(f"{key} varies twice")
         if self.replicates > 1 and SEED in keys:
-            raise InputError("--vary seed and --replicates cannot be combined")
+            raise InputError("vary seed and replicates cannot be combined")
         rows = self.replicates * math.prod(len(group.values) for group in self.groups)
         if rows > MAX_ROWS:
             raise InputError(f"the plan has {rows} rows; at most {MAX_ROWS} are allowed")

@@ -165,7 +165,7 @@ def parse_shard(text: str) -> tuple[int, int]:
     match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
     part, count = map(int, match.groups()) if match else (0, 0)
     if not 1 <= part <= count:
-        raise InputError(f"--shard {text}: expected K/N with K from 1 to N, such as 3/10")
+        raise InputError(f"shard = {text}: expected K/N with K from 1 to N, such as 3/10")
     return part, count
 
 

@@ -130,6 +130,8 @@ def _check_exists(is_wanted: Callable[[Path], bool], kind: str, path: Path) -> N
     check_name(path)
     if is_wanted(path):
         return
+    if path.exists():
+        raise InputError(f"{path}: it is not a {kind}")
     missing = next((one for one in (*reversed(path.parents), path) if not one.exists()), path)
     is_near = is_wanted if missing == path else Path.is_dir
     beside = missing.parent.iterdir() if missing.parent.is_dir() else ()

@@ -47,9 +47,11 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "s/m": {"s/m": 1.0, "s/mm": 1e3},
     "N s/m": {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3},
 }
-_WRITTEN_IN = {  # units of example files, the largest first
+_WRITTEN_IN = {  # units of engineers, the largest first
     **{"m": ("mm",), "rad": ("deg",), "rad/s": ("rpm",), "W/m^2": ("MPa m/s",)},
-    **{"Pa": ("GPa", "MPa"), "N": ("kN", "N"), "N m": ("kN m", "N m")},
+    **{"Pa": ("GPa", "MPa"), "N": ("kN", "N"), "N m": ("kN m", "N m"), "kg": ("kg", "g")},
+    **{"kg m^2": ("kg m^2", "kg mm^2"), "1/Pa": ("mm^3/(N m)",), "m/s": ("m/s", "mm/s")},
+    **{"s": ("s", "ms"), "N/m": ("kN/mm", "N/mm")},
 }
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
 _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
@@ -77,6 +79,7 @@ class Quantity:
     text: str = ""
     open_low: bool = False
     whole: bool = False
+    size: float = 1.0  # of the unit, SI
 
     def with_unit(self, value: str) -> str:
         """Return a value as text with the unit behind it."""
@@ -84,10 +87,16 @@ class Quantity:
 
     def written(self, value: float, digits: int = 6) -> str:
         """Return a value with the unit in which engineers write it."""
+        shown = self.in_unit_of(value)
+        return shown.with_unit(f"{value / shown.size:.{digits}g}")
+
+    def in_unit_of(self, value: float) -> "Quantity":
+        """Return the quantity in the unit in which engineers write a value."""
         sizes = _UNITS.get(self.unit, {self.unit: 1.0})
         units = _WRITTEN_IN.get(self.unit, (self.unit,))
         unit = next((unit for unit in units if abs(value) >= sizes[unit]), units[-1])
-        return f"{value / sizes[unit]:.{digits}g} {unit}".rstrip()
+        low, high = (float(f"{end / sizes[unit]:.12g}") for end in (self.low, self.high))
+        return replace(self, unit=unit, low=low, high=high, size=sizes[unit])
 
     def range_text(self) -> str:
         """Return the allowed range in words, with the unit, its ends rounded inward."""

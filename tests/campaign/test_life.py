@@ -230,6 +230,8 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     assert samples["bdc_drift"] == pytest.approx([2.5, 5.0])
     assert samples["repeatability"] == pytest.approx([5.0 / 3.0, 0.0])
     assert samples["C.force_max"].tolist() == [25.0, 0.0]
+    single = wear_histories.samples_of(scene, rows[:, :1])  # 1 and 5: a history wore out
+    assert single["repeatability"] == pytest.approx([8.0, 8.0])
     assert samples["A.force_max"].tolist() == [0.0, 0.0]
     names = {name.partition(".")[2] or name for name in (*levels, *samples)}
     assert names == FOLLOWED.keys()

@@ -38,10 +38,13 @@ run nonsense: nonsense & wear-times
 run x.toml: x.toml: there is no such file
 run wear-times --set colour=red: unknown key 'colour'; presswear list SCENE shows all keys
 run press.txt: press.txt: expected a scene of presswear list, or a file NAME.toml
+report /dev/null: /dev/null: it is not a folder
 run .: .: expected a scene of presswear list
 run six-bar: six-bar is a mechanism; write a file of it with: presswear new six-bar
 run study.py: study.py is a Python script; run it with: python study.py
 run wear-times --set clearence=1mm: did you mean clearance?
+run wear-times --set A.clearence=1mm: did you mean A.clearance?
+new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, points
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
 run wear-times --set clearance=15mm: clearance & 0.015 m
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
@@ -82,6 +85,7 @@ dynamics slider-crnk: did you mean slider-crank
 dynamics slider-crank --exponent 0: --exponent 0 needs --over
 dynamics slider-crank --orders 4: --orders needs --over
 dynamics slider-crank --set engine=exudyn: engine = dae
+dynamics slider-crank --engine exudyn: engine = dae
 dynamics slider-crank --set wear_updates=1: no wear updates
 dynamics slider-crank --over speed=1:2: FIRST:LAST:COUNT
 dynamics slider-crank --over 'speed=20:30:2 rad/s' --stored 100: stored = 100

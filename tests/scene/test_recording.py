@@ -38,7 +38,7 @@ def test_sections_end_no_cycle_elsewhere() -> None:
     """Without them nothing is kept, and the rows of the cycles stay as many."""
     bare = pw.run(SCENE, engine="dae").stages[0]
     assert "sections" not in bare.arrays
-    with pytest.raises(pw.InputError, match="no sections were stored; use --set sections=1"):
+    with pytest.raises(pw.InputError, match="no sections were stored; use sections = 1"):
         bare.section("place")
     seen = pw.run(changed(SCENE, SECTIONS), engine="dae").stages[0]
     assert seen.statistics.cycles == bare.statistics.cycles
@@ -71,7 +71,7 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     assert stage.arrays.keys() - item.arrays.keys() == left_out
     for name, values in item.arrays.items():
         np.testing.assert_array_equal(values, stage.arrays[name])
-    with pytest.raises(pw.InputError, match="joint B: its force was not stored; use --set"):
+    with pytest.raises(pw.InputError, match="joint B: its force was not stored; use series = all"):
         _ = item.joints["B"].force
     with pytest.raises(pw.InputError, match="nothing to draw as 'path'"):
         read.plot("path")

@@ -19,7 +19,7 @@ from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.files import example_file, scene_from
 from presswear.scene.settings import SYMBOLS, changed, setting_of, settings_of, values_of
 from presswear.tools.errors import AssemblyError
-from presswear.tools.quantities import Quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 PRESS = pw.Scene(name="base", title="a scene")
 CRANK = pw.Scene(mechanism=pw.SliderCrank(), joints="B")
@@ -38,6 +38,18 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Sce
     joints = "O | A | B" if scene is CRANK else "O2 | O7 | A | B | C | D | E"
     assert f"({joints} | none | several, as " in _described(scene, "joints")
     assert "none  (none | blanking | drawing | coining)" in _described(scene, "process")
+
+
+@pytest.mark.parametrize("scene", [PRESS, CRANK, pw.scenes.press_blanking()])
+def test_described_values_are_in_units_of_engineers_and_can_be_set(scene: pw.Scene) -> None:
+    assert "clearance 0.8 mm  (1e-06 to 1000 mm;" in f"clearance {_described(PRESS, 'clearance')}"
+    assert _described(PRESS, "speed").startswith("105 rpm  (3 to 1200 rpm;")
+    assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")
+    assert "(0 to 1 mm^3/(N m);" in _described(PRESS, "wear_coefficient")
+    for setting in settings_of(scene):
+        if isinstance(setting.meaning, Quantity) and setting.value is not None:
+            text = setting.described().partition("  (")[0]
+            assert parse_quantity("x", text, setting.meaning) == pytest.approx(setting.value, 1e-4)
 
 
 def test_where_a_value_comes_from_follows_it() -> None:

@@ -316,6 +316,15 @@ def test_labels_of_a_mechanism_do_not_overlap() -> None:
         assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
 
 
+def test_labels_of_an_upright_mechanism_are_inside_the_axes() -> None:
+    (axes,) = (sheet := labelled(pw.Scene(pw.SixBar(), joints="B")).sheet).axes
+    sheet.draw_without_rendering()
+    outer = axes.get_window_extent()
+    for box in (text.get_window_extent() for text in axes.texts):
+        assert outer.x0 - 1.0 <= box.x0
+        assert box.x1 <= outer.x1 + 1.0
+
+
 def test_a_mechanism_is_labelled_at_its_position() -> None:
     scene = changed(wear_times(), {"A.clearance": "0.25mm"})
     (axes,) = labelled(scene, 0.1).sheet.axes

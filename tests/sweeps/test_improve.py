@@ -28,6 +28,9 @@ def test_each_joint_is_changed_in_each_way() -> None:
     assert {change.split(",")[0] for change in changes} == {"joint A", "joint C"}
     half = {"C.clearance": 0.5 * scene.bearing("C").clearance}
     assert changes["joint C, clearance times 0.5"] == half
+    # Both sides of the first two pairs wear more than those of the paper.
+    words = {change.rpartition(" ")[2] for change in changes if "materials" in change}
+    assert words == {"nitrided-304L", "chromed-304L"}
     with pytest.raises(InputError, match="no joint has clearance"):
         changes_of(pw.scenes.ideal())
 

@@ -217,7 +217,7 @@ BAD_INPUT = r"""
 --vary seed=1,2 --replicates 2 | cannot be combined
 --vary length_3=0.1m,0.11m | no scene of this plan can be made
 --vary friction=0:0.1:10000 --vary clearance=0.1mm:1mm:10000 | the plan has 100000000 rows
---sample sobol:8 | --sample and --range must be used together
+--sample sobol:8 | a sample and ranges must be used together
 --sample sobol --range friction=0:0.1 | expected KIND:SIZE
 --sample sobel:8 --range friction=0:0.1 | did you mean sobol
 --sample sobol:500 --range friction=0:0.1 | must be a power of two, 256 or 512

@@ -56,8 +56,6 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     low[0], high[0], wide = low[0] - 0.5 * room, high[0] + 0.5 * room, wide + room
     height = min(max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
     sheet, ((axes,),) = style.panels(1, 1, height)
-    width = (height - _EDGES[1]) * wide / tall + _EDGES[0]
-    sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
     for path in paths.values():
         axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
@@ -79,6 +77,14 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
             text = f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm"
             _label(axes, text, corner, np.array([side, -1.0]), 5.0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    scale = (height - _EDGES[1]) * sheet.dpi / tall  # pixels per m
+    for text in axes.texts:
+        box, (x, _) = text.get_window_extent(), axes.transData.transform(text.xy)
+        low[0] = min(low[0], text.xy[0] + (box.x0 - x) / scale)
+        high[0] = max(high[0], text.xy[0] + (box.x1 - x) / scale)
+    axes.set_xlim(low[0], high[0])
+    width = (height - _EDGES[1]) * (high[0] - low[0]) / tall + _EDGES[0]
+    sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")

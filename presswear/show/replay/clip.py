@@ -191,8 +191,8 @@ def frames_between(
     count = max(round((end - start) * slow * rate), 1)
     if count > MAX_PICTURES:
         raise InputError(
-            f"{count} pictures for --slow {slow:g} and --rate {rate:g}: at most {MAX_PICTURES} "
-            "are drawn; choose a smaller --slow or --rate, or a shorter time"
+            f"{count} pictures for slow = {slow:g} and rate = {rate:g}: at most {MAX_PICTURES} "
+            "are drawn; use a smaller slow or rate, or a shorter time"
         )
     return [frames_at(clips, start + k / (slow * rate)) for k in range(count)]
 
