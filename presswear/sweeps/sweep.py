@@ -145,7 +145,7 @@ def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
         remedy = "name a new folder, or resume its sweep (--resume)"
         raise InputError(f"folder {sweep.path}: it exists and is not empty; {remedy}")
     if load_sweep(sweep.path).plan != sweep.plan and not resume:
-        raise InputError(f"folder {sweep.path}: it holds another sweep, which --resume extends")
+        raise InputError(f"folder {sweep.path}: it holds another sweep; --resume extends it")
 
 
 def export_table(table: Table, path: Path) -> None:

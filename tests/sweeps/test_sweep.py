@@ -100,7 +100,7 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     line = f"sweep wear-times {VARY} {OPTIONS} --out {folder} --jobs 1"
     assert "2 points, 2 runs" in command(f"{line} --shard 1/2")
     assert load_sweep(folder).table.errors == ("", NOT_RUN)
-    assert "the folder is not empty" in command(line, 2)
+    assert "exists and is not empty" in command(line, 2)
     command(f"{line} --shard 2/2")
     wider = line.replace("0.6mm", "0.6mm,0.8mm,0.9mm")
     assert "--resume extends it" in command(f"{wider} --shard 1/2", 2)
