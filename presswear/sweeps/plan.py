@@ -86,7 +86,7 @@ class Plan:
             return self._varied
         kind, _, size = self.sample.partition(":")
         if not (size.isascii() and size.isdigit() and len(size) < 9):
-            raise InputError(f"sample {self.sample}: expected KIND:SIZE, such as sobol:512")
+            raise InputError(f"sample = {self.sample}: expected KIND:SIZE, such as sobol:512")
         columns, distributions = zip(*self._sampled, strict=True)
         unit = design(kind, int(size), len(columns), self.seed)
         values = [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
@@ -109,7 +109,7 @@ class Plan:
                 raise InputError(f"range {text}: expected KEY=DISTRIBUTION")
             setting = setting_of(scene, key)
             if not isinstance(setting.meaning, Quantity):
-                raise InputError(f"range {text}: {key} is not a number; use --vary for words")
+                raise InputError(f"range {text}: {key} is not a number; vary words instead")
             distribution = parse_distribution(words, key, setting.meaning)
             sampled.append((column_of(setting), distribution))
         return sampled

@@ -240,15 +240,15 @@ def _user_executor(on: str) -> Executor:
     module, _, name = on.partition(":")
     if not (module and name):
         example = "MODULE:FACTORY, such as concurrent.futures:ProcessPoolExecutor"
-        raise InputError(f"on {on}: expected dask, dask://HOST:PORT or {example}")
+        raise InputError(f"on = {on}: expected dask, dask://HOST:PORT or {example}")
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
     try:
         executor = getattr(importlib.import_module(module), name)()
     except (ImportError, AttributeError, TypeError) as error:
-        raise InputError(f"on {on}: {error}") from None
+        raise InputError(f"on = {on}: {error}") from None
     if not isinstance(executor, Executor):
-        raise InputError(f"on {on}: {type(executor).__name__} is not an Executor")
+        raise InputError(f"on = {on}: {type(executor).__name__} is not an Executor")
     return executor
 
 
@@ -258,13 +258,13 @@ def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Execut
         import dask
         from distributed import Client
     except ImportError:
-        raise not_installed(f"on {on}", "distributed", "sweep") from None
+        raise not_installed(f"on = {on}", "distributed", "sweep") from None
     address, local = on.removeprefix("dask").removeprefix("://"), {}
     if on == "dask":
         local = {"n_workers": count, "threads_per_worker": 1, "host": LOCAL}
         local |= {"dashboard_address": f"{LOCAL}:0", "silence_logs": logging.CRITICAL}
     elif not address.rpartition(":")[2].isdigit():
-        raise InputError(f"on {on}: expected dask://HOST:PORT, such as dask://head:8786")
+        raise InputError(f"on = {on}: expected dask://HOST:PORT, such as dask://head:8786")
     for name in ("distributed", "tornado", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}):
@@ -272,7 +272,7 @@ def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Execut
             client = Client(f"tcp://{address}" if address else None, timeout=CONNECT, **local)
         except (OSError, TimeoutError, ValueError) as error:
             fault = f"no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
-            raise InputError(f"on {on}: {fault}") from None
+            raise InputError(f"on = {on}: {fault}") from None
         try:
             if local:
                 notify(f"Dask dashboard at {client.dashboard_link}")
