@@ -422,17 +422,17 @@ class _Campaign:
         if at.stage is None:
             self._at = replace(at, stage=ensemble.state, running=EnsembleState())
         self._keep()
-        strokes_then = (index + 1) * scene.cycles_per_update
+        each, at_end = scene.cycles_per_update, (index + 1) * scene.cycles_per_update
         if not scene.wears_in_steps:
-            update = jump(ensemble, scene.cycles_per_update)
+            update = jump(ensemble, each)
             self._at = replace(self._at, update=update)
             where = f"after stage {index} "
-            return worn_out(joints, update.depth, where, ensemble.simulated_s, strokes_then)
+            return worn_out(joints, update.depth, where, ensemble.simulated_s, at_end)
         if self._at.update is None:
             # Surfaces that fit each other better wear more slowly, but hardly at half the rate.
-            depth = jump(ensemble, 0.5 * scene.cycles_per_update).depth
+            depth, time = jump(ensemble, 0.5 * each).depth, ensemble.simulated_s
             where = f"in half of the {stage_name(index + 1)} at the present rate "
-            finding = worn_out(joints, depth, where, ensemble.simulated_s, 0.5 * strokes_then)
+            finding = worn_out(joints, depth, where, time, at_end - 0.5 * each)
             if finding is not None:
                 return finding
         while (spec := refinement_spec(scene, index, self._at.update)) is not None:
@@ -444,10 +444,10 @@ class _Campaign:
             if worn.finding is not None:
                 return replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
             time, depth = worn.simulated_s, worn.surface_depth
-            finding = worn_out(joints, depth, f"the {spec.label}: ", time, strokes_then)
+            finding = worn_out(joints, depth, f"the {spec.label}: ", time, at_end)
             if finding is not None:
                 return finding
-            update = cycle_by_cycle(worn, scene.cycles_per_update, self._at.update)
+            update = cycle_by_cycle(worn, each, self._at.update)
             self._at = replace(self._at, update=update, running=EnsembleState())
         return None
 
