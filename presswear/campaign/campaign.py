@@ -19,6 +19,7 @@ from presswear.campaign.wear_update import (
     FIRST_REFINEMENT,
     WearUpdate,
     cycle_by_cycle,
+    cycles_of_update,
     initial_depth,
     jump,
     wear_error,
@@ -422,7 +423,8 @@ class _Campaign:
         if at.stage is None:
             self._at = replace(at, stage=ensemble.state, running=EnsembleState())
         self._keep()
-        each, at_end = scene.cycles_per_update, (index + 1) * scene.cycles_per_update
+        each = cycles_of_update(scene, ensemble)
+        at_end = (index + 1) * each
         if not scene.wears_in_steps:
             update = jump(ensemble, each)
             self._at = replace(self._at, update=update)
@@ -435,7 +437,7 @@ class _Campaign:
             finding = worn_out(joints, depth, where, time, at_end - 0.5 * each)
             if finding is not None:
                 return finding
-        while (spec := refinement_spec(scene, index, self._at.update)) is not None:
+        while (spec := refinement_spec(scene, index, each, self._at.update)) is not None:
             runner.later = 2.0 * spec.cycles if self._at.update is None else 0.0
             _LOG.info("the wear after stage %d begins: %s", index, spec.label)
             worn = runner.run(
@@ -474,7 +476,9 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
     return RunSpec(most, None if jumps or not scene.clearance_joints else scene.tolerance)
 
 
-def refinement_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunSpec | None:
+def refinement_spec(
+    scene: Scene, index: int, cycles_per_update: float, update: WearUpdate | None
+) -> RunSpec | None:
     """Return the next refinement of the wear update after a stage; None if it is known.
 
     With the number of cycles set, half of them and then all; else twice as many in each refinement,
@@ -493,7 +497,7 @@ def refinement_spec(scene: Scene, index: int, update: WearUpdate | None) -> RunS
     if is_enough:
         return None
     label = f"{stage_name(index + 1)} in {cycles} steps"
-    wear = wear_per_cycle(scene.cycles_per_update / cycles)
+    wear = wear_per_cycle(cycles_per_update / cycles)
     return RunSpec(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, label=label)
 
 

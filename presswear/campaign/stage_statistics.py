@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
-from presswear.campaign.wear_update import WearUpdate, wear_error
+from presswear.campaign.wear_update import WearUpdate, cycles_of_update, wear_error
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES, bin_centres
@@ -81,21 +81,21 @@ def stage_result(
 ) -> StageResult:
     """Return a stage with statistics, arrays and the wear of its update, or else of one jump."""
     together, joints = ensemble.together, ensemble.linkage.clearances
-    wear, diagnostics = _stage_wear(scene, index, ensemble, update), ensemble.diagnostics()
+    cycles_per_update = cycles_of_update(scene, ensemble)
+    wear = _stage_wear(scene, index, cycles_per_update, ensemble, update)
+    diagnostics = ensemble.diagnostics()
     if update is not None and scene.wears_in_steps:
         error = wear_error(joints, update)
     else:
         error = float(map_errors(*map_batches(together.maps)).max(initial=0.0))
     film = ensemble.recorders[0].film
     steps = () if update is None else update.steps
-    samples = max(sum(maps.samples for maps in together.maps), 1)
-    factor = scene.cycles_per_update * len(together.runs) / samples
     return StageResult(
         index=index,
         status=ensemble.status,
         message=ensemble.failure,
         finding=finding or ensemble.finding,
-        amplification=steps[0].factor if steps else factor,
+        cycles_per_update=cycles_per_update,
         wear_steps=steps,
         simulated_s=sum(run.time for run in ensemble.runs),
         wall_s=ensemble.state.wall,
@@ -108,9 +108,9 @@ def stage_result(
 
 
 def _stage_wear(
-    scene: Scene, index: int, ensemble: Ensemble, update: WearUpdate | None
+    scene: Scene, index: int, factor: float, ensemble: Ensemble, update: WearUpdate | None
 ) -> StageWear:
-    factor, count, together = scene.cycles_per_update, ensemble.replicates, ensemble.together
+    count, together = ensemble.replicates, ensemble.together
     batches, weights = map_batches(together.maps)
     samples, coarser = factor * batches, None
     if update is None:

@@ -108,6 +108,19 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     return WearUpdate(depth, added, (step,))
 
 
+def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
+    """Return the cycles that a wear update after some runs represents.
+
+    By default they are those that wear the deepest place by a tenth of the clearance at the wear
+    rate of the runs, to one digit.
+    """
+    if scene.cycles_per_update is not None:
+        return scene.cycles_per_update
+    added = smoothed_mean(ensemble.together.maps, ensemble.bins)
+    change = largest_change(ensemble.linkage.clearances, added)
+    return max(float(f"{0.1 / change:.1g}"), 1.0) if change > 0.0 else 1.0
+
+
 def cycle_by_cycle(
     ensemble: Ensemble, cycles_per_update: float, coarser: WearUpdate | None
 ) -> WearUpdate:

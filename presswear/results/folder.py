@@ -35,7 +35,7 @@ from presswear.tools.processes import is_stopped
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
 FILE = "result.json"
-SCHEMA = 10
+SCHEMA = 11
 FINISHED = ("completed", "unconverged", "failed")  # statuses of a run that has ended
 INTERVAL = 60.0  # s between two checkpoints within a stage
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")

@@ -215,8 +215,8 @@ class StageResult:
         ``enough``: the wear maps reached the tolerance before all cycles had run.
     message : str
         Reason of a failure.
-    amplification : float
-        Multiplier of the depth of the simulated cycles.
+    cycles_per_update : float
+        Cycles that the wear after the stage represents.
     wear_steps : tuple of WearStep
         Steps of the wear update after the stage; empty after the last stage.
     arrays : mapping
@@ -227,7 +227,7 @@ class StageResult:
     status: Status
     message: str
     finding: Finding | None  # cause that ended the stage, or the wear after it
-    amplification: float
+    cycles_per_update: float
     wear_steps: tuple[WearStep, ...]
     simulated_s: float  # of all replicates
     wall_s: float

@@ -59,7 +59,9 @@ def _paper(
     """Register a scene of the paper: crank speed in units of pi rad/s, clearance in m."""
     bearings = Bearing(clearance=clearance, friction=friction)
     mechanism = Press(speed=speed * math.pi)
-    return _named(name, title, mechanism=mechanism, bearings=bearings, wear_updates=wear_updates)
+    changes: dict[str, Any] = {"wear_updates": wear_updates, "cycles_per_update": 4e6}
+    changes |= {"mechanism": mechanism, "bearings": bearings}
+    return _named(name, title, **changes, origins={"cycles_per_update": "paper"})
 
 
 _WORN_TWICE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)"
@@ -101,7 +103,7 @@ slider_crank = _named(
     cycles=10,
     origins=dict.fromkeys((*_KNOWN, "exponent"), LITERATURE)
     | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
-    | dict.fromkeys(("wear_updates", "max_cycles", "cycles_per_update"), "chosen"),
+    | dict.fromkeys(("wear_updates", "max_cycles"), "chosen"),
 )
 
 

@@ -49,7 +49,8 @@ _HEAD = """\
 """
 _OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switched off
     **{"torque_limit": "1 kN m", "pressure_limit": "40 MPa", "pv_limit": "1 MPa m/s"},
-    **{"bearing_modulus": "110 GPa", "viscosity": "0.1 Pa s", "cycles": 20},
+    **{"bearing_modulus": "110 GPa", "viscosity": "0.1 Pa s"},
+    **{"cycles": 20, "cycles_per_update": 1e6},
     **{"process": "blanking", "servo": "dwell", "life": "limits"},
 }
 _BEARING = (

@@ -94,8 +94,9 @@ class Scene(Checked):
     max_cycles: int = count(
         200, 1, 100_000, "paper", "most cycles of all replicates, if cycles = none"
     )
-    cycles_per_update: float = quantity(
-        4e6, "", 1.0, 1e12, "paper", "cycles that one wear update represents"
+    cycles_per_update: float | None = quantity(
+        *(None, "", 1.0, 1e12, "chosen"),
+        "cycles that one wear update represents; default: those that wear a tenth of the clearance",
     )
     extrapolation: str = choice(
         "conventions", EXTRAPOLATIONS, "wear update in one jump, or in steps of one cycle"

@@ -48,7 +48,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     return [
         *life,
         *_joint_numbers(scene, first, last),
-        *([] if life else _wear_depth(scene, stages)),
+        *([] if life else _wear_depth(stages)),
         *_stroke_numbers(scene, last),
         *_drive_numbers(scene, last),
         *_improvement(scene, last, result.life),
@@ -115,7 +115,7 @@ def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[
     return result
 
 
-def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
+def _wear_depth(stages: list[StageResult]) -> list[KeyNumber]:
     """Return the deepest wear of the last update that has one: a jump in one step has none."""
     for stage in reversed(stages):
         wear = {
@@ -126,7 +126,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         }
         if wear:
             name, side = place = _greatest(wear)
-            strokes = numbers.large(scene.cycles_per_update)
+            strokes = numbers.large(stage.cycles_per_update)
             text = f"Deepest wear of {strokes} strokes after the stage “{stage.name}”, on the "
             return [measured("Wear depth", wear[place], "m", f"{text}{side} of joint {name}.")]
     return []

@@ -205,10 +205,7 @@ def _stage_records(result: Result) -> list[Record]:
     scene, records = result.scene, list[Record]()
     endings = _tables(result)["endings"]
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
-        bdc, steps = stage.statistics.bdc if scene.clearance_joints else None, stage.wear_steps
-        multiplier = numbers.readable(stage.amplification)
-        if len(steps) > 1:
-            multiplier = f"{_factor_range(steps)}, in {len(steps)} steps"
+        bdc = stage.statistics.bdc if scene.clearance_joints else None
         ending = endings.get(stage.status, stage.status)
         records.append(
             {
@@ -222,7 +219,7 @@ def _stage_records(result: Result) -> list[Record]:
                 "tonnage": press.tonnage_of(scene, stage),
                 "ideal_work": None if scene.process is None else scene.process.work,
                 "ending": f"failed: {stage.message}" if stage.failed else ending,
-                "multiplier": multiplier if stage.joints else None,
+                "represented": stage.cycles_per_update if stage.joints else None,
             }
         )
     return records

@@ -149,11 +149,14 @@ def improve(
 def _quantities(result: Result) -> dict[str, Estimate]:
     """Return peak force and error of bottom dead centre on the worn surfaces of a result.
 
-    And for the life, which is inversely proportional to it, the depth of the wear update.
+    And for the life, which is inversely proportional to it, the depth that a stroke wears.
     """
-    first, last = (stage.statistics for stage in (result.stages[0], result.stages[-1]))
-    peaks = [joint.wear_peaks.items() for joint in first.joints.values()]
-    depths = [peak.depth for joint in peaks for side, peak in joint if side != "both"]
+    first, last = result.stages[0], result.stages[-1].statistics
+    peaks = [joint.wear_peaks.items() for joint in first.statistics.joints.values()]
+    per_stroke = 1.0 / first.cycles_per_update
+    depths = [
+        peak.depth.scaled(per_stroke) for joint in peaks for side, peak in joint if side != "both"
+    ]
     forces = [joint.peak_force_per_cycle for joint in last.joints.values()]
     greatest = {
         LIFE: max(depths, key=attrgetter("mean"), default=None),

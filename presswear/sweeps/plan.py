@@ -149,6 +149,9 @@ class Plan:
         scene = changed(self.scene, self.settings(row))
         if scene.purpose == "auto" and scene.wear_updates == 0:
             scene = replace(scene, purpose="forces")  # rows are compared by peaks and means
+        if scene.wear_updates > 0 and scene.life is None and scene.cycles_per_update is None:
+            advice = "set a number, such as 1e6, so that all rows wear by equal strokes"
+            raise InputError(f"cycles_per_update = none: {advice}")
         scene.check()
         return scene
 

@@ -84,7 +84,7 @@ def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
 
 
 def _rate(result: Result, stage: StageResult, joint: JointResult) -> Response | None:
-    per_stroke = 1.0 / result.scene.cycles_per_update
+    per_stroke = 1.0 / stage.cycles_per_update
     return _response(joint.stored.wear_volume.scaled(per_stroke) if joint.stored else None)
 
 

@@ -95,8 +95,12 @@ class Quantity:
         sizes = _UNITS.get(self.unit, {self.unit: 1.0})
         units = _WRITTEN_IN.get(self.unit, (self.unit,))
         unit = next((unit for unit in units if abs(value) >= sizes[unit]), units[-1])
-        low, high = (float(f"{end / sizes[unit]:.12g}") for end in (self.low, self.high))
-        return replace(self, unit=unit, low=low, high=high, size=sizes[unit])
+        return self.in_unit(unit, sizes[unit])
+
+    def in_unit(self, unit: str, size: float) -> "Quantity":
+        """Return the quantity in a unit of a size, SI."""
+        low, high = (float(f"{end / size:.12g}") for end in (self.low, self.high))
+        return replace(self, unit=unit, low=low, high=high, size=size)
 
     def range_text(self) -> str:
         """Return the allowed range in words, with the unit, its ends rounded inward."""
@@ -156,7 +160,10 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     value, written = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
     written = re.sub(r"\s+", " ", written).strip()
     if re.match(r",\s*[0-9]", written):
-        raise InputError(f"{label}: use a decimal point, {text.replace(',', '.')!r}")
+        advice = f"use a decimal point, {text.replace(',', '.')!r}"
+        if re.match(r",[0-9]{3}(?![0-9])", written):
+            advice += f", and no separator of thousands, {text.replace(',', '')!r}"
+        raise InputError(f"{label}: {advice}")
     if written.startswith("pi") and "rad" in meaning.unit:
         value, written = value * math.pi, written[2:].strip()
     if meaning.unit and not written:
@@ -166,7 +173,13 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
         raise InputError(f"{label}: {fault}")
     value *= units[written]
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
-    meaning.check(name, number)
+    try:
+        meaning.check(name, number)
+    except InputError:
+        if meaning.unit:  # in the unit of the text
+            size = units[written]
+            meaning.in_unit(written, size).check(name, float(f"{number / size:.12g}"))
+        raise
     return number
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_checked, write_bytes
-from presswear.tools.quantities import Choice, meaning_of, plain_number
+from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, plain_number
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
@@ -49,6 +49,9 @@ def check_fields(owner: Any) -> None:
             continue
         name = item.name if item.name == first else f"{item.name}{whose}"
         meaning = meaning_of(item, owner)
+        if isinstance(meaning, Quantity) and item.default is None and value == NONE:
+            object.__setattr__(owner, item.name, None)
+            continue
         kind = item.type if meaning is None else Annotated[Any, meaning]
         result = converted(name, value, kind)
         if result is not value:

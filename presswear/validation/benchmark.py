@@ -21,6 +21,7 @@ import numpy as np
 
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.replicates import linkage_on, start_of
+from presswear.campaign.wear_update import cycles_of_update
 from presswear.engines.base import Plan, Run
 from presswear.recording.statistics import mean_map
 from presswear.scene.scene import Scene
@@ -287,7 +288,7 @@ def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list
     stage, ensemble = run_stage(replace(scene, cycles=extent.wear_cycles), 0)
     if stage.failed:
         raise RunFailed(stage.message)
-    worn = scene.cycles_per_update * mean_map(ensemble.maps)
+    worn = cycles_of_update(scene, ensemble) * mean_map(ensemble.maps)
     rows: list[dict[str, object]] = []
     for i, (engine, features) in enumerate(ENGINES.items()):
         part = part_of(report, 0.05 + 0.95 * i / len(ENGINES), 0.95 / len(ENGINES))

@@ -29,7 +29,7 @@ def campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
     scene, result, _ = campaign
     first, second = result.stages
-    assert first.amplification == scene.cycles_per_update
+    assert first.cycles_per_update == scene.cycles_per_update
     _, ran = run_stage(scene, 0)
     for k, joint in enumerate(second.joints.values()):
         expected = 1e6 * ran.recorders[0].maps.sampled[k]

@@ -279,7 +279,7 @@ def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
     for run, stage in enumerate(seen.stages, start=1):
         joints = stage.joints.values()
         assert np.array_equal([both(joint, joint.depth) for joint in joints], worn)
-        assert stage.amplification == REPRESENTED / 5
+        assert stage.cycles_per_update == REPRESENTED
         maps = MapBatches((2, 2, 360))
         for _ in range(7):
             maps.add(uneven(run, worn))
@@ -331,6 +331,16 @@ def test_surface_worn_through_is_named(
     stage = seen.stages[-1]
     assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
+
+
+@pytest.mark.parametrize("scene", [SCENE, JUMPS])
+def test_an_update_wears_a_tenth_of_the_clearance_by_default(
+    campaign: Campaign, scene: Scene
+) -> None:
+    seen = campaign(scene, FakeEngine(constant), cycles_per_update=None)
+    assert {stage.cycles_per_update for stage in seen.stages} == {2.0 * REPRESENTED}
+    depth = [stage.joints["A"].depth("bearing").max() for stage in seen.stages]
+    np.testing.assert_allclose(depth, CLEARANCE * np.array([0.0, 0.1, 0.2]), rtol=0.01)
 
 
 @pytest.mark.parametrize("cycles", [CYCLES, None])

@@ -47,8 +47,12 @@ def test_described_values_are_in_units_of_engineers_and_can_be_set(scene: pw.Sce
     assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")
     assert "(0 to 1 mm^3/(N m);" in _described(PRESS, "wear_coefficient")
     for setting in settings_of(scene):
-        if isinstance(setting.meaning, Quantity) and setting.value is not None:
-            text = setting.described().partition("  (")[0]
+        if not isinstance(setting.meaning, Quantity):
+            continue
+        text = setting.described().partition("  (")[0]
+        if setting.value is None:
+            assert setting_of(changed(scene, {setting.key: text}), setting.key).value is None
+        else:
             assert parse_quantity("x", text, setting.meaning) == pytest.approx(setting.value, 1e-4)
 
 

@@ -2,6 +2,7 @@
 # mypy: disable-error-code="union-attr,operator"
 
 import math
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -39,6 +40,9 @@ def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result) -> N
     assert rate.value == pytest.approx(worn.value / SCENE.cycles_per_update, rel=1e-9, abs=0)
     half_width = cast(float, worn.half_width) / SCENE.cycles_per_update
     assert rate.half_width == pytest.approx(half_width, rel=1e-9, abs=0)
+    # As in a life, whose stages divide it into parts of another length
+    other = replace(result, scene=replace(SCENE, cycles_per_update=None))
+    assert responses.responses_of(other, USUAL)["A.wear_rate@0"] == rate
 
 
 def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> None:

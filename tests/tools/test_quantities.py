@@ -82,7 +82,9 @@ WHOLE = Quantity("", whole=True)
 @pytest.mark.parametrize(
     ("meaning", "inside", "outside", "message"),
     [
-        (Quantity("m", 0.0, 1.0), ["0m", "1m", 1], ["-1um", "1.1m"], "allowed is 0 to 1 m"),
+        (Quantity("m", 0.0, 1.0), ["0m", "1m", 1], ["-1m", 1.1], "allowed is 0 to 1 m"),
+        # In the unit of the text
+        (Quantity("m", 0.0, 1.0), [], ["-1mm", "1100 mm"], "mm: allowed is 0 to 1000 mm"),
         (Quantity("m", 0.0, 1.0, open_low=True), ["1e-9m"], ["0m", 2.0], "is above 0 up to 1 m"),
         (Quantity("", 2.0), ["2", "1e300"], ["1.999"], "allowed is at least 2"),
         (Quantity("s", 0.0, open_low=True), ["1us"], ["0s"], "allowed is above 0 s"),
