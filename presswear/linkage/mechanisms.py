@@ -245,8 +245,8 @@ def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) 
 class SliderCrank(Mechanism):
     """Slider-crank: the crank turns about O, the rod joins it in A and the slider in B.
 
-    The slider moves on the x axis, to the right of O. Mass centres are at mid-length and the rod
-    carries the bearings (both assumed).
+    The slider moves on a line through O. Mass centres are at mid-length and the rod carries the
+    bearings (both assumed).
     """
 
     kind = "slider-crank"
@@ -261,7 +261,11 @@ class SliderCrank(Mechanism):
     rod_length: float = _l_length(0.12, "rod, A to B; longer than the crank")
     crank_mass: float = _l_mass(0.30, "mass of the crank")
     rod_mass: float = _l_mass(0.21, "mass of the rod")
-    slider_mass: float = _l_mass(0.14, "mass of the slider, which moves along x")
+    slider_mass: float = _l_mass(0.14, "mass of the slider")
+    slide_angle: float = quantity(
+        *(0.0, "rad", -2.0 * math.pi, 2.0 * math.pi, LITERATURE),
+        "direction from O to the slider, from x; -90 deg: below O",
+    )
     crank_inertia: float = _l_inertia(1e-4, "inertia of the crank (torque only)")
     rod_inertia: float = _l_inertia(2.5e-4, "inertia of the rod")
     gravity: float = gravity()
@@ -280,7 +284,9 @@ class SliderCrank(Mechanism):
             raise InputError(f"rod_length = {self.rod_length:g} m: {allowed} {reason}")
 
     def _assemble(self) -> Linkage:
-        # The crank points from O to A, the rod from A to B: both are at angle 0 at the start.
+        # Crank and rod, from O to A and from A to B, begin in the direction of the slide.
+        along = self.slide_angle
+        upward = along if math.sin(along) >= 0.0 else along + math.pi
         return assemble(
             name="slider-crank",
             bodies=(
@@ -292,10 +298,10 @@ class SliderCrank(Mechanism):
                 Pin("O", (0.0, 0.0), "crank.tail"),
                 Pin("A", "rod.tail", "crank.head"),
                 Pin("B", "rod.head", "slider"),
-                Guide("guide", "slider"),
+                Guide("guide", "slider", direction=upward),
             ),
-            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
-            guess={"rod": 0.0},
+            drives=(Drive("crank", self.speed, along, torque_limit=self.torque_limit),),
+            guess={"rod": along},
             gravity=self.gravity,
             run_up=self.run_up,
         )

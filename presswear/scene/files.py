@@ -1,5 +1,6 @@
 """Scenes from TOML files, every number with its unit, and measured surfaces from tables."""
 
+import math
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -74,7 +75,9 @@ def example_file(kind: str) -> str:
         first = files("presswear.scene").joinpath("points.toml").read_text("utf-8")
         mechanism = linkage_from(tomllib.loads(first)["mechanism"], kind)
     else:
-        mechanism = MECHANISMS[kind]()
+        # The slider of a press is below its crank.
+        is_crank = kind == SliderCrank.kind
+        mechanism = SliderCrank(slide_angle=-0.5 * math.pi) if is_crank else MECHANISMS[kind]()
         numbers = [setting for setting in settings_in(mechanism) if not setting.is_part]
         first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
     joints = ",".join(mechanism.default_joints) or "B"
@@ -83,8 +86,6 @@ def example_file(kind: str) -> str:
     scene = Scene(mechanism, joints=joints, bearings=bearings, wear_updates=1)
     possible = {setting.key for setting in settings_of(scene)}
     scene = changed(scene, run | {k: value for k, value in _OFF.items() if k in possible})
-    if kind == SliderCrank.kind:  # the work of a press is where the slider is farthest from O
-        scene = changed(scene, {"process.bottom": "highest"})
     settings = {setting.key: setting for setting in settings_of(scene)}
     single = [replace(settings[key], value=0.5 * settings[key].value) for key in _SINGLE]
     tables = [

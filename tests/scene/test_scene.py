@@ -184,3 +184,13 @@ def test_purpose_sets_the_default_tolerance(settings: dict[str, Any], tolerance:
     solver = changed(scene, {"tree_tolerance": 1e-8}).solver
     assert isinstance(solver, ExudynTree)
     assert solver.tree_tolerance == 1e-8
+
+
+@pytest.mark.parametrize(("degrees", "bottom"), [(0, 0.07), (-90, -0.17), (90, 0.07), (-30, -0.17)])
+def test_bottom_dead_centre_of_a_slider_crank_is_its_lowest_place(
+    degrees: float, bottom: float
+) -> None:
+    """Rod less crank from O where the slider is beside O or above it, and rod and crank below."""
+    scene = Scene(SliderCrank(slide_angle=math.radians(degrees)))
+    assert scene.stroke == pytest.approx(0.1, rel=1e-9)
+    assert scene.bottom == pytest.approx(bottom, rel=1e-9)
