@@ -16,7 +16,7 @@ import numpy as np
 from presswear.linkage.elements import ANGLE, LENGTH, MAX_ANGLE, Attachment, OutputPoint, angle
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Quantity, choice, quantity
+from presswear.tools.quantities import Quantity, choice, quantity, written
 from presswear.tools.serialize import Checked
 
 MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
@@ -415,8 +415,8 @@ class Forming(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not self.end < self.height < self.stroke:
-            limits = f"end = {self.end:g} m and stroke = {self.stroke:g} m"
-            raise InputError(f"height = {self.height:g} m: must lie between {limits}")
+            limits = f"end = {written(self.end, 'm')} and stroke = {written(self.stroke, 'm')}"
+            raise InputError(f"height = {written(self.height, 'm')}: must lie between {limits}")
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that moves the slider, a point, so; frequency in rad/s.
@@ -429,8 +429,9 @@ class Forming(Checked):
         # Slower at first than 0.4 of the speed, as a mean, it would go up before it comes down.
         high = (2.5 * (self.stroke - self.height) + way) * frequency / math.pi
         if not low <= self.speed <= high:
-            allowed = f"with these heights, stroke and cycle allowed is {low:.6g} to {high:.6g} m/s"
-            raise InputError(f"servo.speed = {self.speed:g} m/s: {allowed}")
+            limits = " to ".join(written(value, "m/s") for value in (low, high))
+            allowed = f"with these heights, stroke and cycle allowed is {limits}"
+            raise InputError(f"servo.speed = {written(self.speed, 'm/s')}: {allowed}")
         slope = self.speed / frequency
         slow = self.bottom - 2.0 * self.end / slope
         fast = slow - (self.height - self.end) / slope

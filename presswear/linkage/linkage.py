@@ -31,7 +31,7 @@ from presswear.linkage.elements import (
 )
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, count, quantity
+from presswear.tools.quantities import Quantity, count, quantity, written
 from presswear.tools.serialize import Checked, checked_names, make, plain
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
@@ -119,7 +119,7 @@ class Linkage(Checked):
         for name, speed in speeds:
             turns = speed * period / (2.0 * math.pi)
             if turns > MAX_TURNS:
-                fault = f"{name} turns {turns:.6g} times in it, with {speed:g} rad/s"
+                fault = f"{name} turns {turns:.6g} times in it, with {written(speed, 'rad/s')}"
                 allowed = f"allowed are {MAX_TURNS} times at most"
                 raise InputError(f"{label} = {period:g} s: {fault}; {allowed}")
         return period
@@ -132,8 +132,9 @@ class Linkage(Checked):
             ratio = Fraction(speed / speeds[0]).limit_denominator(MAX_COMMON_TURNS)
             if abs(float(ratio) * speeds[0] / speed - 1.0) > 1e-9:
                 raise InputError(
-                    f"cycle of {self.name}: speeds of {speeds[0]:g} and {speed:g} rad/s have no "
-                    f"common cycle of {MAX_COMMON_TURNS} turns or less; specify cycle, s"
+                    f"cycle of {self.name}: speeds of {written(speeds[0], 'rad/s')} and "
+                    f"{written(speed, 'rad/s')} have no common cycle of {MAX_COMMON_TURNS} turns "
+                    "or less; specify cycle, s"
                 )
             turns = math.lcm(turns, ratio.denominator)
         return 2.0 * math.pi * turns / speeds[0]

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, cast
 
 from presswear.linkage.elements import ANGLE, MAX_ANGLE, MAX_LENGTH, Attachment, End
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, choice, quantity
+from presswear.tools.quantities import Quantity, choice, quantity, written
 from presswear.tools.serialize import Checked, make
 from presswear.tools.user_function import UserFunction
 
@@ -339,8 +339,9 @@ class Blanking(_Work):
         if self.stiffness is not None:
             low, high = self.force / MAX_DEPTH, self.force / MIN_DEPTH
             if not low <= self.stiffness <= high:
-                allowed = f"with force = {self.force:g} N allowed is {low:g} to {high:g} N/m"
-                raise InputError(f"stiffness = {self.stiffness:g} N/m: {allowed}")
+                limits = " to ".join(written(value, "N/m") for value in (low, high))
+                allowed = f"with force = {written(self.force, 'N')} allowed is {limits}"
+                raise InputError(f"stiffness = {written(self.stiffness, 'N/m')}: {allowed}")
 
     @property
     def curve(self) -> Curve:  # noqa: D102
@@ -398,9 +399,9 @@ def check_reach(process: Process, stroke: float, body: str) -> None:
     depth = process.curve[-1][0]
     if not depth <= process.height < stroke:
         raise InputError(
-            f"process.height = {process.height:g} m above the {process.bottom} place of the "
-            f"{body}: must be at least {depth:g} m, the depth of the work, and below "
-            f"{stroke:.6g} m, the stroke"
+            f"process.height = {written(process.height, 'm')} above bottom dead centre of the "
+            f"{body}: must be at least {written(depth, 'm')}, the depth of the work, and below "
+            f"{written(stroke, 'm')}, the stroke"
         )
 
 

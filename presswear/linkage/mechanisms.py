@@ -18,7 +18,7 @@ from presswear.linkage.drives import SERVOS, Drive, Servo, torque_limit
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint, Pin
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import choice, named_set, one_of, quantity
+from presswear.tools.quantities import choice, named_set, one_of, quantity, written
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
@@ -101,8 +101,9 @@ class Geometry(Checked):
                 )
         short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
         if longest >= short + middle:
-            allowed = f"must be below the sum of the others, {short + middle:g} m"
-            raise InputError(f"plate 4 is not a triangle: its longest side {longest:g} m {allowed}")
+            allowed = f"must be below the sum of the others, {written(short + middle, 'm')}"
+            fault = f"its longest side {written(longest, 'm')} {allowed}"
+            raise InputError(f"plate 4 is not a triangle: {fault}")
 
 
 GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equally well
@@ -279,9 +280,13 @@ class SliderCrank(Mechanism):
         super().__post_init__()
         least = _MIN_ROD_RATIO * self.crank_length
         if not self.rod_length >= least:
-            allowed = f"with crank_length = {self.crank_length:g} m allowed is {least:.6g} m"
-            reason = f"to {MAX_LINK:g} m; joint B does not close over the whole turn"
-            raise InputError(f"rod_length = {self.rod_length:g} m: {allowed} {reason}")
+            rod, crank, low, high = (
+                written(one, "m") for one in (self.rod_length, self.crank_length, least, MAX_LINK)
+            )
+            allowed = f"with crank_length = {crank} allowed is {low} to {high}"
+            raise InputError(
+                f"rod_length = {rod}: {allowed}; joint B does not close over the whole turn"
+            )
 
     def _assemble(self) -> Linkage:
         # Crank and rod, from O to A and from A to B, begin in the direction of the slide.

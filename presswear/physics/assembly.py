@@ -322,8 +322,9 @@ def assembled(linkage: Linkage) -> Array:
         result = float(q[linkage.index(name), 2])
         if abs(result - angle) > 0.5 * math.pi and name not in prescribed:
             raise AssemblyError(
-                f"guess of {name} = {angle:.4g} rad: the linkage closes with it at {result:.4g} "
-                "rad; a guess within a right angle of the place that is meant is needed"
+                f"guess of {name} = {math.degrees(angle):.4g} deg: the linkage closes with it at "
+                f"{math.degrees(result):.4g} deg; a guess within a right angle of the place that "
+                "is meant is needed"
             )
     return q
 

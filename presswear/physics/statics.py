@@ -19,7 +19,7 @@ from presswear.physics.packed import applied_forces, pack
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.quantities import Quantity
+from presswear.tools.quantities import Quantity, written
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
 
@@ -58,9 +58,9 @@ def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
         place = int(np.abs(item).argmax())
         if drive.torque_limit is not None and not abs(item[place]) <= drive.torque_limit:
             raise InputError(
-                f"torque_limit of {drive.body} = {drive.torque_limit:g} N m: the ideal motion "
-                f"needs {abs(item[place]):.6g} N m, {1e3 * (time[place] - time[0]):.6g} ms into "
-                "a cycle"
+                f"torque_limit of {drive.body} = {written(drive.torque_limit, 'N m')}: the ideal "
+                f"motion needs {written(abs(item[place]), 'N m')}, at "
+                f"{360.0 * (time[place] - time[0]) / ideal.period % 360.0:.4g} degrees of a cycle"
             )
 
 

@@ -11,7 +11,7 @@ from presswear.linkage import elements, laws
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import choice, count, named_set, quantity
+from presswear.tools.quantities import choice, count, named_set, quantity, written
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
@@ -136,11 +136,15 @@ class Bearing(Checked):
             allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
         if self.clearance >= self.bearing_radius:
-            radius = f"the bearing radius, {self.bearing_radius:g} m"
-            raise InputError(f"clearance = {self.clearance:g} m: allowed is below {radius}")
+            radius = f"the bearing radius, {written(self.bearing_radius, 'm')}"
+            clearance = written(self.clearance, "m")
+            raise InputError(f"clearance = {clearance}: allowed is below {radius}")
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
-            allowed = f"0 to {LEAST_RAMP:g} m/s below upper_speed, {self.upper_speed:g} m/s"
-            raise InputError(f"lower_speed = {self.lower_speed:g} m/s: allowed is {allowed}")
+            low, high, ramp = (
+                written(one, "m/s") for one in (self.lower_speed, self.upper_speed, LEAST_RAMP)
+            )
+            allowed = f"0 to {ramp} below upper_speed, {high}"
+            raise InputError(f"lower_speed = {low}: allowed is {allowed}")
 
     def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
         """Raise InputError, beginning with ``where``, if worn surfaces cannot meet in this way."""
@@ -266,8 +270,8 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
         return Surface()
     angle = angle % _TURN
     for k in np.flatnonzero((depth < 0.0) | (depth > bearing.clearance))[:1]:
-        place = f"depth {depth[k]:g} m at {math.degrees(angle[k]):g} deg"
-        allowed = f"allowed is 0 to {bearing.clearance:g} m, the clearance"
+        place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
+        allowed = f"allowed is 0 to {written(bearing.clearance, 'm')}, the clearance"
         raise InputError(f"{where}: {place}: {allowed}")
     _check_angles(where, angle)
     bins = bin_centres(bearing.angles)

@@ -38,7 +38,6 @@ _DIGITS = 12  # of the values of a range: those of a finer range meet them
 _RANGE = re.compile(
     r"\s*([^:]+?)\s*:\s*([^:]+?)\s*:\s*([0-9]{1,8})(?: ([^:]+?))?\s*(?::\s*(log)(?: ([^:]+))?\s*)?$"
 )
-_MAX_MM = 1.0  # lengths below this are written in mm, m
 
 
 @dataclass(frozen=True)
@@ -320,17 +319,18 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
 
 
 def _change(setting: Setting, was: Any) -> Change:
-    unit, factor = setting.meaning.unit, 1.0
-    numbers = [abs(value) for value in (setting.value, was) if isinstance(value, float)]
-    if unit == "m" and numbers and max(numbers) < _MAX_MM:
-        unit, factor = "mm", 1e3
+    meaning, unit, size = setting.meaning, "", 1.0
+    numbers = [abs(value) for value in (setting.value, was) if isinstance(value, int | float)]
+    if isinstance(meaning, Quantity):
+        shown = meaning.in_unit_of(max(numbers, default=0.0))
+        unit, size = shown.unit.replace("^2", "²").replace("^3", "³"), shown.size
     value, before = (
-        short_number(factor * one)
+        short_number(one / size)
         if isinstance(one, int | float)
         else str(NONE if one is None else one)
         for one in (setting.value, was)
     )
-    return Change(setting.key, value, before, unit.replace("^2", "²"), setting.meaning.text)
+    return Change(setting.key, value, before, unit, meaning.text)
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:

@@ -368,14 +368,16 @@ def setting_tables(result: Result) -> dict[str, Table]:
     records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
     for setting in settings_of(scene):
         meaning, value = setting.meaning, setting.value
-        record = {"setting": setting, "value": "none" if value is None else str(value), "unit": ""}
+        record = {"setting": setting, "value": "none" if value is None else str(value)}
         if isinstance(meaning, Choice):
             one_of = "one of " if meaning.words else ""
             record["origin"] = f"{one_of}{', '.join(meaning.allowed())}"
         else:
-            record |= {"unit": meaning.unit.replace("^2", "²"), "origin": meaning.origin}
+            record["origin"] = meaning.origin
             if isinstance(value, int | float):
-                record["value"] = numbers.short_number(value)
+                shown = meaning.in_unit_of(value)
+                text = shown.with_unit(numbers.short_number(value / shown.size))
+                record["value"] = text.replace("^2", "²").replace("^3", "³")
             if not is_from_paper and meaning.origin.startswith("paper"):
                 record["origin"] = ""  # the value is the user's, or a default
         records["parameters"].append(record)

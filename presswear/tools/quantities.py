@@ -41,7 +41,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
     "N/m": {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "kN/mm": 1e6},
     "N/m^n": dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0),
-    "N": {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    "N": {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
     "N m": {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},
     "1/m": {"1/m": 1.0, "/m": 1.0, "1/mm": 1e3, "/mm": 1e3},
     "s/m": {"s/m": 1.0, "s/mm": 1e3},
@@ -135,6 +135,11 @@ class Quantity:
         return number if self.whole else float(number)
 
 
+def written(value: float, unit: str) -> str:
+    """Return an SI value in the unit in which engineers write it, in up to six digits."""
+    return Quantity(unit).written(value)
+
+
 def _six_digits(value: float, rounding: str) -> str:
     return f"{float(Context(6, rounding).create_decimal(repr(value))):g}"
 
@@ -157,28 +162,28 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     match = _NUMBER.match(text)
     if match is None:
         raise InputError(f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}")
-    value, written = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
-    written = re.sub(r"\s+", " ", written).strip()
-    if re.match(r",\s*[0-9]", written):
+    value, symbol = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
+    symbol = re.sub(r"\s+", " ", symbol).strip()
+    if re.match(r",\s*[0-9]", symbol):
         advice = f"use a decimal point, {text.replace(',', '.')!r}"
-        if re.match(r",[0-9]{3}(?![0-9])", written):
-            advice += f", and no separator of thousands, {text.replace(',', '')!r}"
+        if re.match(r",[0-9]{3}(?![0-9])", symbol):
+            advice += f", or no separator of thousands, {text.replace(',', '')!r}"
         raise InputError(f"{label}: {advice}")
-    if written.startswith("pi") and "rad" in meaning.unit:
-        value, written = value * math.pi, written[2:].strip()
-    if meaning.unit and not written:
+    if symbol.startswith("pi") and "rad" in meaning.unit:
+        value, symbol = value * math.pi, symbol[2:].strip()
+    if meaning.unit and not symbol:
         raise InputError(f"{label} has no unit; known are {', '.join(units)}; {allowed}")
-    if written not in units:
-        fault = unknown("unit", written, units) if meaning.unit else "a pure number is expected"
+    if symbol not in units:
+        fault = unknown("unit", symbol, units) if meaning.unit else "a pure number is expected"
         raise InputError(f"{label}: {fault}")
-    value *= units[written]
+    value *= units[symbol]
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     try:
         meaning.check(name, number)
     except InputError:
         if meaning.unit:  # in the unit of the text
-            size = units[written]
-            meaning.in_unit(written, size).check(name, float(f"{number / size:.12g}"))
+            size = units[symbol]
+            meaning.in_unit(symbol, size).check(name, float(f"{number / size:.12g}"))
         raise
     return number
 

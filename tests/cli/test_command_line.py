@@ -46,7 +46,7 @@ run wear-times --set clearence=1mm: did you mean clearance?
 run wear-times --set A.clearence=1mm: did you mean A.clearance?
 new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, points
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
-run wear-times --set clearance=15mm: clearance & 0.015 m
+run wear-times --set clearance=15mm: clearance = 15 mm
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
 run wear-times --set friction=inf: friction
 run wear-times --set speed=200rmp: 'rmp'; did you mean rpm?
@@ -66,7 +66,7 @@ sweep wear-times --resume --out nowhere: --resume --out nowhere: there is no suc
 run wear-times --checkpoint soon: --checkpoint soon: must be a number of seconds
 run wear-times --surfaces nowhere:1: nowhere: there is no such folder
 run wear-times --surfaces here:two: here:two & a stage, 0, 1, 2 ...
-run slider-crank --set crank_length=0.12m: rod_length = 0.12 m & joint B
+run slider-crank --set crank_length=0.12m: rod_length = 120 mm & joint B
 run ideal --cycles 1 --set cycles=2: --cycles and --set cycles
 run ideal --out '': --out & name is expected
 run ideal --out /dev/null/x: /dev/null & not a folder

@@ -181,7 +181,7 @@ def test_parts_that_do_not_fit_together_are_refused(changes: dict[str, Any], mes
         (Drive, {"speed": math.nan}, "speed of crank = nan rad/s: allowed is"),
         (Drive, {"speed": 0.0, "harmonics": [(0.0, 1.0)]}, "frequency of crank = 0 rad/s"),
         (Follow, {"point": "a", "rises": [Rise(0.0, 1.0, 0.1)]}, "must come back"),
-        (Blanking, {"stiffness": 1e12}, r"with force = 500 N allowed is 50 to 5e\+08 N/m"),
+        (Blanking, {"stiffness": 1e12}, r"with force = 500 N allowed is 0\.05 N/mm to 500 kN/mm"),
         (Drawing, {"bottom": "low"}, "bottom = 'low': allowed is one of lowest, highest"),
     ],
 )

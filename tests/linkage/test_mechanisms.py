@@ -21,7 +21,7 @@ from presswear.physics.ideal import bottom_of, motion_of
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, meaning_of
 
-SHORT = r"rod_length = \S+ m: with crank_length = 0\.05 m allowed is 0\.050005 m to 10 m"
+SHORT = r"rod_length = \S+ mm: with crank_length = 50 mm allowed is 50\.005 mm to 10000 mm"
 
 
 PARTS = [Press(), SliderCrank(), FourBar(), SixBar(), Blanking(), Drawing(), Coining(), Dwell()]
@@ -48,7 +48,7 @@ def test_every_quantity_is_checked(part: Any) -> None:
         (lambda: Press(geometry=Geometry(hx=5.0)), r"at crank angle \S+ deg joint \S+ does not"),
         (lambda: Press(length_5=0.02), "joint (C|E) does not close"),
         *((lambda rod=rod: SliderCrank(rod_length=rod), SHORT) for rod in (0.01, 0.05, 0.0500001)),
-        (lambda: Press(geometry=Geometry(side_bd=0.5)), r"plate 4 is not a triangle.*0\.5 m"),
+        (lambda: Press(geometry=Geometry(side_bd=0.5)), r"plate 4 is not a triangle.* 500 mm"),
         # Half a side assembles into links of another length.
         (lambda: Press(geometry=Geometry(side_b=0.5)), "side_b"),
         (lambda: Press(geometry=Geometry(side_c=0.0)), "side_c"),

@@ -157,7 +157,7 @@ REFUSED = {
     r"at crank angle \S+ deg joint [ABP] does not close or is at a": four_bar(crank=0.15),
     # The rods never meet.
     "joint [ABOP] does not close": four_bar(coupler=0.02),
-    "guess of coupler = 2.6 rad: .* right angle": four_bar().changed(
+    "guess of coupler = 149 deg: .* right angle": four_bar().changed(
         guess={"coupler": 2.6, "rocker": 1.4}
     ),
     "does not come back: after a cycle of 0.20944 s crank is elsewhere": four_bar().changed(

@@ -101,10 +101,10 @@ press | joints=CC | joints = 'CC': allowed is
 press | joints=A, | joints = 'A,': allowed is
 press | joints=none,A | joints = 'none,A': allowed is
 crank | joints=AC | joints = 'AC': allowed is one of O, A, B, none, several, as OAB
-press | clearance=15mm | clearance = 0\.015 m: .* below the bearing radius
-press | bearing_radius=0.5mm | clearance = 0\.0008 m
-press | lower_speed=1mm/s | lower_speed = 0\.001 m/s
-press | lower_speed=0.991mm/s | lower_speed = .*allowed is 0 to 1e-05 m/s below
+press | clearance=15mm | clearance = 15 mm: .* below the bearing radius
+press | bearing_radius=0.5mm | clearance = 0\.8 mm: 
+press | lower_speed=1mm/s | lower_speed = 1 mm/s
+press | lower_speed=0.991mm/s | lower_speed = .*allowed is 0 to 0\.01 mm/s below
 press | lower_speed=0m/s upper_speed=9e-6m/s | .*allowed is 1e-05 to 1 m/s
 press | mass_6=1000kg mass_3=1e-4kg | mass of slider 6 = 1000 kg, mass of rod 3 = 0.0001 kg: allowed
 press | length_3=0.1m | .*joint . does not close
@@ -124,22 +124,22 @@ refined | F.clearance=1mm | unknown joint in F.clearance: 'F'; known are O2, O7,
 refined | geometry.hx=1mm | unknown key 'geometry.hx'; did you mean geometry\?$
 refined | A.clearence=1mm | unknown key 'A.clearence'; did you mean A.clearance\?$
 refined | A.angles=8 | A\.angles = 8: allowed is 16 to 100000
-refined | A.clearance=20mm | A\.clearance = 0\.02 m: allowed is below the bearing
+refined | A.clearance=20mm | A\.clearance = 20 mm: allowed is below the bearing
 refined | A.clearance=1 | A\.clearance = '1' has no unit
 refined | A.exponent=1.2 | A\.exponent = 1\.2: with contact = 'foundation'
 ideal | process=blank | .*'blank': .*did you mean blanking
 ideal | process.force=1N | process\.force: process = none; it needs process = bla
 ideal | process=drawing process.snap=1mm | unknown key of process 'snap'; known are .*bottom
 ideal | process=drawing process.force=3 | process\.force = '3' has no unit; known are N, kN, MN
-ideal | process=blanking process.height=0.2m | process\.height = 0\.2 m above the lowest place of
+ideal | process=blanking process.height=0.2m | process\.height = 200 mm above bottom dead centre of
 ideal | process=coining torque_limit=0.01Nm | torque_limit of crank \d = 0\.01 N m: the ideal motion
 ideal | servo=dwel | servo = 'dwel': .*did you mean dwell
 ideal | servo.part=0.1 | servo\.part: servo = none; it needs servo = dwell, forming, pend
 ideal | servo=dwell servo.stroke=80 | servo\.stroke = '80' has no unit
 ideal | servo=dwell servo.part=0.6 | servo\.part = 0\.6: allowed is above 0 up to 0\.5
 ideal | servo=dwell servo.stroke=0.2m | servo\.stroke = 200 mm: .* allowed is 3\d mm to 10\d mm$
-ideal | servo=forming servo.speed=1mm/s | servo\.speed = 0\.001 m/s: .* allowed is 0\.03266
-ideal | servo=forming servo.end=7mm | servo\.height = 0\.006 m: .* end = 0\.007 m and stroke
+ideal | servo=forming servo.speed=1mm/s | servo\.speed = 1 mm/s: .* allowed is 32\.66
+ideal | servo=forming servo.end=7mm | servo\.height = 6 mm: .* end = 7 mm and stroke
 ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d = 5 N m: the ideal
 """
 

@@ -79,8 +79,8 @@ CLOSED = np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)])
         ({"C": (None, ["1e-6"] * 360)}, "pin at C: finite depths, or rows of angle and depth"),
         ({"C": (None, [[0.0], [1.0, 2.0]])}, "pin at C: finite depths"),
         ({"C": (None, {"depth": 1.0})}, "pin at C: finite depths"),
-        ({"A": (np.full(360, 0.9e-3), None)}, "depth 0.0009 m at 0.5 deg: allowed is 0 to 0.0008"),
-        ({"A": (None, np.full(360, -1e-6))}, "pin at A: depth -1e-06 m at 0.5 deg: allowed is 0"),
+        ({"A": (np.full(360, 0.9e-3), None)}, "depth 0.9 mm at 0.5 deg: allowed is 0 to 0.8 mm"),
+        ({"A": (None, np.full(360, -1e-6))}, "pin at A: depth -0.001 mm at 0.5 deg: allowed is 0"),
         ({"A": (np.full(360, math.nan), None)}, "bearing at A: finite depths"),
         ({"A": (np.ones((3, 3, 3)), None)}, "bearing at A: finite depths"),
         ({"A": (np.full(15, 1e-6), None)}, "bearing at A: 15 angles, none between 12 and 36 deg"),
@@ -157,7 +157,7 @@ def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
     for wrong, says in (
         (text.replace("worn.csv", "worn"), "surfaces = 'worn': a name that ends in .csv"),
         (text.replace('"AC"', '"A"'), "worn.csv: unknown joint in surfaces 'C'"),
-        (f'{text}clearance = "2 um"\n', "worn.csv: bearing at C: depth 3e-06 m at 0 deg"),
+        (f'{text}clearance = "2 um"\n', "worn.csv: bearing at C: depth 0.003 mm at 0 deg"),
     ):
         file.write_text(wrong)
         with pytest.raises(InputError, match=f"^{re.escape(str(file))}: {re.escape(says)}"):

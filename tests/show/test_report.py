@@ -141,7 +141,7 @@ def test_settings_changes_and_provenance() -> None:
     page = page_of(made_up(made.BOTH, 1))
     listed = {(row[0], row[-1]) for row in page.rows if row}
     assert {(setting.key, setting.meaning.text) for setting in settings_of(made.BOTH)} <= listed
-    assert page.row("clearance")[1:4] == ["0.0008", "m", "paper, per study"]
+    assert page.row("clearance")[1:3] == ["0.8 mm", "paper, per study"]
     assert page.row("source revision")[1] == "0123456789ab"
     changed = page_of(made_up(wear_times(clearance="0.5 mm", wear_updates=1), 1))
     title = f"{wear_times().title}, changed: clearance 0.5 mm, wear updates 1"

@@ -74,6 +74,9 @@ def test_a_text_that_is_no_quantity_is_refused(unit: str, texts: list[str]) -> N
         message = r"use a decimal point, '1\.5mm'" if "," in text else ""
         with pytest.raises(InputError, match=r"^key = .*" + message):
             _read(text, unit)
+    thousands = "'400.000 N', or no separator of thousands, '400000 N'"
+    with pytest.raises(InputError, match=f"use a decimal point, {thousands}$"):
+        _read("400,000 N", "N")
 
 
 WHOLE = Quantity("", whole=True)
