@@ -102,7 +102,7 @@ press | joints=A, | joints = 'A,': allowed is
 press | joints=none,A | joints = 'none,A': allowed is
 crank | joints=AC | joints = 'AC': allowed is one of O, A, B, none, several, as OAB
 press | clearance=15mm | clearance = 15 mm: .* below the bearing radius
-press | bearing_radius=0.5mm | clearance = 0\.8 mm: 
+press | bearing_radius=0.5mm | clearance = 0\.8 mm:
 press | lower_speed=1mm/s | lower_speed = 1 mm/s
 press | lower_speed=0.991mm/s | lower_speed = .*allowed is 0 to 0\.01 mm/s below
 press | lower_speed=0m/s upper_speed=9e-6m/s | .*allowed is 1e-05 to 1 m/s
