@@ -13,9 +13,9 @@ from presswear.tools.errors import InputError
 def dynamics(arguments: argparse.Namespace, console: Console) -> int:
     """Print contact modes and periods, or an exponent, or draw a bifurcation diagram."""
     folder = Path(arguments.scene)
-    if folder.is_dir():
-        if arguments.over or arguments.engine or arguments.set:
-            raise InputError(f"{folder} is a result folder: --over, --engine, --set need a scene")
+    if folder.is_dir() and arguments.over is None:
+        if arguments.engine or arguments.set:
+            raise InputError(f"{folder} is a result folder: --engine and --set need --over")
         return _describe(folder, console)
     settings = terminal.parse_settings(arguments.set)
     engine = arguments.engine or settings.get("engine", "dae")

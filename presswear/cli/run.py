@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 LOGGER = logging.getLogger(__name__)
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
+LINE_INTERVAL = 60.0  # between lines with the progress where there is no terminal, s
 SHOWN_JOINTS = 3  # in the lines of a stage
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
 LIFE = "life,"  # start of the description of a step that follows a service life
@@ -147,6 +148,7 @@ class RunObserver(Observer):
         self._compiled = 0.0  # of all stages, s
         self._compile_start: float | None = None
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
+        self._printed = clock.perf_counter()
 
     def on_progress(self, progress: Progress) -> None:
         """Update the progress bar; raise KeyboardInterrupt after a signal.
@@ -168,6 +170,10 @@ class RunObserver(Observer):
             self._compile_start = None
         done = progress.whole
         self._bar.update(self._task, description=text, completed=done, idle=self._compiled)
+        if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
+            self._printed = clock.perf_counter()
+            left = terminal.time_left(self._bar.tasks[self._task])
+            terminal.print_lines(self._bar.console, f"{text}, {100.0 * done:.0f} % {left}".rstrip())
 
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""

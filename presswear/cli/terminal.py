@@ -55,7 +55,11 @@ def parse_settings(items: Iterable[str]) -> dict[str, str]:
 
 
 def load_scene(name: str) -> Scene:
-    """Return a named scene or the scene of a file."""
+    """Return a named scene, or the scene of a file or of a result folder."""
+    if (Path(name) / "result.json").exists():
+        from presswear.results.result import stored_scene
+
+        return stored_scene(Path(name))[0]
     if name.endswith(SUFFIX):
         return scene_from(Path(name))
     if name.endswith(".py"):
@@ -63,7 +67,8 @@ def load_scene(name: str) -> Scene:
     if name in EXAMPLES and name not in SCENES:
         raise InputError(f"{name} is a mechanism; write a file of it with: presswear new {name}")
     if Path(name).suffix[1:].isalpha() or Path(name).exists():
-        raise InputError(f"{name}: expected a scene of presswear list, or a file NAME{SUFFIX}")
+        expected = f"a scene of presswear list, a file NAME{SUFFIX}, or a result folder"
+        raise InputError(f"{name}: expected {expected}")
     return scene_named(name)
 
 
@@ -198,12 +203,17 @@ class _TimeLeft(ProgressColumn):
     """Time left at the mean speed so far, without the time of compilation (field ``idle``)."""
 
     def render(self, task: Task) -> Text:
-        """Return the time in words; nothing while little is done."""
-        share = task.percentage / 100.0
-        if not MIN_SHARE <= share < 1.0 or task.elapsed is None:
-            return Text("")
-        seconds = (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 / share - 1.0)
-        return Text(f"{lasting(round(max(seconds, 0.0)))} left")
+        """Return the time in words."""
+        return Text(time_left(task))
+
+
+def time_left(task: Task) -> str:
+    """Return the time left in words; nothing while little is done."""
+    share = task.percentage / 100.0
+    if not MIN_SHARE <= share < 1.0 or task.elapsed is None:
+        return ""
+    seconds = (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 / share - 1.0)
+    return f"{lasting(round(max(seconds, 0.0)))} left"
 
 
 def progress_bar(console: Console) -> Progress:

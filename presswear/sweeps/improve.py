@@ -98,17 +98,14 @@ def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
             f"{name}.width": SIZE * bearing.width,
         }
         for word, pair in MATERIALS.items():
-            if pair != bearing.materials and not _wears_more(pair, bearing.materials):
+            if _larger_share(pair) < _larger_share(bearing.materials):
                 changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
     return changes
 
 
-def _wears_more(pair: Materials, present: Materials) -> bool:
-    """Return whether a pair moves like the present one, and no side of it wears less."""
-    total, bearing = pair.wear_coefficient, pair.wear_coefficient * pair.bearing_share
-    before = present.wear_coefficient * present.bearing_share
-    is_worse = bearing >= before and total - bearing >= present.wear_coefficient - before
-    return is_worse and pair.compliance == present.compliance
+def _larger_share(pair: Materials) -> float:
+    """Return the wear coefficient of the side that wears more, 1/Pa."""
+    return pair.wear_coefficient * max(pair.bearing_share, 1.0 - pair.bearing_share)
 
 
 def improve(
@@ -142,7 +139,9 @@ def improve(
             if key in effects:
                 effects[key].append(_effect(change, key, value, before[key]))
     for key, items in effects.items():
-        items.sort(key=lambda item: item.factor.mean, reverse=key == LIFE)
+        # Factors without an interval are the last.
+        sign = -1.0 if key == LIFE else 1.0
+        items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
     return Improvement(effects, failures)
 
 

@@ -37,7 +37,7 @@ run: scene
 run nonsense: nonsense & wear-times
 run x.toml: x.toml: there is no such file
 run wear-times --set colour=red: unknown key 'colour'; presswear list SCENE shows all keys
-run press.txt: press.txt: expected a scene of presswear list, or a file NAME.toml
+run press.txt: press.txt: expected a scene of presswear list, a file NAME.toml, or a result
 report /dev/null: /dev/null: it is not a folder
 run .: .: expected a scene of presswear list
 run six-bar: six-bar is a mechanism; write a file of it with: presswear new six-bar
@@ -294,7 +294,8 @@ def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -
     for word in ("free flight", "impact", "sustained contact", "sticking", "no period within 1 %"):
         assert word in output
     assert "largest Lyapunov exponent" in command("dynamics slider-crank --exponent 3")
-    line = "dynamics slider-crank --over 'clearance=0.01:0.02:2 mm' --cycles 12 --exponent 0"
+    line = f"dynamics {tmp_path / 'run'} --over 'clearance=0.01:0.02:2 mm'"
+    line += " --cycles 12 --exponent 0"
     output = command(f"{line} --orders 2 --jobs 1 --out {tmp_path / 'd'}")
     assert "periodic at 2 of 2 values" in output
     for name in ("diagram.png", "orders.png"):

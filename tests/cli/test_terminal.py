@@ -34,8 +34,8 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     return clock
 
 
-def console_of(width: int, clock: Clock) -> Console:
-    look: dict[str, Any] = {"force_terminal": True, "legacy_windows": False, "record": True}
+def console_of(width: int, clock: Clock, is_terminal: bool = True) -> Console:
+    look: dict[str, Any] = {"force_terminal": is_terminal, "legacy_windows": False, "record": True}
     return Console(width=width, file=io.StringIO(), get_time=clock.perf_counter, **look)
 
 
@@ -98,6 +98,18 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
     observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps", linkage))
     observer.on_stage(stage)
     assert "15.00 s per simulated second" in console.export_text()
+
+
+def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> None:
+    console = console_of(80, clock, is_terminal=False)
+    observer = RunObserver(progress_bar(console), SCENE)
+    for k in range(1, 13):
+        clock.now += 10.5
+        observer.on_progress(Progress(0, 0.04 * k, 0.04 * k, "cycle 2 of 5", SCENE.linkage()))
+    assert console.export_text().splitlines() == [
+        "no wear: cycle 2 of 5, 24 % 3.33 minutes left",
+        "no wear: cycle 2 of 5, 48 % 2.28 minutes left",
+    ]
 
 
 def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
