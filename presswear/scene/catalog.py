@@ -141,8 +141,13 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
 
 
 def title_of(scene: Scene) -> str:
-    """Return the title of a scene, followed by its changes of a named scene or a file."""
-    titles, title = [entry.title for entry in SCENES.values()], scene.title or scene.name
+    """Return the title of a scene, followed by its changes of a named scene or a file.
+
+    Without a title it is the name of the scene, or else of its mechanism.
+    """
+    is_named = scene.name != Scene.name
+    title = scene.title or (scene.name if is_named else scene.mechanism.linkage().name)
+    titles = [entry.title for entry in SCENES.values()]
     has_title = named_scene(scene) is not None and title not in titles
     return title if has_title else _with_changes(title, scene)
 

@@ -128,6 +128,16 @@ def test_sentences_fit_the_scene(scene: pw.Scene, stages: int, present: str, abs
     assert absent not in text
 
 
+@pytest.mark.parametrize(
+    ("names", "title"),
+    [({}, "four-bar"), ({"name": "mine"}, "mine"), ({"name": "mine", "title": "Mine"}, "Mine")],
+)
+def test_a_scene_without_a_title_has_a_name(names: dict[str, str], title: str) -> None:
+    page = page_of(made_up(replace(OWN_FOUR_BAR, **names), 1))
+    assert page.words.count(title) == 2  # of the browser and of the page
+    assert "“”" not in page.text
+
+
 @pytest.mark.parametrize("joints", ["B", "none"])
 def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
     result = made_up(replace(slider_crank(), joints=joints), 1)
