@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import made_up_result as made
 import pytest
@@ -132,7 +133,7 @@ def test_sentences_fit_the_scene(scene: pw.Scene, stages: int, present: str, abs
     ("names", "title"),
     [({}, "four-bar"), ({"name": "mine"}, "mine"), ({"name": "mine", "title": "Mine"}, "Mine")],
 )
-def test_a_scene_without_a_title_has_a_name(names: dict[str, str], title: str) -> None:
+def test_a_scene_without_a_title_has_a_name(names: dict[str, Any], title: str) -> None:
     page = page_of(made_up(replace(OWN_FOUR_BAR, **names), 1))
     assert page.words.count(title) == 2  # of the browser and of the page
     assert "“”" not in page.text
