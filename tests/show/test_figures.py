@@ -116,6 +116,14 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
         assert "second wear" not in words
 
 
+def test_a_phase_portrait_tells_new_surfaces_from_worn_ones() -> None:
+    worn = made_up(made.BOTH, 2)
+    (portrait,) = drawings(worn, ["phase"])
+    lines = [x for axes in portrait.sheet.axes for x in axes.lines if x.get_linestyle() == "--"]
+    assert len(lines) == 4  # of two joints in two stages, one of them on worn surfaces
+    assert "touches new surfaces; worn surfaces touch farther out." in portrait.caption
+
+
 def test_oil_film_is_that_of_each_joint() -> None:
     for axes, name in zip(OILED.plot("oil"), ("A", "C"), strict=True):
         film = oil_films(OILED.scene)[name]
