@@ -20,8 +20,8 @@ from presswear.analysis.periods import period_of
 from presswear.analysis.spectra import spectra_of
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
+from presswear.physics import statics
 from presswear.physics.ideal import bottom_of
-from presswear.physics.statics import heights_at_bottom, pull_of
 from presswear.recording.soundness import RESIDUAL
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
@@ -154,7 +154,8 @@ def _tables(result: Result, **names: Any) -> Record:
         "linkage": linkage,
         "joints": scene.clearance_joints,
         "drives": [drive.body for drive in linkage.drives],
-        "pull": pull_of(scene.linkage()),
+        "pull": statics.pull_of(scene.linkage()),
+        "statics": statics,
         "press": press,
         "residual": RESIDUAL,
         "orders": _HARMONICS,
@@ -237,9 +238,9 @@ def _heights_at_rest(result: Result, stage: StageResult) -> Record | None:
     if stage.failed or not scene.clearance_joints or not is_trusted:
         return None
     linkage = scene.linkage(stage.surfaces)
-    pull = pull_of(linkage)
+    pull = statics.pull_of(linkage)
     try:
-        up, down, rest = map(float, heights_at_bottom(linkage, (pull, -pull, 0.0)))
+        up, down, rest = map(float, statics.heights_at_bottom(linkage, (pull, -pull, 0.0)))
     except RunFailed:
         return None
     return {"clearance": up - down, "rise": up - rest}

@@ -53,6 +53,8 @@ def test_stages_are_columns() -> None:
     }.items():
         assert page.numbers(label, 3) == numbers
     clearance = page.numbers("total clearance at the slider (µm)", 3)
+    origin = "(10 times the weight of all bodies, at least 100 N)"
+    assert f"under 100 N up and down {origin}" in page.text
     scenes = [replace(made.ONE, surfaces=stage.surfaces) for stage in result.stages]
     expected = [1e6 * total_clearance(scene.linkage()) for scene in scenes]
     values = [float(text.replace("\u202f", "")) for text in clearance]
