@@ -119,7 +119,8 @@ RADIAL, SAMPLE = "Contact on worn surfaces is radial", "no two strokes are equal
         (
             OWN_FOUR_BAR,
             1,
-            "The rocker moves between its lowest & 111 mm apart & 300 µm at B",
+            "The rocker moves between its lowest & 111 mm apart & 300 µm at B & "
+            "guides (O, A, P) have no friction, so torque",
             "slider",
         ),
         (wear_times(), 1, "All settings are those of the named scene wear-times.", RADIAL),
