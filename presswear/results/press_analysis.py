@@ -475,7 +475,7 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
 
 
 def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
-    """Return sentences on joints whose penetration is too large for a law of a small contact.
+    """Return sentences on joints whose penetration is too large for a stiffness of small contacts.
 
     Each is on the stage in which the pin is deepest. The surfaces overlap by e cos(x) - c at an
     angle x from the line of centres: over an arc of which c / (c + penetration) is the cosine of
@@ -495,7 +495,8 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
         text = (
             f"joint {name}: the penetration of {readable(1e6 * deepest)} µm is "
             f"{readable(ratio)} of the clearance, and the contact extends over {arc:.0f} degrees, "
-            "too wide for a law of a small contact"
+            "too wide for a stiffness of small contacts: penetrations and bottom dead centre under "
+            "load are uncertain, forces less so"
         )
         if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
             law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)

@@ -14,6 +14,7 @@ from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
+from presswear.tools.user_function import UserFunction
 
 ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
 _WIDE = 2.0  # end of an interval over its mean, above which fewer strokes give no number
@@ -48,7 +49,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     return [
         *life,
         *_joint_numbers(scene, first, last),
-        *([] if life else _wear_depth(stages)),
+        *([] if life else _wear_depth(scene, stages)),
         *_stroke_numbers(scene, last),
         *_drive_numbers(scene, last),
         *_improvement(scene, last, result.life),
@@ -115,7 +116,7 @@ def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[
     return result
 
 
-def _wear_depth(stages: list[StageResult]) -> list[KeyNumber]:
+def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return the deepest wear of the last update that has one: a jump in one step has none."""
     for stage in reversed(stages):
         wear = {
@@ -127,8 +128,12 @@ def _wear_depth(stages: list[StageResult]) -> list[KeyNumber]:
         if wear:
             name, side = place = _greatest(wear)
             strokes = numbers.large(stage.cycles_per_update)
-            text = f"Deepest wear of {strokes} strokes after the stage “{stage.name}”, on the "
-            return [measured("Wear depth", wear[place], "m", f"{text}{side} of joint {name}.")]
+            surfaces = "worn" if stage.is_worn else "new"
+            text = f"Deepest place after {strokes} strokes on {surfaces} surfaces, on the {side} "
+            text += f"of joint {name}."
+            if scene.bearing(name).viscosity is not None:
+                text += " The wear is that of dry contact: an upper bound where oil carries."
+            return [measured("Wear depth", wear[place], "m", text)]
     return []
 
 
@@ -168,16 +173,18 @@ def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         typical, value = ("rms", each[body].rms) if name == "torque" else ("mean", each[body].mean)
         if abs(value) < 1e-9 * abs(each[body].peak):
             value = 0.0  # round-off of a cycle without net work
-        text = f"Drive of {body}: largest in a stroke; {typical} "
-        text += f"{numbers.quantity_text(value, unit)}."
+        text = f"Largest in a stroke at {body}; {typical} {numbers.quantity_text(value, unit)}."
+        drive = next(one for one in scene.mechanism.linkage().drives if one.body == body)
+        if name == "power" and not drive.repeats:
+            text += " With a flywheel the motor delivers the mean."
         if drives:
             peak, closed = getattr(drives[body], f"peak_{name}"), getattr(drives[body].ideal, name)
             text += f" Without clearance: {numbers.quantity_text(abs(closed.peak), unit)}."
-            result.append(measured(f"Motor {name}", peak, unit, text))
+            result.append(measured(f"Peak drive {name}", peak, unit, text))
         else:
             largest = numbers.quantity_text(abs(each[body].peak), unit)
-            text += " Computed without clearance; drive_torque = on computes it with clearance."
-            result.append(KeyNumber(f"Motor {name}", largest, "", text))
+            text += " Computed without clearance and friction; drive_torque = on includes both."
+            result.append(KeyNumber(f"Peak drive {name}", largest, "", text))
     return result
 
 
@@ -194,7 +201,7 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
         total = sum(one.mean for one in volumes.values())
         if total > 0.0:
             share = 100.0 * volumes[joint].mean / total
-            reason = f"{share:.0f} % of the material that the next wear update removes is there."
+            reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
             joint, reason = _greatest(forces), "It carries the largest force."
@@ -210,11 +217,13 @@ def warnings(result: Result) -> list[str]:
         made = stage.statistics.energy_made_fraction
         if made > _MADE:
             part = numbers.readable(100.0 * made, 2)
-            is_radial = scene.conventions.contact == "radial"
+            bearings = map(scene.bearing, scene.clearance_joints)
+            has_own_law = any(isinstance(one.normal_law, UserFunction) for one in bearings)
+            can_change = scene.conventions.contact == "radial" and not has_own_law
             lines.append(
                 f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
                 "joints dissipate. Forces and wear may be wrong by as much."
-                + (" Use contact = foundation." if is_radial else "")
+                + (" Use contact = foundation." if can_change else "")
             )
     errors = [stage.statistics.peak_force_step_error or 0.0 for stage in stages]
     if (error := max(errors, default=0.0)) > _STEP_ERROR:
@@ -237,7 +246,10 @@ def warnings(result: Result) -> list[str]:
                 limit = getattr(scene.bearing(name), key)
                 if limit is None and key == "pressure_limit":
                     lines += unusual("pin pressure", load.mean, f"the pin pressure of joint {name}")
-                elif limit and load.mean > limit:
-                    texts = [numbers.quantity_text(value, unit) for value in (load.mean, limit)]
-                    lines.append(f"Joint {name}: {texts[0]} exceeds {key} = {texts[1]}.")
+                elif limit and (highest := load.high or load.mean) > limit:
+                    is_certain = load.mean > limit
+                    value = numbers.quantity_text(load.mean if is_certain else highest, unit)
+                    fault = "exceeds" if is_certain else "is possible and exceeds"
+                    text = f"{fault} {key} = {numbers.quantity_text(limit, unit)}"
+                    lines.append(f"Joint {name}: {value} {text}.")
     return lines

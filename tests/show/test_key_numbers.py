@@ -48,6 +48,9 @@ def test_loads_stand_beside_their_limits() -> None:
     assert "Limit: 0.100 MPa." in numbers["Pin pressure p"].meaning
     assert "not given (pv_limit)" in numbers["p v"].meaning
     assert any("exceeds pressure_limit = 0.100 MPa" in line for line in warnings(result))
+    near = replace(bearing, pressure_limit=1.001 * force / 4e-4)
+    lines = warnings(made_up(replace(scene, bearings={"C": near}), 2))
+    assert any("is possible and exceeds pressure_limit" in line for line in lines)
     allowed = replace(bearing, pressure_limit=1e9)
     free = made_up(replace(scene, bearings={"C": allowed}), 2)
     assert not any("exceeds" in line for line in warnings(free))
@@ -65,7 +68,8 @@ def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
 
 def test_round_off_is_no_mean_power() -> None:
     numbers = {one.name: one for one in key_numbers(made_up(pw.scenes.slider_crank(), 2))}
-    assert "mean 0 W." in numbers["Motor power"].meaning
+    meaning = numbers["Peak drive power"].meaning
+    assert "mean 0 W. With a flywheel the motor delivers the mean." in meaning
 
 
 def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre() -> None:
@@ -97,12 +101,15 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
 def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     result = made_up(made.BOTH, 2)
     (last,) = [one for one in key_numbers(result) if one.name == "Wear depth"]
-    assert "after the stage “first wear”" in last.meaning
+    assert "strokes on worn surfaces, on the" in last.meaning
     statistics = result.stages[1].statistics
     joints = {name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()}
     jump = altered(result, 1, statistics=replace(statistics, joints=joints))
     (first,) = [one for one in key_numbers(jump) if one.name == "Wear depth"]
-    assert "after the stage “no wear”" in first.meaning
+    assert "strokes on new surfaces, on the" in first.meaning
+    oiled = replace(result, scene=replace(made.BOTH, bearings=pw.Bearing(viscosity=0.1)))
+    (first,) = [one for one in key_numbers(oiled) if one.name == "Wear depth"]
+    assert first.meaning.endswith("that of dry contact: an upper bound where oil carries.")
 
 
 @pytest.mark.parametrize(
