@@ -36,6 +36,7 @@ class OilFilm:
     speed: Array  # effective angular speed, rad/s
     thickness: Array  # least, m
     roughness: float  # R_q of both surfaces together, m
+    swings: bool  # whether the pin turns back and forth in its bearing
 
     @property
     def shares(self) -> dict[str, float]:
@@ -43,15 +44,6 @@ class OilFilm:
         full = float((self.thickness > FULL_FILM * self.roughness).mean())
         dry = float((self.thickness < self.roughness).mean())
         return {FULL: full, MIXED: max(1.0 - full - dry, 0.0), DRY: dry}
-
-    @property
-    def friction(self) -> str:
-        """Kind of friction: one of ``FULL``, ``MIXED`` and ``DRY``.
-
-        It is full or dry where it is so for all of the cycle.
-        """
-        shares = self.shares
-        return next((kind for kind in (FULL, DRY) if shares[kind] == 1.0), MIXED)
 
 
 def sommerfeld(eccentricity: Array, ratio: float) -> Array:
@@ -105,12 +97,15 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
         if pin.name not in oiled:
             continue
         bearing, force = scene.bearing(pin.name), held[:, 2 * k] + 1j * held[:, 2 * k + 1]
-        turning = -2.0 * np.gradient(np.unwrap(np.angle(force)), time)
-        for body in {pin.first.body, pin.second.body} - {GROUND}:
-            turning += velocity[:, 3 * linkage.index(body) + 2]
+        first, second = (
+            0.0 if end.body == GROUND else velocity[:, 3 * linkage.index(end.body) + 2]
+            for end in (pin.first, pin.second)
+        )
+        turning = first + second - 2.0 * np.gradient(np.unwrap(np.angle(force)), time)
+        swings = bool(np.min(first - second) < 0.0 < np.max(first - second))
         size, speed = np.abs(force), np.abs(turning)
-        film = thickness(bearing, size, speed)
-        films[pin.name] = OilFilm(time, size, speed, film, math.sqrt(2.0) * bearing.roughness)
+        film, roughness = thickness(bearing, size, speed), math.sqrt(2.0) * bearing.roughness
+        films[pin.name] = OilFilm(time, size, speed, film, roughness, swings)
     return films
 
 
@@ -131,13 +126,17 @@ def dry_contact(scene: Scene) -> list[str]:
             continue
         low, high = (readable(1e6 * float(value)) for value in np.quantile(film.thickness, (0, 1)))
         shares = ", ".join(
-            f"{kind} for {100.0 * share:.0f} %" for kind, share in film.shares.items() if share
+            f"{kind} for {readable(100.0 * share)} %"
+            for kind, share in film.shares.items()
+            if share > 0.0
         )
         text += (
             f" With {bearing.viscosity:g} Pa s a steady film would be {low} to {high} µm thick, "
             f"beside a roughness of {readable(1e6 * film.roughness)} µm: {shares} of the cycle."
         )
-        if film.friction != DRY:
+        if film.swings:
+            text += " The pin swings, so that squeezed oil carries as well, which is not computed."
+        if film.shares[DRY] < 1.0:
             text += " Impacts and wear of dry contact are upper bounds there."
         sentences.append(text)
     return sentences

@@ -38,7 +38,7 @@ def test_film_carries_its_force() -> None:
 def test_wide_clearance_carries_nothing_and_thick_oil_everything() -> None:
     thin, thick = (pw.scenes.slider_crank(viscosity=f"{n} Pa s") for n in (1e-5, 1e3))
     (dry,), (full,) = oil_films(thin).values(), oil_films(thick).values()
-    assert dry.friction != FULL
+    assert dry.shares[FULL] < 1.0
     assert full.shares[DRY] < dry.shares[DRY]
     assert oil_films(pw.scenes.slider_crank()) == {}
 
@@ -54,6 +54,7 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
     )
     scene = pw.Scene(weight, bearings={"A": BUSH})
     film = oil_films(scene)["A"]
+    assert not film.swings
     assert film.force == pytest.approx(np.full(film.force.size, 100.0), rel=1e-3)
     assert film.speed == pytest.approx(np.full(film.speed.size, 15.0), rel=1e-3)
 
@@ -64,6 +65,7 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
         ({}, "No viscosity is specified"),
         ({"viscosity": "0.1 Pa s"}, "With 0.1 Pa s a steady film would be"),
         ({"clearance": "1 mm", "viscosity": "0.1 Pa s"}, "too wide for a film"),
+        ({"viscosity": "0.1 Pa s"}, "The pin swings, so that squeezed oil carries as well"),
     ],
 )
 def test_sentences_say_where_dry_contact_holds(values: dict[str, str], words: str) -> None:

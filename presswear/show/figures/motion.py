@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
-from presswear.results.oil_film import FULL_FILM, oil_films
+from presswear.results.oil_film import FULL, FULL_FILM, oil_films
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage, Stages
@@ -381,7 +381,8 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
             level = factor * film.roughness * style.MICRONS
             axes.axhline(level, **pen.look)
         axes.set_yscale("log")
-        axes.set_title(f"joint {name}: {film.friction}", loc="left", fontweight="bold")
+        full = f"joint {name}: full film for {100.0 * film.shares[FULL]:.3g} % of the cycle"
+        axes.set_title(full, loc="left", fontweight="bold")
         axes.set_ylabel("film (µm)")
         axes.set_xlim(0.0, 360.0)
         axes.xaxis.set_major_locator(MultipleLocator(90.0))
