@@ -105,13 +105,14 @@ def test_failed_stages() -> None:
 VISCOUS = wear_times(normal_law="kelvin-voigt", viscous_damping="100 N s/m", restitution=1)
 OWN_FOUR_BAR = pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0)
 RADIAL, SAMPLE = "Contact on worn surfaces is radial", "no two strokes are equal"
+OWN = "settled cycles of 4 replicates, and after a wear update the replicates, each on surfaces of"
 
 
 @pytest.mark.parametrize(
     ("scene", "stages", "present", "absent"),
     [
-        (made.BOTH, 2, f"{SAMPLE} & {RADIAL}", "presses on work"),
-        (made.BOTH, 1, SAMPLE, RADIAL),
+        (made.BOTH, 2, f"{SAMPLE} & {RADIAL} & {OWN}", "presses on work"),
+        (made.BOTH, 1, f"{SAMPLE} & samples are the settled cycles of 4 replicates. In", RADIAL),
         (made.BODY, 2, SAMPLE, RADIAL),
         (made.IDEAL, 1, "chosen, not the paper's & No joint has clearance", SAMPLE),
         (press_blanking(), 1, "presses on work (blanking", RADIAL),
