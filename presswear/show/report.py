@@ -18,6 +18,7 @@ import numpy as np
 from presswear.analysis.contact_modes import MODES, Timeline, combine, resonance, timeline_of
 from presswear.analysis.periods import period_of
 from presswear.analysis.spectra import spectra_of
+from presswear.linkage.elements import GROUND, INERTIA, MASS, Attachment
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
 from presswear.physics import statics
@@ -42,7 +43,7 @@ from presswear.show.page import NOTHING, Illustration, Line, Row, Table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.quantities import Choice
+from presswear.tools.quantities import Choice, Quantity
 
 Record = dict[str, Any]
 
@@ -86,6 +87,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "tables": {
             **stage_tables(result),
             **setting_tables(result),
+            **mechanism_tables(result),
             "changes": _line_table("changes", result, changes) if changes else None,
             "drives": drive_table(result),
             "growth": growth_table(result),
@@ -376,15 +378,58 @@ def setting_tables(result: Result) -> dict[str, Table]:
         else:
             record["origin"] = meaning.origin
             if isinstance(value, int | float):
-                shown = meaning.in_unit_of(value)
-                text = shown.with_unit(numbers.short_number(value / shown.size))
-                record["value"] = text.replace("^2", "²").replace("^3", "³")
+                record["value"] = _engineers(meaning, value)
             if not is_from_paper and meaning.origin.startswith("paper"):
                 record["origin"] = ""  # the value is the user's, or a default
         records["parameters"].append(record)
         if scene.origins.get(setting.key, "").startswith(SET):
             records["chosen"].append(record)
     return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
+
+
+def _engineers(meaning: Quantity, value: float) -> str:
+    """Return a value in the unit in which engineers write it."""
+    shown = meaning.in_unit_of(value)
+    text = shown.with_unit(numbers.short_number(value / shown.size))
+    return text.replace("^2", "²").replace("^3", "³")
+
+
+def mechanism_tables(result: Result) -> dict[str, Table]:
+    """Return the tables ``bodies``, with the drives, and ``pins``, of all joints and contacts."""
+    scene = result.scene
+    linkage, speed = scene.base_linkage, Quantity("rad/s")
+    drives = {
+        drive.body: _engineers(speed, drive.mean_speed) + ", not constant" * drive.repeats
+        for drive in linkage.drives
+    }
+    guided = {guide.body for guide in linkage.guides}
+    start = scene.ideal.at(np.zeros(1)).position.round(9).reshape(-1, 3).tolist()
+    bodies = [
+        {
+            "name": body.name,
+            "mass": _engineers(MASS, body.mass),
+            "inertia": None if body.name in guided else _engineers(INERTIA, body.inertia),
+            "start": position,
+            "speed": drives.get(body.name),
+        }
+        for body, position in zip(linkage.bodies, start, strict=True)
+    ]
+    places = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
+    for guide in linkage.guides:
+        ends = Attachment(GROUND, guide.x, guide.y), Attachment(guide.body, 0.0, 0.0)
+        places[f"{guide.name}, along {math.degrees(guide.direction):.6g}°"] = ends
+    contacts = {joint.name: joint for joint in scene.linkage().clearances}
+    pins = [
+        {"name": name, "contact": contacts.get(name), "places": [*map(_place, ends)]}
+        for name, ends in places.items()
+    ]
+    tables = {"bodies": _line_table("bodies", result, bodies)}
+    return tables | {"pins": _line_table("pins", result, pins)}
+
+
+def _place(point: Attachment) -> str:
+    x, y = (numbers.short_number(round(1e3 * value, 6) + 0.0) for value in (point.x, point.y))
+    return f"{point.body}: {x}, {y}"
 
 
 def provenance_table(result: Result) -> Table | None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import made_up_result as made
+import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
 from made_up_result import altered, grown, lived, made_up, not_passed
@@ -162,6 +163,25 @@ def test_settings_changes_and_provenance() -> None:
     title = f"{wear_times().title}, changed: clearance 0.5 mm, wear updates 1"
     assert changed.words.count(title) == 2
     assert changed.row("clearance")[:4] == ["clearance", "0.5", "0.8", "mm"]
+
+
+def test_bodies_joints_and_contacts_are_listed() -> None:
+    page = page_of(made_up(OWN_FOUR_BAR, 1))
+    assert page.row("coupler")[1:3] == ["500 g", "1667 kg mm²"]
+    x, y, angle = OWN_FOUR_BAR.ideal.at(np.zeros(1)).position[0, 3:6]
+    shown = [float(text) for text in page.row("coupler")[3:6]]
+    assert shown == pytest.approx([1e3 * x, 1e3 * y, np.degrees(angle)], rel=1e-4)
+    assert page.row("crank")[-1] == f"{30 * 30 / np.pi:.3f} rpm"
+    bearing = OWN_FOUR_BAR.bearing("B")
+    stiffness = bearing.hertz(OWN_FOUR_BAR.conventions.stiffness)
+    places = ["coupler: 100, 0", "rocker: 60, 0"]
+    contact = ["14.700", f"{1e-9 * stiffness:.2f}·10⁹", f"{0.75 * (1.0 - 0.9**2):.4f}"]
+    assert page.row("B")[1:] == places + contact
+    assert page.row("P")[1:] == ["frame: 180, 0", "rocker: −60, 0", "–", "–", "–"]
+    assert "A cycle takes 209.44 ms." in page.text
+    press = page_of(made_up(made.ONE, 1))
+    assert press.row("guide, along 90°")[1:3] == ["frame: 240, 0", "slider 6: 0, 0"]
+    assert press.row("slider 6")[1:3] == ["28.8 g", "–"]  # the guide holds its angle
 
 
 LIVED = lived(made_up(made.BODY, 3))
