@@ -155,6 +155,8 @@ def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
 
 def test_settings_changes_and_provenance() -> None:
     page = page_of(made_up(made.BOTH, 1))
+    assert "(docs/theory in the source)" in page.text
+    assert (Path(__file__).parents[2] / "docs/theory/index.md").is_file()
     listed = {(row[0], row[-1]) for row in page.rows if row}
     assert {(setting.key, setting.meaning.text) for setting in settings_of(made.BOTH)} <= listed
     assert page.row("clearance")[1:3] == ["0.8 mm", "paper, per study"]
