@@ -31,14 +31,16 @@ from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.results.stage import WearStep
-from presswear.scene.options import Service
+from presswear.scene.options import Limit, Service
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.numbers import large
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
 _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
 MAX_PHASES = 3
+REACH = 4.0  # factor that the wear rate may change by from that when new
 MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
 RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
 
@@ -91,7 +93,7 @@ class WearHistories:
 
     runner: Runner
     initial: Array  # depth of the surfaces at the start, (replicates, joints, 2, bins), m
-    limited: tuple[str, ...]  # names that limits are on
+    limits: tuple[Limit, ...]
     state: LifeState = field(default_factory=LifeState)
     keep: Callable[[LifeState], None] = lambda state: None  # called whenever it has changed
 
@@ -141,11 +143,13 @@ class WearHistories:
         depth = np.where(part < 1.0, earlier + part * (depth - earlier), depth)
         rows = np.array([recorder.cycles[finished : finished + cycles] for recorder in recorders])
         removed = (depth - earlier).mean(axis=0) / (plan.share * cycles)
+        if not before:
+            self._check_reach(depth, cycles)
         return LoadBlock(
             strokes + plan.share * cycles,
             cycles,
             interval,
-            levels_of(scene, depth, self.limited),
+            self._levels(depth),
             samples_of(scene, rows),
             wear_update.largest_change(joints, removed),
             removed,
@@ -160,9 +164,32 @@ class WearHistories:
         bushing = depth[:, k, 0, : joints[k].bins]
         half_turn = joints[k].bins // 2
         bushing[...] = np.roll(bushing, half_turn, axis=1) if service.is_turned else 0.0
-        levels = levels_of(self.runner.scene, depth, self.limited)
         interval = last.interval + 1
-        return replace(last, cycles=0, interval=interval, levels=levels, rate=0.0, depth=depth)
+        return replace(
+            last, cycles=0, interval=interval, levels=self._levels(depth), rate=0.0, depth=depth
+        )
+
+    def _levels(self, depth: Array) -> dict[str, Array]:
+        return levels_of(self.runner.scene, depth, [limit.name for limit in self.limits])
+
+    def _check_reach(self, depth: Array, strokes: float) -> None:
+        """Raise InputError if, at the rate when new, a joint wears through long before a limit."""
+        scene = self.runner.scene
+        joints, life, levels = scene.linkage().clearances, scene.life, self._levels(depth)
+        assert life is not None
+        is_of_depth = all(limit.name in ("depth", "wear_volume") for limit in self.limits)
+        if not is_of_depth or self.initial.any() or life.services(scene.clearance_joints):
+            return
+        worn = depth.mean(axis=0).max(axis=(1, 2)) / [joint.clearance for joint in joints]
+        reached = max(float(levels[limit.key].mean()) / limit.value for limit in self.limits)
+        deepest = int(np.argmax(worn))
+        is_before = worn[deepest] > REACH * reached > 0.0
+        if is_before and life.at_most > (through := strokes / float(worn[deepest])):
+            raise InputError(
+                f"until: at the wear rate when new, joint {joints[deepest].name} wears through its "
+                f"clearance after {large(through, digits=1)} strokes, and no limit is exceeded "
+                f"before {large(strokes / reached, digits=1)}; choose a limit that comes first"
+            )
 
 
 def run_life(
@@ -177,8 +204,7 @@ def run_life(
     assert life is not None
     limits, services = life.limits(joints), life.services(joints)
     problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
-    limited = tuple(limit.name for limit in limits)
-    histories = WearHistories(runner, initial, limited, state, keep)
+    histories = WearHistories(runner, initial, limits, state, keep)
     done = run_refinements(
         problem, histories.advance, state.refinements, lambda r: histories.store(refinements=r)
     )

@@ -19,7 +19,7 @@ from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError, shown, unknown
-from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
+from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity, written
 from presswear.tools.serialize import Checked, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
@@ -197,8 +197,17 @@ class Scene(Checked):
             raise InputError(f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}")
         if not any(self.bearing(j).materials.wear_coefficient for j in self.clearance_joints):
             raise InputError("wear_coefficient = 0: with a life allowed is above 0")
-        life.limits(self.clearance_joints)
         life.services(self.clearance_joints)
+        limits = life.limits(self.clearance_joints)
+        deep = [
+            limit
+            for limit in limits
+            if limit.name == "depth" and limit.value >= self.bearing(limit.joint).clearance
+        ]
+        if limits and len(deep) == len(limits):
+            clearance = written(self.bearing(deep[0].joint).clearance, "m")
+            limit = f"until = '{deep[0].key} > {written(deep[0].value, 'm')}'"
+            raise InputError(f"{limit}: allowed is below the clearance, {clearance}")
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:

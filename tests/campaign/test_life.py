@@ -305,6 +305,11 @@ def test_scenes_without_a_life_are_refused() -> None:
         bush(life=pw.Life(), wear_updates=1)
     with pytest.raises(pw.InputError, match=r"'B.force_max > 1 N': it is exceeded when new"):
         life_of_scene(scene_of(until="B.depth > 1 mm, force_max > 1 N"))
+    with pytest.raises(pw.InputError, match=r"'B.depth > 1.1 mm': allowed is below the clearance"):
+        scene_of(1.1)
+    says = r"joint B wears through its clearance after .* no limit is exceeded before .* strokes;"
+    with pytest.raises(pw.InputError, match=says):
+        life_of_scene(scene_of(until="wear_volume > 1 m^3"))
 
 
 def test_equal_replicates_leave_the_error_of_the_step(whole: tuple[Path, Any]) -> None:
@@ -398,7 +403,7 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
 def test_life_ends_with_the_cycle_that_wears_through_the_clearance(depth: float) -> None:
     """Strokes are counted up to that cycle, within a block: Archard's rate stays."""
     surfaces = {"B": (np.full(120, depth * GAP), None)}
-    life = life_of_scene(replace(scene_of(1.5), surfaces=surfaces))
+    life = life_of_scene(replace(scene_of(until="wear_volume > 1 m^3"), surfaces=surfaces))
     assert life.ended == "worn"
     assert "more than the clearance" in life.message
     strokes, volume = life.curves["strokes"], life.curves["B.wear_volume"][:, 0]
