@@ -307,7 +307,7 @@ def test_scenes_without_a_life_are_refused() -> None:
         life_of_scene(scene_of(until="B.depth > 1 mm, force_max > 1 N"))
     with pytest.raises(pw.InputError, match=r"'B.depth > 1.1 mm': allowed is below the clearance"):
         scene_of(1.1)
-    says = r"joint B wears through its clearance after .* no limit is exceeded before .* strokes;"
+    says = r"joint B wears through its clearance after .* no limit is exceeded before .*; choose"
     with pytest.raises(pw.InputError, match=says):
         life_of_scene(scene_of(until="wear_volume > 1 m^3"))
 
