@@ -24,6 +24,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics import statics
 from presswear.physics.ideal import bottom_of
 from presswear.recording.soundness import RESIDUAL
+from presswear.recording.statistics import Estimate
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
@@ -218,6 +219,10 @@ def _stage_records(result: Result) -> list[Record]:
                 "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
                 "rise": press.rise(stage, result.stages[0]) if bdc and records else None,
                 "rest": _heights_at_rest(result, stage),
+                "angles": {
+                    joint: {side: _direction(peak.angle) for side, peak in one.wear_peaks.items()}
+                    for joint, one in stage.statistics.joints.items()
+                },
                 "worn": {joint: _deepest(stage, joint) for joint in scene.clearance_joints},
                 "tonnage": press.tonnage_of(scene, stage),
                 "ideal_work": None if scene.process is None else scene.process.work,
@@ -256,6 +261,16 @@ def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | N
         angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
         deepest[side] = float(depth.max()), angle
     return deepest
+
+
+def _direction(angle: Estimate) -> str:
+    """Return an angle, degrees within one turn, to two digits of half the width of its interval."""
+    mean, low, high = (math.degrees(end or 0.0) for end in (angle.mean, angle.low, angle.high))
+    if angle.low is None:
+        return f"{mean:.1f} (too few cycles)"
+    digits = max(1 - math.floor(math.log10(0.5 * (high - low))), 0)
+    texts = [f"{round(end, digits) % 360.0:.{digits}f}" for end in (mean, low, high)]
+    return f"{texts[0]} ({' to '.join(texts[1:]) if high - low < 360.0 else 'any'})"
 
 
 def drive_table(result: Result) -> Table | None:

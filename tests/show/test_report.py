@@ -15,7 +15,7 @@ from test_page import Page
 import presswear as pw
 from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
-from presswear.results.stage import StageStatistics
+from presswear.results.stage import StageStatistics, WearPeak
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
@@ -61,6 +61,26 @@ def test_stages_are_columns() -> None:
     values = [float(text.replace("\u202f", "")) for text in clearance]
     assert values == pytest.approx(expected, rel=1e-3)
     assert expected[0] < expected[1] < expected[2]
+
+
+@pytest.mark.parametrize(
+    ("degrees", "text"),
+    [
+        ((191.5, 189.2, 192.9), "191.5 (189.2 to 192.9)"),
+        ((355.5, 350.0, 365.0), "355.5 (350.0 to 5.0)"),
+        ((92.5, 60.0, 140.0), "92 (60 to 140)"),
+        ((92.5, -100.0, 300.0), "92 (any)"),
+        ((92.5,), "92.5 (too few cycles)"),
+    ],
+)
+def test_angles_stay_within_a_turn(degrees: tuple[float, ...], text: str) -> None:
+    result = made_up(made.BOTH, 2)
+    statistics = result.stages[0].statistics
+    peak = WearPeak(pw.Estimate(1e-5), pw.Estimate(*np.radians(degrees).tolist()))
+    joint = replace(statistics.joints["A"], wear_peaks={"both": peak})
+    result = altered(result, 0, statistics=replace(statistics, joints={"A": joint, "C": joint}))
+    row = page_of(result).row("next wear update: angle of the deepest, bearing + pin (degrees)")
+    assert row[1].replace("\u00a0", " ") == text
 
 
 def test_key_numbers_and_means() -> None:
