@@ -151,7 +151,6 @@ def _tables(result: Result, **names: Any) -> Record:
     linkage = scene.mechanism.linkage()
     # Maps that are fixed in space have one angle for both surfaces.
     sides = {side: side for side in SIDES} if maps_turn(result) else {"both": "bearing + pin"}
-    diagnostics = dict.fromkeys(key for stage in result.stages for key in stage.diagnostics)
     content = {
         "scene": scene,
         "linkage": linkage,
@@ -164,7 +163,6 @@ def _tables(result: Result, **names: Any) -> Record:
         "orders": _HARMONICS,
         "sides": sides,
         "modes": MODES,
-        "diagnostics": [key for key in diagnostics if key != "model"],
     }
     return _parsed(_TABLES.render(content | names))
 
@@ -450,7 +448,7 @@ def _place(point: Attachment) -> str:
 def provenance_table(result: Result) -> Table | None:
     """Return versions, machine and time of a result."""
     packages = result.provenance["packages"].items()
-    listed = ", ".join(f"{name} {version}" for name, version in packages)
+    listed = "; ".join(f"{name} {text.replace(', ', ', module ')}" for name, text in packages)
     record = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
     return _result_table("provenance", result, [record], numeric=False)
 

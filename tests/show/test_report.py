@@ -20,7 +20,7 @@ from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import render_report, write_report
+from presswear.show.report import render_report, stage_tables, write_report
 
 
 def page_of(result: pw.Result) -> Page:
@@ -206,6 +206,20 @@ def test_bodies_joints_and_contacts_are_listed() -> None:
     press = page_of(made_up(made.ONE, 1))
     assert press.row("guide, along 90°")[1:3] == ["frame: 240, 0", "slider 6: 0, 0"]
     assert press.row("slider 6")[1:3] == ["28.8 g", "–"]  # the guide holds its angle
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
+def test_every_number_of_a_solver_has_a_name_and_a_unit(engine: str) -> None:
+    result = pw.run(replace(OWN_FOUR_BAR, engine=engine, cycles=1))
+    diagnostics = stage_tables(result)["diagnostics"]
+    assert diagnostics is not None
+    ((_, lines),) = diagnostics.groups
+    names = [line[0] for line in lines]
+    assert len(names) == len(result.stages[0].diagnostics) - 1  # the model is a sentence
+    assert "energy residual (J)" in names
+    assert not any(re.search(r" (J|m|s|m/s)$", name) for name in names)
+    packages = page_of(result).row("packages")[1]
+    assert re.search("; exudyn [0-9.]+, module (fast|safe); numpy", packages)
 
 
 LIVED = lived(made_up(made.BODY, 3))
