@@ -29,10 +29,13 @@ RIGHT, LEFT = -1.0, 1.0
 BELOW, ABOVE = -1.0, 1.0
 CHOSEN = "Dimensions, masses and speed are chosen."
 _OF_BAR = "length", "mass", "inertia"
+_ROD = "; default: that of a thin rod"
 _MIN_ROD_RATIO = 1.0001  # rod over crank: an upright rod leaves the side of the slider open
 
 
-def _number(unit: str, low: float, high: float, origin: str, default: float, text: str) -> Any:
+def _number(
+    unit: str, low: float, high: float, origin: str, default: float | None, text: str
+) -> Any:
     return quantity(default, unit, low, high, origin, text)
 
 
@@ -41,7 +44,7 @@ _mass = partial(_number, "kg", 1e-6, 1e4)
 _inertia = partial(_number, "kg m^2", 1e-9, 1e4)
 _side = partial(_length, "paper, reading chosen")
 _p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
-_l_length, _l_mass, _l_inertia = (partial(make, LITERATURE) for make in (_length, _mass, _inertia))
+_l_length, _l_mass = (partial(make, LITERATURE) for make in (_length, _mass))
 _c_length, _c_mass, _c_inertia = (partial(make, "chosen") for make in (_length, _mass, _inertia))
 _c_speed = partial(_number, "rad/s", 0.1 * math.pi, 5000.0, "chosen")
 
@@ -267,8 +270,8 @@ class SliderCrank(Mechanism):
         *(0.0, "rad", -2.0 * math.pi, 2.0 * math.pi, LITERATURE),
         "direction from O to the slider, from x; -90 deg: below O",
     )
-    crank_inertia: float = _l_inertia(1e-4, "inertia of the crank (torque only)")
-    rod_inertia: float = _l_inertia(2.5e-4, "inertia of the rod")
+    crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")
+    rod_inertia: float | None = _c_inertia(None, f"inertia of the rod{_ROD}")
     gravity: float = gravity()
     speed: float = quantity(
         5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed omega"
@@ -332,9 +335,9 @@ class FourBar(Mechanism):
     crank_mass: float = _c_mass(0.3, "mass of the crank")
     coupler_mass: float = _c_mass(0.5, "mass of the coupler")
     rocker_mass: float = _c_mass(0.4, "mass of the rocker")
-    crank_inertia: float = _c_inertia(6.25e-5, "inertia of the crank (torque only)")
-    coupler_inertia: float = _c_inertia(1.667e-3, "inertia of the coupler")
-    rocker_inertia: float = _c_inertia(4.8e-4, "inertia of the rocker")
+    crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")
+    coupler_inertia: float | None = _c_inertia(None, f"inertia of the coupler{_ROD}")
+    rocker_inertia: float | None = _c_inertia(None, f"inertia of the rocker{_ROD}")
     side: str = choice("above", ("above", "below"), "side of the frame on which the rocker begins")
     gravity: float = gravity()
     speed: float = _c_speed(10.0 * math.pi, "crank speed omega")
@@ -388,10 +391,10 @@ class SixBar(Mechanism):
     upper_mass: float = _c_mass(2.5, "mass of the upper link")
     lower_mass: float = _c_mass(3.0, "mass of the lower link")
     slider_mass: float = _c_mass(10.0, "mass of the slider")
-    crank_inertia: float = _c_inertia(1e-3, "inertia of the crank (torque only)")
-    rod_inertia: float = _c_inertia(1.44e-2, "inertia of the rod")
-    upper_inertia: float = _c_inertia(4.7e-3, "inertia of the upper link")
-    lower_inertia: float = _c_inertia(1e-2, "inertia of the lower link")
+    crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")
+    rod_inertia: float | None = _c_inertia(None, f"inertia of the rod{_ROD}")
+    upper_inertia: float | None = _c_inertia(None, f"inertia of the upper link{_ROD}")
+    lower_inertia: float | None = _c_inertia(None, f"inertia of the lower link{_ROD}")
     gravity: float = gravity()
     speed: float = _c_speed(2.0 * math.pi, "crank speed omega")
     run_up: int = run_up()

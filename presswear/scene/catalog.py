@@ -90,18 +90,21 @@ press_servo_dwell = _servo_press("press-servo-dwell", "with a dwell, by servo 7"
 press_servo_forming = _servo_press("press-servo-forming", "at a constant speed", Forming())
 press_pendulum = _servo_press("press-pendulum", "while crank 7 swings", Pendulum())
 
-_KNOWN = ("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution")
+_KNOWN = (
+    *("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution"),
+    *("exponent", "crank_inertia", "rod_inertia"),
+)
 # As Flores studied it.  The literature takes the stiffness with R_i - R_j.
 slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
-    mechanism=SliderCrank(),
+    mechanism=SliderCrank(crank_inertia=1e-4, rod_inertia=2.5e-4),
     bearings=Bearing(0.5e-3, 0.010, materials=Materials(youngs_modulus=207e9), friction=0.0),
     conventions=CONVENTIONS["refined"],
     joints="B",
     wear_updates=0,
     cycles=10,
-    origins=dict.fromkeys((*_KNOWN, "exponent"), LITERATURE)
+    origins=dict.fromkeys(_KNOWN, LITERATURE)
     | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
     | dict.fromkeys(("wear_updates", "max_cycles"), "chosen"),
 )

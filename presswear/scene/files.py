@@ -59,6 +59,7 @@ _BEARING = (
     *("restitution", "youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient"),
     "viscosity",
 )
+_INERTIA = "_inertia"  # end of the keys of bars, whose inertia follows from mass and length
 _SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
 _LIMITS = "torque_limit", "pressure_limit", "pv_limit"
 _RUN = "conventions", "wear_updates", "cycles_per_update", "max_cycles", "cycles", "engine"
@@ -76,9 +77,16 @@ def example_file(kind: str) -> str:
         mechanism = linkage_from(tomllib.loads(first)["mechanism"], kind)
     else:
         # The slider of a press is below its crank.
-        is_crank = kind == SliderCrank.kind
-        mechanism = SliderCrank(slide_angle=-0.5 * math.pi) if is_crank else MECHANISMS[kind]()
-        numbers = [setting for setting in settings_in(mechanism) if not setting.is_part]
+        mechanism = SliderCrank(slide_angle=-0.5 * math.pi)
+        mechanism = mechanism if kind == mechanism.kind else MECHANISMS[kind]()
+        inertias = {body.name.split()[0]: body.inertia for body in mechanism.linkage().bodies}
+        numbers = [
+            replace(one, value=inertias[one.key[: -len(_INERTIA)]])
+            if one.key.endswith(_INERTIA)
+            else one
+            for one in settings_in(mechanism)
+            if not one.is_part
+        ]
         first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
     joints = ",".join(mechanism.default_joints) or "B"
     bearings = Bearing(clearance=0.3e-3)
@@ -119,7 +127,8 @@ def _table(name: str, settings: Iterable[Setting], sign: str = "", text: str = "
             listed = ", ".join(meaning.split(value)) if meaning.several else value
             text = f'"{listed}"'
         key = "kind" if setting.key in _PARTS else setting.key.rpartition(".")[2]
-        off = "#" if sign or setting.key in _OFF else ""
+        is_off = setting.key in _OFF or setting.key.endswith(_INERTIA)
+        off = "#" if sign or is_off else ""
         rows.append((f"{off}{key} = {text}", explained))
     lines = (f"{row:{_COMMENT}}  # {comment}" if comment else row for row, comment in rows)
     return "\n".join(lines) + "\n"
