@@ -105,18 +105,24 @@ def _draw(app: Sphinx) -> None:
     """Draw the pictures of pages without code."""
     folder = DOCS / "_drawn"
     folder.mkdir(exist_ok=True)
-    for name in ("restitution", "motion", "load"):
+    for name in ("restitution", "motion", "load", "blanking"):
         draw.save(name, folder)
 
 
 def _document_fields(
     app: Sphinx, what: str, name: str, owner: object, options: object, lines: list[str]
 ) -> None:
-    """Write the fields of a data class that have a range as its parameters, with units."""
+    """Write the fields of a data class that have a range as its parameters, with units.
+
+    Fields that the docstring describes are left out.
+    """
     if not (isinstance(owner, type) and is_dataclass(owner)):
         return
     text: list[str] = []
+    described = {line.partition(" : ")[0] for line in lines}
     for item in fields(owner):
+        if item.name in described:
+            continue
         meaning = meaning_of(item, owner() if owner is Scene else None)
         if isinstance(meaning, Quantity):
             text += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]

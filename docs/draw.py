@@ -30,7 +30,7 @@ from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.drives import RISES, Drive, Rise
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
-from presswear.linkage.loads import Force, OverPosition
+from presswear.linkage.loads import Blanking, Force, OverPosition
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.options import Limit
@@ -105,6 +105,33 @@ def load(axes: Axes) -> None:
     axes.legend(frameon=False, title="load against the outward motion, up to the fracture")
 
 
+def blanking(axes: Axes) -> None:
+    """Draw the force of blanking over the depth, with the keys of the process."""
+    process = Blanking(400e3, 3.5e-3, 2e-3, rise=0.2e-3, snap=0.15e-3, cushion=40e3)
+    depth, force = np.array(process.curve).T * [[1e3], [1e-3]]
+    rise, fracture, done = depth[1:]
+    top, cushion, height = process.force / 1e3, process.cushion / 1e3, 1e3 * process.height
+    thickness = 1e3 * process.thickness
+    axes.plot([*depth, height], [*force, 0.0], label=f"sheet: {process.work:.0f} J in a stroke")
+    axes.plot([0.0, rise, height], [0.0, cushion, cushion], label="cushion: acts in addition")
+    widths = {  # start and end, mm, level of the arrow, kN, and place of the name
+        "rise ": (0.0, rise, 1.08 * top, 0.0, "right"),
+        "plateau × thickness": (rise, fracture, 1.08 * top, 0.5 * (rise + fracture), "center"),
+        " snap": (fracture, done, 1.08 * top, done, "left"),
+        "thickness": (rise, rise + thickness, 1.3 * top, rise + 0.5 * thickness, "center"),
+        "height": (0.0, height, -0.15 * top, 0.5 * height, "center"),
+    }
+    arrow = {"arrowstyle": "<->", "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 6.0}
+    for name, (start, end, level, place, side) in widths.items():
+        axes.annotate("", (start, level), (end, level), arrowprops=arrow)
+        axes.text(place, level + 0.01 * top, name, ha=side, va="bottom")
+    axes.vlines(depth, force, 1.08 * top, color="0.6", linestyle=":")
+    axes.set(xlim=(-0.5, height + 0.1), ylim=(-0.25 * top, 1.5 * top))
+    axes.set_xlabel("depth, mm, from the point where the work is touched to bottom dead centre")
+    axes.set_ylabel("force, kN")
+    axes.legend(frameon=False, loc="center right")
+
+
 UNTIL = Limit("depth", "A", 1e-5)
 STEPS = (5e-3, 2e-3, 1e-3, 5e-4)  # wear of a cycle, or of a jump, relative to the clearance
 REFERENCE_STEP = 1.25e-4
@@ -174,6 +201,7 @@ PICTURES: dict[str, Callable[[Axes], None]] = {
     "restitution": restitution,
     "motion": motion,
     "load": load,
+    "blanking": blanking,
     "life": life,
 }
 

@@ -1,11 +1,14 @@
 """Commands, names and links in the documentation exist."""
 
 import ast
+import inspect
 import math
 import re
 import shlex
 import textwrap
+import tomllib
 from collections.abc import Iterator
+from dataclasses import fields, replace
 from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
@@ -20,7 +23,10 @@ from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_for
 from presswear.cli.terminal import parse_settings
 from presswear.recording import observe
+from presswear.results.life import LifeResult
 from presswear.scene.settings import changed
+from presswear.show.key_numbers import key_numbers
+from presswear.tools.quantities import Quantity, meaning_of
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -119,6 +125,51 @@ def test_functions_named_in_the_theory_exist(page: Path) -> None:
 def test_theory_names_functions_of_every_room() -> None:
     named = {name.partition(".")[0] for page in THEORY for name in functions_named(page)}
     assert {"physics", "linkage", "recording", "campaign", "engines"} <= named
+
+
+def numbers_explained() -> str:
+    """Return the first column of the table of numbers in a report."""
+    page = (DOCS / "theory" / "index.md").read_text()
+    table = page[page.index("| number in the report |") :]
+    return "\n".join(re.findall(r"(?m)^\| ([^|]+) \|", table))
+
+
+def test_key_numbers_of_a_report_have_a_formula() -> None:
+    life = LifeResult("at_most", "", 1e6, None, None, 0.0, (), (), ())
+    scene = pw.scenes.press_blanking(cycles=4, replicates=2, wear_updates=0, engine="dae")
+    result = pw.run(scene)
+    names = {one.name for each in (result, replace(result, life=life)) for one in key_numbers(each)}
+    assert len(names) == 11
+    assert [name for name in names if name not in numbers_explained()] == []
+
+
+def test_rows_of_a_report_have_a_formula() -> None:
+    """Names that a template fills in are left out."""
+    file = ROOT / "presswear" / "show" / "templates" / "tables.toml"
+    text = re.sub(r"(?s)\{%.*?%\}", "", file.read_text())
+    content = tomllib.loads(re.sub(r"\{\{.*?\}\}", "…", text))
+    names = "joints", "bottom", "tonnage", "drives", "growth", "motion"
+    rows = [row for name in names for lines in content[name].values() for row in lines]
+    rows += [row for name in ("endings", "limits", "phases") for row in content["columns"][name]]
+    parts = {part.strip() for label, *_ in rows for part in re.split(r"…|, |: | \(|\)", label)}
+    known = {part for part in parts if len(part) > 2}
+    assert len(known) > 60
+    assert [part for part in sorted(known) if part not in numbers_explained()] == []
+
+
+def test_help_of_a_bearing_states_units_ranges_and_defaults() -> None:
+    text = inspect.getdoc(pw.Bearing) or ""
+    for item in fields(pw.Bearing):
+        meaning = meaning_of(item)
+        value = getattr(pw.Bearing(), item.name)
+        if isinstance(meaning, Quantity):
+            default = "None" if value is None else f"{value:.12g}"
+            stated = rf"\w+( or None)?, {re.escape(meaning.range_text())}, default {default}$"
+        else:
+            assert meaning
+            assert all(f'"{word}"' in text for word in meaning.allowed()), item.name
+            stated = ".+, default "
+        assert re.search(rf"(?m)^{item.name} : {stated}", text), item.name
 
 
 def test_reference_lists_all_public_names() -> None:
