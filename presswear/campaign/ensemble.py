@@ -49,7 +49,7 @@ from presswear.tools.processes import Job, Workers
 
 _LOG = logging.getLogger(__name__)
 
-FEWEST = 16  # samples of all replicates before a stage may end early: fewer agree by luck
+FEWEST = 20  # samples of all replicates before a stage may end early: fewer agree by luck
 ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
 STEP_CHECK = -1  # key of the step check among the jobs, whose other keys are indices of runs
 _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")  # not summed

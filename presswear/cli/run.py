@@ -190,8 +190,10 @@ class RunObserver(Observer):
         lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}
-        volumes = {name: joint.wear_volume for name, joint in joints}
-        lines += _largest("mean peak force", "N", forces) + _largest("worn volume", "m^3", volumes)
+        per_million = 1e6 / stage.cycles_per_update
+        volumes = {name: joint.wear_volume.scaled(per_million) for name, joint in joints}
+        lines += _largest("mean peak force", "N", forces)
+        lines += _largest("wear per 10⁶ strokes", "m^3", volumes)
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
 
@@ -203,7 +205,7 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
         return []
     factor, display = unit_scale(unit, values[names[0]].mean)
     texts = [f"{name} {values[name].scaled(factor)}" for name in names[:SHOWN_JOINTS]]
-    more = f" and {len(names) - SHOWN_JOINTS} more" if len(names) > SHOWN_JOINTS else ""
+    more = f", {len(names) - SHOWN_JOINTS} more" if len(names) > SHOWN_JOINTS else ""
     return [f"  {words}, {display}: {', '.join(texts)}{more}"]
 
 

@@ -12,13 +12,12 @@ from functools import lru_cache
 import numpy as np
 
 from presswear.linkage.elements import GROUND
-from presswear.physics.statics import constraint_forces
+from presswear.results.press_analysis import ideal_forces
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 
-INSTANTS = 720  # of a cycle
 FULL, MIXED, DRY = "full film", "mixed", "dry"
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
 FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
@@ -88,15 +87,12 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
     oiled = {name for name in scene.clearance_joints if scene.bearing(name).viscosity is not None}
     if not oiled:
         return {}
-    linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
-    # The laws of loads are followed through a cycle before.
-    time = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * INSTANTS, endpoint=False)
-    held, time = constraint_forces(linkage, ideal, time)[INSTANTS:], time[INSTANTS:]
-    velocity, films = ideal.at(time).velocity, {}
-    for k, pin in enumerate(linkage.revolutes):  # each has two rows
+    linkage, (time, forces) = scene.loaded, ideal_forces(scene)
+    velocity, films = scene.ideal.at(time).velocity, {}
+    for pin in linkage.revolutes:
         if pin.name not in oiled:
             continue
-        bearing, force = scene.bearing(pin.name), held[:, 2 * k] + 1j * held[:, 2 * k + 1]
+        bearing, force = scene.bearing(pin.name), forces[pin.name]
         first, second = (
             0.0 if end.body == GROUND else velocity[:, 3 * linkage.index(end.body) + 2]
             for end in (pin.first, pin.second)

@@ -15,7 +15,7 @@ import numpy as np
 from presswear.physics.friction_and_normal import elastic_force, foundation_force, liu_force
 from presswear.physics.ideal import bottom_of
 from presswear.physics.loads import sizes_over
-from presswear.physics.statics import needed_torques
+from presswear.physics.statics import constraint_forces, needed_torques
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
 from presswear.recording.observe import CYCLE_DRIVE
@@ -367,6 +367,20 @@ def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
         for body, curve in curves.items()
     }
     return _duties(numbers, float(weights.sum()))
+
+
+@lru_cache(maxsize=16)  # a report uses them several times
+def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
+    """Return times in a cycle without clearance, s, and the force of each pin joint, N.
+
+    The forces are x + 1j y, shape (n,), on the second body; the first cycle after the run-up lets
+    the laws of loads follow the motion and is left out.
+    """
+    linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
+    time = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
+    held = constraint_forces(linkage, ideal, time)[_PIECES:]
+    pins = enumerate(linkage.revolutes)  # each has two rows
+    return time[_PIECES:], {one.name: held[:, 2 * k] + 1j * held[:, 2 * k + 1] for k, one in pins}
 
 
 def _farthest(values: Array) -> float:

@@ -102,14 +102,16 @@ class Result:
     def __str__(self) -> str:
         """Return a table of the stages, and sentences on deep contacts."""
         names = self.scene.clearance_joints
-        rows = [["stage", "cycles", "ended", "joint", "largest force (N)", "wear per update (mm³)"]]
+        rows = [["stage", "cycles", "ended", "joint", "largest force (N)"]]
+        rows[0].append("worn per million strokes (mm³)")
         for stage in self.stages:
             row = [self.stage_name(stage.index) if names else "computed"]
             row += [str(stage.statistics.cycles), stage.message or stage.status]
             for name in stage.statistics.joints or [""]:
                 joint = stage.statistics.joints.get(name)
-                values = (joint.peak_force, 1e9 * joint.wear_volume.mean) if joint else ()
-                row += [name, *map(readable, values)]
+                if joint:
+                    worn = 1e15 / stage.cycles_per_update * joint.wear_volume.mean
+                    row += [name, readable(joint.peak_force), readable(worn)]
                 rows.append([*row, *[""] * (len(rows[0]) - len(row))])
                 row = ["", "", ""]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

@@ -242,8 +242,9 @@ class StageResult:
         statistics = self.statistics
         lines = [f"{self.name}: {self.message or self.status}, {statistics.cycles} cycles"]
         for name, joint in statistics.joints.items():
-            volume = f"worn volume {joint.wear_volume.scaled(1e9)} mm³"
-            lines.append(f"{name}: mean peak force {joint.peak_force_per_cycle} N, {volume}")
+            volume = joint.wear_volume.scaled(1e15 / self.cycles_per_update)
+            force = f"mean peak force {joint.peak_force_per_cycle} N"
+            lines.append(f"{name}: {force}, worn volume per million strokes {volume} mm³")
         return "\n".join([*lines, "more: statistics, diagnostics, joints, arrays"])
 
     @property

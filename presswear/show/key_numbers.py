@@ -44,11 +44,11 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     stages = [stage for stage in result.stages if stage.statistics.output and not stage.failed]
     if not stages:
         return []
-    scene, first, last = result.scene, stages[0], stages[-1]
+    scene, last = result.scene, stages[-1]
     life = [] if result.life is None else [_life(scene, result.life)]
     return [
         *life,
-        *_joint_numbers(scene, first, last),
+        *_joint_numbers(scene, stages),
         *([] if life else _wear_depth(scene, stages)),
         *_stroke_numbers(scene, last),
         *_drive_numbers(scene, last),
@@ -86,8 +86,9 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     return loads
 
 
-def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[KeyNumber]:
+def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return peak force, pin pressure and p v at the joints where they are greatest."""
+    first, last = stages[0], stages[-1]
     joints = last.statistics.joints
     if not joints:
         return []
@@ -96,9 +97,13 @@ def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[
     largest = numbers.quantity_text(joints[at].peak_force, "N")
     text = f"At joint {at}: greatest force in a stroke, on average. Largest of all: {largest}. "
     text += "Impacts are included; a real frame bends and makes them smaller."
+    if not scene.has_untrusted_loads:
+        ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
+        text += f" Without clearance: {numbers.quantity_text(ideal, 'N')}."
     if last is not first and at in first.statistics.joints:
         new = first.statistics.joints[at].peak_force_per_cycle.mean
-        text += f" Before the wear: {numbers.quantity_text(new, 'N')}."
+        strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
+        text += f" Before the wear of {strokes} strokes: {numbers.quantity_text(new, 'N')}."
     result = [measured("Peak joint force", forces[at], "N", text)]
     titles = {
         "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
@@ -117,7 +122,10 @@ def _joint_numbers(scene: Scene, first: StageResult, last: StageResult) -> list[
 
 
 def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
-    """Return the deepest wear of the last update that has one: a jump in one step has none."""
+    """Return the deepest wear of the last update that has one: a jump in one step has none.
+
+    In a million strokes, so that results of different updates can be compared.
+    """
     for stage in reversed(stages):
         wear = {
             (name, side): peak.depth
@@ -129,11 +137,12 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             name, side = place = _greatest(wear)
             strokes = numbers.large(stage.cycles_per_update)
             surfaces = "worn" if stage.is_worn else "new"
-            text = f"Deepest place after {strokes} strokes on {surfaces} surfaces, on the {side} "
-            text += f"of joint {name}."
+            text = f"Deepest place, on the {side} of joint {name}, as a mean over {strokes} "
+            text += f"strokes on {surfaces} surfaces. It is proportional to wear_coefficient."
             if scene.bearing(name).viscosity is not None:
                 text += " The wear is that of dry contact: an upper bound where oil carries."
-            return [measured("Wear depth", wear[place], "m", text)]
+            depth = wear[place].scaled(1e6 / stage.cycles_per_update)
+            return [measured("Wear per million strokes", depth, "m", text)]
     return []
 
 

@@ -98,17 +98,29 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
     assert few.endswith("Run at least 20: cycles = 7 or more.")  # of one replicate
 
 
+WEAR = "Wear per million strokes"
+
+
 def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
+    known = replace(Estimate.symmetric(4e-6, 1e-7), samples=40)
     result = made_up(made.BOTH, 2)
-    (last,) = [one for one in key_numbers(result) if one.name == "Wear depth"]
-    assert "strokes on worn surfaces, on the" in last.meaning
+    (last,) = [one for one in key_numbers(result) if one.name == WEAR]
+    assert "2 million strokes on worn surfaces." in last.meaning
     statistics = result.stages[1].statistics
+    peaks = {
+        name: {side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()}
+        for name, one in statistics.joints.items()
+    }
+    joints = {name: replace(one, wear_peaks=peaks[name]) for name, one in statistics.joints.items()}
+    deep = altered(result, 1, statistics=replace(statistics, joints=joints))
+    (last,) = [one for one in key_numbers(deep) if one.name == WEAR]
+    assert last[1:3] == ("2.00 µm", "1.95 to 2.05 µm")
     joints = {name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()}
     jump = altered(result, 1, statistics=replace(statistics, joints=joints))
-    (first,) = [one for one in key_numbers(jump) if one.name == "Wear depth"]
-    assert "strokes on new surfaces, on the" in first.meaning
+    (first,) = [one for one in key_numbers(jump) if one.name == WEAR]
+    assert "strokes on new surfaces." in first.meaning
     oiled = replace(result, scene=replace(made.BOTH, bearings=pw.Bearing(viscosity=0.1)))
-    (first,) = [one for one in key_numbers(oiled) if one.name == "Wear depth"]
+    (first,) = [one for one in key_numbers(oiled) if one.name == WEAR]
     assert first.meaning.endswith("that of dry contact: an upper bound where oil carries.")
 
 
