@@ -7,6 +7,7 @@ import re
 import shlex
 import textwrap
 import tomllib
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import fields, replace
 from importlib import import_module
@@ -125,6 +126,25 @@ def test_functions_named_in_the_theory_exist(page: Path) -> None:
 def test_theory_names_functions_of_every_room() -> None:
     named = {name.partition(".")[0] for page in THEORY for name in functions_named(page)}
     assert {"physics", "linkage", "recording", "campaign", "engines"} <= named
+
+
+def test_sources_with_a_year_are_in_the_references() -> None:
+    def plain(text: str) -> str:
+        return unicodedata.normalize("NFD", text).encode("ascii", "ignore").decode()
+
+    references = plain((DOCS / "theory" / "references.md").read_text()).split("\n- ")
+    sources = [*(ROOT / "presswear").rglob("*.py"), *(DOCS / "theory").glob("*.md")]
+    between = r"(?:,? (?:and|others|et al\.?|[A-Z]\w+|de)){0,7},? ?\(?"
+    cited = {
+        pair
+        for source in sources
+        for pair in re.findall(
+            rf"([A-Z]\w\w+){between}((?:18|19|20)\d\d)\b", plain(source.read_text())
+        )
+    }
+    listed = {pair for pair in cited for text in references if all(part in text for part in pair)}
+    assert len(cited) > 20
+    assert sorted(cited - listed) == []
 
 
 def numbers_explained() -> str:
