@@ -204,6 +204,7 @@ def test_bodies_joints_and_contacts_are_listed() -> None:
     assert page.row("B")[1:] == places + contact
     assert page.row("P")[1:] == ["frame: 180, 0", "rocker: −60, 0", "–", "–", "–"]
     assert "A cycle takes 209.44 ms." in page.text
+    assert "The file result.json of this result has all of the scene" in page.text
     press = page_of(made_up(made.ONE, 1))
     assert press.row("guide, along 90°")[1:3] == ["frame: 240, 0", "slider 6: 0, 0"]
     assert press.row("slider 6")[1:3] == ["28.8 g", "–"]  # the guide holds its angle
