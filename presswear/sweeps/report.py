@@ -46,6 +46,7 @@ MAX_ERRORS = 12
 MAX_SAMPLES = 12  # combinations of varied values at which a sample is analysed separately
 PERCENTILES = (5, 50, 95)
 COLOURS = "cividis"  # distinguishable with colour blindness and in grey print
+MAX_TICKS = 6  # values of a parameter that are all written on its axis
 CELLS = 60  # cells of a map along each axis
 BAR = 0.36  # height of a bar, part of the row of a parameter
 NAME_WIDTH = 2.2  # width of the names of parameters, inches
@@ -79,7 +80,8 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
     try:
         surrogate = fit(points)
     except InputError as error:
-        notes.append(f"{error}.")
+        if plan.sample:
+            notes.append(f"{error}.")
     scatter = [plan.distributions.get(column.key) for column in points.parameters]
     complete = [item for item in scatter if item is not None]
     if len(complete) == len(scatter):
@@ -112,7 +114,8 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
                 numbers.append(_key_number(analysis, label))
             with matplotlib.rc_context(style.SETTINGS):
                 drawn = page.illustrated(drawings(analysis), into)
-            texts = (f"{column.text}.",), result_tables(analysis), drawn, analysis.notes
+            notes = [*analysis.notes, *scatter_note(analysis)]
+            texts = (f"{column.text}.",), result_tables(analysis), drawn, notes
             sections.append(Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS))
     figures = [figure for section in sections for figure in section.figures]
     write_bytes(folder / ROWS_FILE, table.csv().encode())
@@ -147,15 +150,15 @@ def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
 
 
 def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
-    """Return median and range of a response over the points, and what it depends on most."""
+    """Return the range of a response over the points, and what it depends on most."""
     points, result = analysis.points, analysis.sensitivity
     shown = Display(points.response, points.means)
-    low, median, high = map(shown.number, np.nanquantile(points.means, (0.0, 0.5, 1.0)))
-    meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: median of the points."
+    low, high = (shown.number(pick(points.means)) for pick in (np.nanmin, np.nanmax))
+    meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: "
+    meaning += f"smallest and largest mean of {whole(int(points.has_value.sum()))} points."
     if result is not None and not points.is_constant:
         meaning += f" It depends most on {points.parameters[result.order[0]].key}."
-    value = f"{median} {shown.unit}".strip()
-    return page.KeyNumber(name, value, f"from {low} to {high} {shown.unit}".strip(), meaning)
+    return page.KeyNumber(name, f"{low} to {high} {shown.unit}".strip(), "", meaning)
 
 
 def _parts(table: Table, plan: Plan) -> dict[str, Table]:
@@ -196,15 +199,12 @@ def _percent(share: tuple[float, float, float]) -> str:
 
 
 def findings(analysis: Analysis) -> list[str]:
-    """Return sentences on the most important parameter, on chaos and on the limit."""
+    """Return sentences on the most important parameter and on the limit."""
     points, limit, spread, lines = analysis.points, analysis.limit, analysis.spread, []
     key = points.response.key
     if analysis.sensitivity is not None:
         strongest = points.parameters[analysis.sensitivity.order[0]].key
         lines.append(f"{key} depends most on {strongest}.")
-    if analysis.chaos is not None:
-        share = _percent(analysis.chaos)
-        lines.append(f"Chaos is {share} of the variance of single runs of {key}.")
     if limit is None:
         return lines
     value = Display(points.response, points.means).text(limit.value)
@@ -220,9 +220,39 @@ def findings(analysis: Analysis) -> list[str]:
     return [*lines, text]
 
 
+def scatter_note(analysis: Analysis) -> list[str]:
+    """Return a sentence on the scatter of runs of the same point, where it is known."""
+    if analysis.chaos is None:
+        return []
+    share, key = _percent(analysis.chaos), analysis.points.response.key
+    text = f"Scatter of chaotic motion is {share} of the variance of single runs of {key}; the"
+    return [f"{text} rest comes from the parameters."]
+
+
+def _means(points: Points) -> page.Table:
+    """Return the mean of a response at each point, with its 95 % interval and its runs."""
+    shown = Display(points.response, points.means)
+    columns = [
+        Display(column, values)
+        for column, values in zip(points.parameters, points.points.T, strict=True)
+    ]
+    lines = []
+    for row, (mean, half) in enumerate(
+        zip(points.means, points.half_widths(points.noise), strict=True)
+    ):
+        cells = [
+            one.number(value, 4) for one, value in zip(columns, points.points[row], strict=True)
+        ]
+        interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"
+        lines.append((*cells, f"{shown.number(mean)}{interval}", whole(int(points.counts[row]))))
+    return page.plain_table((*(one.label for one in columns), shown.label, "runs"), lines)
+
+
 def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     """Return the tables of a response with their headings."""
-    points, tables = analysis.points, []
+    points, tables = analysis.points, list[tuple[str, page.Table]]()
+    if 1 < len(points.means) <= FIRST_ROWS:
+        tables.append(("Means with 95 % intervals", _means(points)))
     shown = Display(points.response, points.means)
     if (result := analysis.sensitivity) is not None:
         factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
@@ -283,9 +313,12 @@ def _axis(axes: style.Axes, side: str, column: Column, values: Array, width: flo
     axis.set_label_text(style.wrapped(shown.label.replace("_", " "), width))
     if column.choices:
         axis.set_ticks(range(len(column.choices)), column.choices)
-    elif is_logarithmic(values):
+        return shown
+    if is_logarithmic(values):
         (axes.set_xscale if side == "x" else axes.set_yscale)("log")
         axis.set_minor_formatter(NullFormatter())
+    if len(levels := np.unique(values)) <= MAX_TICKS:
+        axis.set_ticks(shown.factor * levels, [shown.number(value) for value in levels])
     return shown
 
 
@@ -346,7 +379,7 @@ def curves(points: Points) -> list[Drawing]:
         pens.append(Pen(label, *line))
         axes.fill_between(x, y - half, y + half, color=line[0], alpha=0.2, linewidth=0.0)
         pens[-1].draw(axes, x, y, marker="o", markersize=3.5)
-    axes.set_ylabel(y_axis.label)
+    axes.set_ylabel(style.wrapped(f"{y_axis.label}, {points.response.text}", 3.2))
     key, name = points.response.key, points.parameters[along].key
     return finished("lines", sheet, pens if rest else (), key=key, points=points, along=name)
 
