@@ -51,15 +51,18 @@ class Parser(argparse.ArgumentParser):
 
 def _intended_setting(rest: Sequence[str], scene: str) -> str:
     """Return the value for ``--set`` that unrecognized words seem to mean, or an empty text."""
-    from presswear.scene.catalog import SCENES  # slow to import
+    from presswear.cli.terminal import load_scene  # slow to import
     from presswear.scene.settings import settings_of
 
     key, equals, value = rest[0].partition("=")
     if not key.startswith("-"):
         return rest[0] if equals else "KEY=VALUE"
     key = key.lstrip("-")
-    settings = settings_of(SCENES[scene].make()) if scene in SCENES else ()
-    if key not in {setting.key for setting in settings}:
+    try:
+        keys = {setting.key for setting in settings_of(load_scene(scene))}
+    except InputError:
+        keys = set()
+    if key not in keys:
         return ""
     return f"{key}={value or ' '.join(rest[1:2]) or 'VALUE'}"
 

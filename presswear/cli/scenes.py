@@ -45,6 +45,8 @@ def new(arguments: argparse.Namespace, console: Console) -> int:
     try:
         with file.open("x", encoding="utf-8") as opened:
             opened.write(text)
+    except FileExistsError:
+        raise InputError(f"{file} exists; name a new file") from None
     except OSError as error:
         raise InputError(f"{file} cannot be written: {error.strerror}") from None
     print_lines(console, f"wrote {file}; run it with: presswear run {file}")

@@ -43,10 +43,12 @@ def nearest(name: str, names: Iterable[str]) -> str:
 
 
 def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
-    """Return the error for an unknown name, with the nearest known one, or else with all."""
+    """Return the error for an unknown name, with the nearest known one and a few, or with all."""
     words = tuple(names)
     listed = f"; known are {', '.join(words)}" if words else "; there is none"
-    return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words) or listed}")
+    if hint := nearest(f"{name}", words):
+        listed = hint + (f" Known are {', '.join(words)}." if 1 < len(words) <= FEW_NAMES else "")
+    return InputError(f"unknown {kind} {shown(name)}{listed}")
 
 
 def not_installed(what: str, package: str, extra: str) -> InputError:
@@ -54,6 +56,7 @@ def not_installed(what: str, package: str, extra: str) -> InputError:
     return InputError(f"{what} needs {package}: pip install 'presswear[{extra}]'")
 
 
+FEW_NAMES = 6  # that are listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message
 

@@ -24,7 +24,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "": {"": 1.0, "%": 0.01},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
     "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, "Hz": 2.0 * math.pi},
-    "rad": {"rad": 1.0, "deg": _DEGREE},
+    "rad": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg m^2": {"kg m^2": 1.0, "kgm^2": 1.0, "kg cm^2": 1e-4, "kg mm^2": 1e-6, "g mm^2": 1e-9},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m^2": 1.0, "N/mm^2": 1e6},
@@ -158,17 +158,19 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     units: dict[str, float] = {}
     for unit in meaning.unit.split(" or "):
         units |= _UNITS.get(unit, {unit: 1.0})
-    label, allowed = f"{name} = {text!r}", f"allowed is {meaning.range_text()}"
+    label = f"{name} = {text!r}"
+    allowed = f"allowed is {meaning.in_unit_of(meaning.low).range_text()}"
     match = _NUMBER.match(text)
     if match is None:
         raise InputError(f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}")
     value, symbol = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
     symbol = re.sub(r"\s+", " ", symbol).strip()
-    if re.match(r",\s*[0-9]", symbol):
-        advice = f"use a decimal point, {text.replace(',', '.')!r}"
-        if re.match(r",[0-9]{3}(?![0-9])", symbol):
-            advice += f", or no separator of thousands, {text.replace(',', '')!r}"
-        raise InputError(f"{label}: {advice}")
+    if separated := re.match(r"([,'’])\s*([0-9]*)", symbol):
+        sign, digits = separated.groups()
+        advice = [f"use a decimal point, {text.replace(sign, '.')!r}"] * (sign == ",")
+        if len(digits) == len("000"):
+            advice.append(f"use no separator of thousands, {text.replace(sign, '')!r}")
+        raise InputError(f"{label}: {'; or '.join(advice)}")
     if symbol.startswith("pi") and "rad" in meaning.unit:
         value, symbol = value * math.pi, symbol[2:].strip()
     if meaning.unit and not symbol:

@@ -205,7 +205,7 @@ def test_a_new_file_is_listed_drawn_and_run(
     assert f"wrote {kind}.toml" in command(f"new {kind}")
     command(f"new {kind} mine.toml")
     written = Path("mine.toml").read_bytes()
-    assert "mine.toml cannot be written: File exists" in command(f"new {kind} mine.toml", 2)
+    assert "mine.toml exists; name a new file" in command(f"new {kind} mine.toml", 2)
     assert Path("mine.toml").read_bytes() == written
     keys = [line.split()[0] for line in command("list mine.toml").splitlines()]
     assert len(keys) == len(set(keys))

@@ -74,9 +74,11 @@ def test_a_text_that_is_no_quantity_is_refused(unit: str, texts: list[str]) -> N
         message = r"use a decimal point, '1\.5mm'" if "," in text else ""
         with pytest.raises(InputError, match=r"^key = .*" + message):
             _read(text, unit)
-    thousands = "'400.000 N', or no separator of thousands, '400000 N'"
-    with pytest.raises(InputError, match=f"use a decimal point, {thousands}$"):
+    thousands = "use no separator of thousands, '400000 N'$"
+    with pytest.raises(InputError, match=f"use a decimal point, '400.000 N'; or {thousands}"):
         _read("400,000 N", "N")
+    with pytest.raises(InputError, match=f": {thousands}"):
+        _read("400'000 N", "N")
 
 
 WHOLE = Quantity("", whole=True)
