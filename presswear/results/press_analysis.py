@@ -229,9 +229,10 @@ def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke])
         for name, (start, end) in stroke.phases.items():
             values = size[(time >= start) & (time < end)]
             peaks[name] += [float(values.max())] if values.size else []
-    # Complex numbers are vectors: the force of the pin on its bearing in global directions.
+    # Complex numbers are vectors: the force of the pin on its bearing in global directions. The
+    # friction is stored as it acts on the pin.
     vector = np.array([1.0, 1j])
-    pressed = joint.force @ vector * np.exp(1j * np.angle(joint.eccentricity @ vector))
+    pressed = joint.force @ vector.conj() * np.exp(1j * np.angle(joint.eccentricity @ vector))
     broken = [stroke for stroke in strokes if not math.isnan(stroke.fracture)]
     reversals = [_reversal(time, pressed, stroke) for stroke in broken]
     working, back, delay = np.array(reversals).reshape(-1, 3).T

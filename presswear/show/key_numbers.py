@@ -74,16 +74,17 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     """Return pin pressure, Pa, and pressure times sliding speed, W/m^2, of each joint.
 
     Each is under the name of the setting that limits it. The pressure is the peak force of a stroke
-    over the projected area 2 R b.
+    over the projected area 2 R b. The sliding distance is known where it is that of the wear.
     """
     loads: dict[str, dict[str, Estimate]] = {"pressure_limit": {}, "pv_limit": {}}
     for name, joint in stage.statistics.joints.items():
         bearing = scene.bearing(name)
         per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.width)
         loads["pressure_limit"][name] = joint.peak_force_per_cycle.scaled(per_area)
-        rate = per_area / scene.mechanism.period
-        loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
-    return loads
+        if scene.conventions.slip == "sliding" and bearing.materials.wear_coefficient > 0.0:
+            rate = per_area / scene.mechanism.period
+            loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
+    return {key: values for key, values in loads.items() if values}
 
 
 def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
@@ -249,7 +250,10 @@ def warnings(result: Result) -> list[str]:
             f"Run at least {ENOUGH}: cycles = {cycles} or more."
         )
     for stage in stages[-1:]:
-        for key, loads in _bearing_loads(scene, stage).items():
+        known = _bearing_loads(scene, stage)
+        if "pv_limit" not in known and any(scene.bearing(name).pv_limit for name in stage.joints):
+            lines.append("pv_limit is not compared: it needs slip = sliding, as in refined.")
+        for key, loads in known.items():
             unit = {"pressure_limit": "Pa", "pv_limit": "W/m^2"}[key]
             for name, load in loads.items():
                 limit = getattr(scene.bearing(name), key)

@@ -156,8 +156,8 @@ def numbers_explained() -> str:
 
 def test_key_numbers_of_a_report_have_a_formula() -> None:
     life = LifeResult("at_most", "", 1e6, None, None, 0.0, (), (), ())
-    scene = pw.scenes.press_blanking(cycles=4, replicates=2, wear_updates=0, engine="dae")
-    result = pw.run(scene)
+    settings = {"conventions": "refined", "cycles": 4, "replicates": 2, "wear_updates": 0}
+    result = pw.run(pw.scenes.press_blanking(**settings, engine="dae"))
     names = {one.name for each in (result, replace(result, life=life)) for one in key_numbers(each)}
     assert len(names) == 11
     assert [name for name in names if name not in numbers_explained()] == []

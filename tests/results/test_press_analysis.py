@@ -215,6 +215,18 @@ def test_a_reversal_is_along_the_force_that_worked(angle: float, back: float, de
         assert delay - 1e-9 <= tonnage.reversal_time.mean <= delay + 1.1e-4
 
 
+def test_a_reversed_force_counts_the_friction_on_the_bearing() -> None:
+    """(3, -4) N works where the pin presses along x with friction; 5 N along y has 4 N against."""
+    time = np.linspace(1.0, 2.0, 20_001)
+    works = (time > 1.41) & (time < 1.44)
+    back = (time > 1.451) & (time < 1.455)
+    force = np.outer(works, [3.0, 4.0]) + np.outer(back, [5.0, 0.0])
+    arrays = {"force": force, "eccentricity": np.where(back[:, np.newaxis], [0.0, 1.0], [1.0, 0.0])}
+    found = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
+    assert found.working_force.mean == pytest.approx(5.0)
+    assert found.reversed_force.mean == pytest.approx(4.0)
+
+
 def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     """Three strokes with planted peaks; Student's interval from scipy."""
     strokes = [SettledStroke(*(moment + k for moment in STROKE)) for k in range(3)]
