@@ -250,10 +250,11 @@ def warnings(result: Result) -> list[str]:
             f"Run at least {ENOUGH}: cycles = {cycles} or more."
         )
     for stage in stages[-1:]:
-        known = _bearing_loads(scene, stage)
-        if "pv_limit" not in known and any(scene.bearing(name).pv_limit for name in stage.joints):
+        by_limit = _bearing_loads(scene, stage)
+        is_limited = any(scene.bearing(name).pv_limit for name in stage.joints)
+        if is_limited and "pv_limit" not in by_limit:
             lines.append("pv_limit is not compared: it needs slip = sliding, as in refined.")
-        for key, loads in known.items():
+        for key, loads in by_limit.items():
             unit = {"pressure_limit": "Pa", "pv_limit": "W/m^2"}[key]
             for name, load in loads.items():
                 limit = getattr(scene.bearing(name), key)

@@ -317,7 +317,9 @@ def words_of(axes: Axes) -> set[str]:
 
 
 def test_labels_of_a_mechanism_do_not_overlap() -> None:
-    for scene in (wear_times(), press_blanking(), slider_crank(), pw.Scene(FOUR_BAR)):
+    crank = pw.SliderCrank(0.03, 0.45, slide_angle=-0.5 * math.pi)
+    press, six = pw.Scene(crank, joints="AB"), pw.Scene(pw.SixBar(), joints="B")
+    for scene in (wear_times(), press_blanking(), slider_crank(), pw.Scene(FOUR_BAR), press, six):
         (axes,) = (sheet := labelled(scene).sheet).axes
         canvas: Any = FigureCanvasAgg(sheet)
         canvas.draw()

@@ -20,7 +20,7 @@ from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
 
 _HEIGHTS = (3.2, 5.2)  # least and greatest height of the figure, inches
-_EDGES = 0.65, 0.55  # width and height of the figure beside the axes, inches
+_EDGES = 0.75, 0.55  # width and height of the figure beside the axes, inches
 _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring
@@ -78,10 +78,18 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
             _label(axes, text, corner, np.array([side, -1.0]), 5.0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     scale = (height - _EDGES[1]) * sheet.dpi / tall  # pixels per m
+    boxes: list[Array] = []  # of the labels, corners in pixels from the origin
     for text in axes.texts:
-        box, (x, _) = text.get_window_extent(), axes.transData.transform(text.xy)
-        low[0] = min(low[0], text.xy[0] + (box.x0 - x) / scale)
-        high[0] = max(high[0], text.xy[0] + (box.x1 - x) / scale)
+        around = text.get_window_extent().get_points() - axes.transData.transform(text.xy)
+        box = scale * np.array(text.xy) + around
+        for placed in boxes:
+            if np.all(box[0] < placed[1]) and np.all(placed[0] < box[1]):  # move it up or down
+                is_above = box[:, 1].sum() > placed[:, 1].sum()
+                shift = placed[1, 1] - box[0, 1] + 2 if is_above else placed[0, 1] - box[1, 1] - 2
+                box[:, 1] += shift
+                text.xyann = (text.xyann[0], text.xyann[1] + 72.0 / sheet.dpi * shift)
+        boxes.append(box)
+        low[0], high[0] = min(low[0], box[0, 0] / scale), max(high[0], box[1, 0] / scale)
     axes.set_xlim(low[0], high[0])
     width = (height - _EDGES[1]) * (high[0] - low[0]) / tall + _EDGES[0]
     sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
