@@ -59,7 +59,7 @@ def _intended_setting(rest: Sequence[str], scene: str) -> str:
         return rest[0] if equals else "KEY=VALUE"
     key = key.lstrip("-")
     try:
-        keys = {setting.key for setting in settings_of(load_scene(scene))}
+        keys = {setting.key for setting in settings_of(load_scene(scene))} if scene else set()
     except InputError:
         keys = set()
     if key not in keys:

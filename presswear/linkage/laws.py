@@ -214,7 +214,7 @@ class Materials(Checked):
     poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
     wear_coefficient: float = quantity(
         *(1.2e-15, "1/Pa", 0.0, 1e-9, "assumed"),
-        "K_d of pin and bearing together; 1e-15 1/Pa is 1e-6 mm^3/(N m)",
+        "K_d of pin and bearing together; measured ones differ by powers of ten",
     )
     bearing_share: float = quantity(
         0.5, "", 0.0, 1.0, "paper", "fraction of the wear depth at the bearing"

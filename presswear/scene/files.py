@@ -57,7 +57,7 @@ _OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switche
 _BEARING = (
     *("joints", "clearance", "bearing_radius", "width", "elasticity", "friction"),
     *("restitution", "youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient"),
-    "viscosity",
+    *("bearing_share", "viscosity"),
 )
 _INERTIA = "_inertia"  # end of the keys of bars, whose inertia follows from mass and length
 _SINGLE = "clearance", "friction"  # keys of the bearing of a single joint

@@ -5,7 +5,6 @@ of their ranges, worn profiles, dead points, and many cycles, over which errors 
 """
 
 import math
-import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -430,7 +429,7 @@ def refusal_cases() -> Iterator[Case]:
     for key, values in DATA["beyond"].items():
         for value in values:
             name, make = f"{key} = {value:g}", partial(changed, BASE, {key: value})
-            pattern = re.escape(name) + ".*allowed is"
+            pattern = rf"{key} = .*allowed is"
             yield Case(name, "beyond its range", "any", partial(checks, make), pattern)
     closest = closest_to_dead_point()
     shorter = replace(closest, length_5=closest.length_5 - 1e-5)

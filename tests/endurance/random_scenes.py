@@ -38,8 +38,9 @@ _ENDS = 0.08  # part of all draws that are an end of their range
 _LEAST = 1e-9  # smallest value drawn from a range that begins at zero, part of its end
 _CHANGE = 0.15  # standard deviation of the logarithm of the length of a link
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
-# A cycle with a long run-up is hardly a motion; drawn limits are mostly refused.
-_NOT_DRAWN = (*_LENGTHS, "run_up", "torque_limit")
+# A cycle with a long run-up is hardly a motion; drawn limits are mostly refused. The direction of
+# the slide turns nothing but gravity.
+_NOT_DRAWN = (*_LENGTHS, "run_up", "torque_limit", "slide_angle")
 
 
 def _spread(draw: Random, low: float, high: float) -> float:

@@ -1,16 +1,18 @@
 """What holds for a run of the press in every engine."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from presswear.campaign.campaign import run
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, Purpose
 from presswear.linkage.mechanisms import GEOMETRIES, Press
-from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.catalog import ideal, slider_crank, wear_times
 
 SCENE = wear_times()
 NUMERICS = SCENE.numerics
@@ -35,6 +37,19 @@ def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
     plan = Plan(0.05, 1, report=interrupt)
     with pytest.raises(KeyboardInterrupt):
         engine.simulate(SCENE.linkage(), start_of(SCENE), plan)
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
+def test_without_gravity_a_turned_slider_crank_moves_alike(engine: str) -> None:
+    """Up to the horizon: about fifty steps, with the first touchdowns."""
+    paths, settings = [], {"gravity": 0.0, "speed": "300 rpm", "purpose": "trajectory"}
+    for angle in (0.0, -0.5 * math.pi, 2.5):
+        scene = slider_crank(cycles=1, engine=engine, slide_angle=angle, **settings)
+        path = run(scene, jobs=1).stages[0].joints["B"].eccentricity[:50]
+        paths.append(path @ [1.0, 1j] * np.exp(-1j * angle))
+    assert np.ptp(np.abs(paths[0])) > 1e-4
+    for path in paths[1:]:
+        np.testing.assert_allclose(path, paths[0], rtol=0.0, atol=1e-10)
 
 
 @pytest.mark.parametrize(("purpose", "fewest"), [("wear", 8), ("forces", 15)])

@@ -215,7 +215,7 @@ BAD_INPUT = r"""
 --vary 'A.friction=0.1,0.2 & C.friction=0.1' | as many values of each key, got 2 and 1
 --vary friction=0.1 --vary friction=0.2 | friction varies twice
 --vary seed=1,2 --replicates 2 | cannot be combined
---vary clearance=1mm,2mm --set cycles_per_update=none | set a number, such as 1e6
+--vary clearance=1mm,2mm --set cycles_per_update=none | set it, as in cycles_per_update=1e6
 --vary length_3=0.1m,0.11m | no scene of this plan can be made
 --vary friction=0:0.1:10000 --vary clearance=0.1mm:1mm:10000 | the plan has 100000000 rows
 --sample sobol:8 | a sample and ranges must be used together
