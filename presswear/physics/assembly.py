@@ -272,6 +272,25 @@ def _guessed(linkage: Linkage) -> Array:
     return q[:-1]
 
 
+def _closed(rows: Rows, time: Array, q: Array) -> Levels:
+    """Close a linkage at an instant from guessed positions, by damped steps at first."""
+
+    def error_of(q: Array) -> float:
+        return float(np.linalg.norm(rows.errors(time, q)[0]))
+
+    for _ in range(_STEPS):
+        error = error_of(q)
+        if error < 1e-9 * rows.size:
+            break
+        step = -_solved(rows, time, q, rows.errors(time, q)[0])
+        # No body turns by more than half a radian at once: the guess says on which side it is.
+        part = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
+        while part > 1e-3 and error_of(q + part * step) > error:
+            part *= 0.5
+        q = q + part * step
+    return close(rows, time, q)
+
+
 def assembled(linkage: Linkage) -> Array:
     """Return the coordinates of a linkage at its start, shape (bodies, 3).
 
@@ -298,22 +317,13 @@ def assembled(linkage: Linkage) -> Array:
         )
     rows, start = Rows(linkage), np.zeros(1)
     q, guess = _guessed(linkage)[np.newaxis], dict(linkage.guess)
-
-    def error_of(q: Array) -> float:
-        return float(np.linalg.norm(rows.errors(start, q)[0]))
-
-    for _ in range(_STEPS):
-        error = error_of(q)
-        if error < 1e-9 * rows.size:
-            break
-        step = -_solved(rows, start, q, rows.errors(start, q)[0])
-        # No body turns by more than half a radian at once: the guess says on which side it is.
-        part = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
-        while part > 1e-3 and error_of(q + part * step) > error:
-            part *= 0.5
-        q = q + part * step
-    q = close(rows, start, q).q[0]
     prescribed = {drive.body for drive in linkage.drives} | {guide.body for guide in linkage.guides}
+    try:
+        q = _closed(rows, start, q).q[0]
+    except AssemblyError as error:
+        bodies = {body.name for body in linkage.bodies} - prescribed - guess.keys()
+        hint = f"; guess has no angle of {', '.join(sorted(bodies))}" if bodies else ""
+        raise AssemblyError(f"{error}{hint}") from None
     for place, body in enumerate(linkage.bodies):
         if body.name not in prescribed:
             turns = (q[place, 2] - guess.get(body.name, 0.0)) / (2.0 * math.pi)

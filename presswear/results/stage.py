@@ -346,7 +346,10 @@ class StageResult:
         columns = [*observe.SECTION_NAMES]
         for prefix in self.joint_names:
             columns += [f"{prefix}.{each}" for each in observe.SECTION_JOINT_NAMES]
-        return self.arrays["sections"][:, :, columns.index(f"{joint}.{name}" if joint else name)]
+        column = f"{joint}.{name}" if joint else name
+        if column not in columns:
+            raise unknown("quantity of a section", column, columns)
+        return self.arrays["sections"][:, :, columns.index(column)]
 
     def each_cycle(self, name: str) -> Array:
         """Return a quantity of each cycle, by a name of ``CYCLE_FIXED``, shape (cycles,); SI."""

@@ -156,7 +156,10 @@ REFUSED = {
     # The crank is too long to turn all around: the links stretch at B on the way.
     r"at crank angle \S+ deg joint [ABP] does not close or is at a": four_bar(crank=0.15),
     # The rods never meet.
-    "joint [ABOP] does not close": four_bar(coupler=0.02),
+    "joint [ABOP] does not close or is at a dead point$": four_bar(coupler=0.02),
+    "joint . does not close .*; guess has no angle of coupler, rocker": four_bar(0.02, 0.1).changed(
+        guess={}
+    ),
     "guess of coupler = 149 deg: .* right angle": four_bar().changed(
         guess={"coupler": 2.6, "rocker": 1.4}
     ),

@@ -26,6 +26,8 @@ def test_sections_are_states_of_the_series(engine: str) -> None:
     # Straight between rows: a turn of 0.1 m errs by 0.1 (2 pi / 2000)^2 / 8 m, more at impacts, and
     # the last row lies before the end.
     place = np.interp(at.ravel()[:-1], stage.time, stage.displacement)
+    with pytest.raises(pw.InputError, match=r"'B\.norml'; did you mean B\.normal"):
+        stage.section("norml", "B")
     seen = stage.section("place").ravel()[:-1]
     np.testing.assert_allclose(np.diff(seen), np.diff(place), rtol=0.0, atol=1e-6)
     for name, column in zip("xy", stage.joints["B"].eccentricity.T, strict=True):
