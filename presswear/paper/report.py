@@ -51,13 +51,18 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     return answer, path
 
 
-def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]:
-    """Return the sections of the page without the figures of the paper."""
-    failures = {
+def failures_of(evidence: Evidence) -> dict[str, str]:
+    """Return the messages of the runs that failed, by case."""
+    return {
         name.partition("--")[0]: result.message
         for name, result in evidence.results.items()
         if result.status == "failed"
     }
+
+
+def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]:
+    """Return the sections of the page without the figures of the paper."""
+    failures = failures_of(evidence)
     runs: list[tuple[str, Table]] = [("", run_table(evidence))]
     if first := next(iter(evidence.results.values()), None):
         runs.append(("Parameters of the first setting", setting_tables(first)["parameters"]))

@@ -1,0 +1,49 @@
+"""Write the results of the paper's study into findings.md:  python docs/findings.py FOLDER
+
+The folder is that of a finished study, ``python -m presswear.paper FOLDER --engine dae``.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import presswear as pw
+from presswear.paper.evidence import Evidence
+from presswear.paper.printed import HIGHLIGHTS
+from presswear.paper.report import failures_of, findings
+from presswear.paper.settings import BASE
+from presswear.paper.verdicts import compared
+from presswear.show.page import text_of
+from presswear.tools.numbers import readable
+
+PAGE = Path(__file__).parent / "findings.md"
+LABELS = {
+    "second wear": "ratio of the wear depths at A: second to first wear update",
+    "friction, wear": "ratio of the wear depths at A: friction coefficient doubled",
+    "friction, force": "ratio of the mean peak forces at A: friction coefficient doubled",
+    "speed": "ratio of the wear depths at A: speed doubled",
+    "joints": "ratio of the wear depths at A and C: at 8π rad/s",
+}
+
+
+def results_of(folder: Path) -> str:
+    """Return the table and the sentences of a study."""
+    paths = [path for path in sorted(folder.iterdir()) if (path / "result.json").exists()]
+    evidence = Evidence({path.name: pw.load(path) for path in paths})
+    rows = ["| quantity | paper | presswear |", "|---|---:|---:|"]
+    for name, label in LABELS.items():
+        ours, printed = compared(evidence, BASE, HIGHLIGHTS[name]), HIGHLIGHTS[name].printed
+        rows.append(f"| {label} | {readable(printed)} | {text_of(ours)} |")
+    sentences = enumerate(findings(evidence, failures_of(evidence)), start=1)
+    return "\n".join([*rows, "", *(f"{k}. {sentence}" for k, sentence in sentences)])
+
+
+def fill(folder: Path) -> None:
+    """Write table and sentences between their marks."""
+    marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
+    text, results = PAGE.read_text(), results_of(folder)
+    PAGE.write_text(re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text))
+
+
+if __name__ == "__main__":
+    fill(Path(sys.argv[1]))
