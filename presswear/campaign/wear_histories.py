@@ -188,7 +188,8 @@ class WearHistories:
             raise InputError(
                 f"until: at the wear rate when new, joint {joints[deepest].name} wears through its "
                 f"clearance after {large(through, digits=1)} strokes, and no limit is exceeded "
-                f"before {large(strokes / reached, digits=1)}; choose a limit that comes first"
+                f"before {large(strokes / reached, digits=1)}; choose a limit that comes first, "
+                "or give fewer joints clearance"
             )
 
 

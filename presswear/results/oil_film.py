@@ -44,6 +44,12 @@ class OilFilm:
         dry = float((self.thickness < self.roughness).mean())
         return {FULL: full, MIXED: max(1.0 - full - dry, 0.0), DRY: dry}
 
+    @property
+    def under_load(self) -> str:
+        """Kind of friction where the force is greatest: one of ``FULL``, ``MIXED`` and ``DRY``."""
+        film = float(self.thickness[int(self.force.argmax())]) / self.roughness
+        return FULL if film > FULL_FILM else MIXED if film > 1.0 else DRY
+
 
 def sommerfeld(eccentricity: Array, ratio: float) -> Array:
     """Return the Sommerfeld number F psi^2 / (B d eta omega) of a finite bearing in rotation.
@@ -128,7 +134,8 @@ def dry_contact(scene: Scene) -> list[str]:
         )
         text += (
             f" With {bearing.viscosity:g} Pa s a steady film would be {low} to {high} µm thick, "
-            f"beside a roughness of {readable(1e6 * film.roughness)} µm: {shares} of the cycle."
+            f"beside a roughness of {readable(1e6 * film.roughness)} µm: {shares} of the cycle, "
+            f"{film.under_load} at the greatest force."
         )
         if film.swings:
             text += " The pin swings, so that squeezed oil carries as well, which is not computed."

@@ -14,6 +14,7 @@ from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
+from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction
 
 ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
@@ -139,7 +140,8 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             strokes = numbers.large(stage.cycles_per_update)
             surfaces = "worn" if stage.is_worn else "new"
             text = f"Deepest place, on the {side} of joint {name}, as a mean over {strokes} "
-            text += f"strokes on {surfaces} surfaces. It is proportional to wear_coefficient."
+            coefficient = written(scene.bearing(name).materials.wear_coefficient, "1/Pa")
+            text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
             if scene.bearing(name).viscosity is not None:
                 text += " The wear is that of dry contact: an upper bound where oil carries."
             depth = wear[place].scaled(1e6 / stage.cycles_per_update)
@@ -212,6 +214,8 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
         if total > 0.0:
             share = 100.0 * volumes[joint].mean / total
             reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
+            if any(scene.bearing(name).viscosity is not None for name in joints):
+                reason += " This is for dry contact; see the oil films."
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
             joint, reason = _greatest(forces), "It carries the largest force."

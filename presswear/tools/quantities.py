@@ -167,9 +167,9 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     symbol = re.sub(r"\s+", " ", symbol).strip()
     if separated := re.match(r"([,'’])\s*([0-9]*)", symbol):
         sign, digits = separated.groups()
-        advice = [f"use a decimal point, {text.replace(sign, '.')!r}"] * (sign == ",")
-        if len(digits) == len("000"):
-            advice.append(f"use no separator of thousands, {text.replace(sign, '')!r}")
+        point = [f"use a decimal point, {text.replace(sign, '.')!r}"] * (sign == ",")
+        whole = f"use no separator of thousands, {text.replace(sign, '')!r}"
+        advice = [*[whole] * (len(digits) == len("000")), *point]
         raise InputError(f"{label}: {'; or '.join(advice)}")
     if symbol.startswith("pi") and "rad" in meaning.unit:
         value, symbol = value * math.pi, symbol[2:].strip()
@@ -232,7 +232,7 @@ class Choice:
         if self.example:
             return (f"such as {self.example}",)
         can_combine = self.several and len(self.words) > 2
-        several = [f"several, as {self.combine(self.words)}"] if can_combine else []
+        several = [f"several together, as {self.combine(self.words)}"] if can_combine else []
         return (*self.words, *several, *(["FILE.py:FUNCTION"] if self.parameters else []))
 
     def shown(self, value: Any) -> Any:

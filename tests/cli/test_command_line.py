@@ -50,7 +50,7 @@ run wear-times --set clearance=15mm: clearance = 15 mm
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
 run wear-times --set friction=inf: friction
 run wear-times --set speed=200rmp: 'rmp'; did you mean rpm?
-run wear-times --set joints=F: O2, O7, A, B, C, D, E, none, several, as O2,O7,A
+run wear-times --set joints=F: O2, O7, A, B, C, D, E, none, several together, as O2,O7,A
 run wear-times --set clearance 1mm: --set KEY=VALUE
 run wear-times --cycels 5: --cycels 5; did you mean --cycles?
 run wear-times --conventions mine: mine & refined

@@ -36,7 +36,7 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Sce
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
     assert _described(scene, "clearance").startswith("0.8 mm ")
     joints = "O | A | B" if scene is CRANK else "O2 | O7 | A | B | C | D | E"
-    assert f"({joints} | none | several, as " in _described(scene, "joints")
+    assert f"({joints} | none | several together, as " in _described(scene, "joints")
     assert "none  (none | blanking | drawing | coining)" in _described(scene, "process")
 
 
@@ -95,12 +95,12 @@ press | c_f=0.1 friction=0.2 | c_f and friction are the same setting; set one of
 crank | geometry=standard | unknown key 'geometry'; presswear list SCENE shows all keys
 crank | hx=1m | unknown key 'hx'; presswear list SCENE shows all keys
 press | geometry=round | geometry = 'round': allowed is one of standard
-press | joints= | joints = '': allowed is one of O2, O7, A, .*, none, several, as O2,O7,A,
+press | joints= | joints = '': allowed is one of O2, O7, A, .*, none, several together, as O2,O7,A,
 press | joints=F | joints = 'F': allowed is one of O2, O7, A, B, C
 press | joints=CC | joints = 'CC': allowed is
 press | joints=A, | joints = 'A,': allowed is
 press | joints=none,A | joints = 'none,A': allowed is
-crank | joints=AC | joints = 'AC': allowed is one of O, A, B, none, several, as OAB
+crank | joints=AC | joints = 'AC': allowed is one of O, A, B, none, several together, as OAB
 press | clearance=15mm | clearance = 15 mm: .* below the bearing radius
 press | bearing_radius=0.5mm | clearance = 0\.8 mm:
 press | lower_speed=1mm/s | lower_speed = 1 mm/s

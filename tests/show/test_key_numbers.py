@@ -110,7 +110,7 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     known = replace(Estimate.symmetric(4e-6, 1e-7), samples=40)
     result = made_up(made.BOTH, 2)
     (last,) = [one for one in key_numbers(result) if one.name == WEAR]
-    assert "2 million strokes on worn surfaces." in last.meaning
+    assert "2 million strokes on worn surfaces, with wear_coefficient = " in last.meaning
     statistics = result.stages[1].statistics
     peaks = {
         name: {side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()}
@@ -123,7 +123,7 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     joints = {name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()}
     jump = altered(result, 1, statistics=replace(statistics, joints=joints))
     (first,) = [one for one in key_numbers(jump) if one.name == WEAR]
-    assert "strokes on new surfaces." in first.meaning
+    assert "strokes on new surfaces, with" in first.meaning
     oiled = replace(result, scene=replace(made.BOTH, bearings=pw.Bearing(viscosity=0.1)))
     (first,) = [one for one in key_numbers(oiled) if one.name == WEAR]
     assert first.meaning.endswith("that of dry contact: an upper bound where oil carries.")

@@ -381,8 +381,9 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
             level = factor * film.roughness * style.MICRONS
             axes.axhline(level, **pen.look)
         axes.set_yscale("log")
-        full = f"joint {name}: full film for {100.0 * film.shares[FULL]:.3g} % of the cycle"
-        axes.set_title(full, loc="left", fontweight="bold")
+        title = f"joint {name}: full film for {100.0 * film.shares[FULL]:.3g} % of the cycle"
+        title += f", {film.under_load} at the greatest force"
+        axes.set_title(title, loc="left", fontweight="bold")
         axes.set_ylabel("film (µm)")
         axes.set_xlim(0.0, 360.0)
         axes.xaxis.set_major_locator(MultipleLocator(90.0))
