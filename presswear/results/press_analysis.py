@@ -499,7 +499,7 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     sentences = []
     for name in scene.clearance_joints:
         bearing, depths = scene.bearing(name), [(0.0, False)]
-        for stage in stages:
+        for stage in (one for one in stages if not one.failed):
             penetration = stage.arrays.get(f"{name}_penetration", np.zeros(1))
             depths.append((float(penetration.max(initial=0.0)), stage.is_worn))
         deepest, is_worn = max(depths)

@@ -160,6 +160,9 @@ class Scene(Checked):
         drives and the engine. Called once before a run, because it takes longer than the checks of
         single values.
         """
+        coefficients = [self.bearing(j).materials.wear_coefficient for j in self.clearance_joints]
+        if self.wear_updates > 0 and coefficients and not any(coefficients):
+            raise InputError("wear_coefficient = 0: with wear_updates or a life allowed is above 0")
         bodies = self.mechanism.linkage().bodies
         light, heavy = (least(bodies, key=lambda body: body.mass) for least in (min, max))
         if heavy.mass > MAX_MASS_RATIO * light.mass:
@@ -195,8 +198,6 @@ class Scene(Checked):
         if self.conventions.wear_distribution != "arc":
             reason = "its depth depends on the width of the bins"
             raise InputError(f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}")
-        if not any(self.bearing(j).materials.wear_coefficient for j in self.clearance_joints):
-            raise InputError("wear_coefficient = 0: with a life allowed is above 0")
         life.services(self.clearance_joints)
         limits = life.limits(self.clearance_joints)
         deep = [

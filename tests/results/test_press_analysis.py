@@ -434,7 +434,9 @@ def test_a_deep_pin_touches_a_third_of_the_turn(law: dict[str, Any], text: str) 
     scene = replace(SCENE, bearings=replace(SCENE.bearings, **law))
     stage = pw.StageResult(0, "completed", "", None, 1.0, (), 0.0, 0.0, {}, STATISTICS)
     arrays = {"cycles": np.zeros((1, 40)), "C_penetration": np.array([-1e-4, 5e-4])}
-    assert deep_contacts(scene, [replace(stage, arrays=arrays, joint_names=("A", "C"))]) == [text]
+    stage = replace(stage, arrays=arrays, joint_names=("A", "C"))
+    assert deep_contacts(scene, [stage]) == [text]
+    assert deep_contacts(scene, [replace(stage, status="failed")]) == []
 
 
 STATISTICS: Any = type("Statistics", (), {"joints": {}})

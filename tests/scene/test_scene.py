@@ -194,3 +194,11 @@ def test_bottom_dead_centre_of_a_slider_crank_is_its_lowest_place(
     scene = Scene(SliderCrank(slide_angle=math.radians(degrees)))
     assert scene.stroke == pytest.approx(0.1, rel=1e-9)
     assert scene.bottom == pytest.approx(bottom, rel=1e-9)
+
+
+def test_wear_updates_need_a_joint_that_wears() -> None:
+    scene = changed(BASE, {"wear_coefficient": "0/Pa"})
+    with pytest.raises(InputError, match="wear_coefficient = 0: with wear_updates"):
+        scene.check()
+    changed(scene, {"wear_updates": 0}).check()
+    changed(scene, {"A.wear_coefficient": "1e-15/Pa"}).check()
