@@ -52,7 +52,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         *_joint_numbers(scene, stages),
         *([] if life else _wear_depth(scene, stages)),
         *_stroke_numbers(scene, last),
-        *_drive_numbers(scene, last),
+        *_drive_numbers(scene, stages),
         *_improvement(scene, last, result.life),
     ]
 
@@ -172,11 +172,11 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     return [*result, measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes)]
 
 
-def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return torque and power of the drives with the largest; ideal ones if none were stored."""
     if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
-    drives = press.drives_of(scene, stage)
+    new, drives = (press.drives_of(scene, stages[k]) for k in (0, -1))
     duties = {body: drive.duty for body, drive in drives.items()} or press.ideal_drives(scene)
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):
@@ -192,6 +192,9 @@ def _drive_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         if drives:
             peak, closed = getattr(drives[body], f"peak_{name}"), getattr(drives[body].ideal, name)
             text += f" Without clearance: {numbers.quantity_text(abs(closed.peak), unit)}."
+            before = getattr(new[body], f"peak_{name}") if body in new else None
+            if len(stages) > 1 and before is not None:
+                text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
             result.append(measured(f"Peak drive {name}", peak, unit, text))
         else:
             largest = numbers.quantity_text(abs(each[body].peak), unit)

@@ -9,6 +9,7 @@ from made_up_result import altered, lived, made_up
 import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.show.key_numbers import key_numbers, measured, warnings
+from presswear.tools.numbers import quantity_text
 
 
 @pytest.mark.parametrize(
@@ -75,6 +76,14 @@ def test_round_off_is_no_mean_power() -> None:
     numbers = {one.name: one for one in key_numbers(made_up(pw.scenes.slider_crank(), 2))}
     meaning = numbers["Peak drive power"].meaning
     assert "mean 0 W. With a flywheel the motor delivers the mean." in meaning
+
+
+def test_a_drive_stands_beside_its_peak_before_the_wear() -> None:
+    result = made_up(replace(made.BOTH, drive_torque="on"), 2)
+    meanings = {one.name: one.meaning for one in key_numbers(result)}
+    before = next(iter(result.drives(0).values())).peak_torque
+    assert before is not None
+    assert f"Before the wear: {quantity_text(before.mean, 'N m')}." in meanings["Peak drive torque"]
 
 
 def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre() -> None:
