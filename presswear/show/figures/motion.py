@@ -382,7 +382,7 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
             axes.axhline(level, **pen.look)
         axes.set_yscale("log")
         title = f"joint {name}: full film for {100.0 * film.shares[FULL]:.3g} % of the cycle"
-        title += f", {film.under_load} at the greatest force"
+        title += f",\n{film.under_load} at the greatest force"
         axes.set_title(title, loc="left", fontweight="bold")
         axes.set_ylabel("film (µm)")
         axes.set_xlim(0.0, 360.0)
