@@ -140,9 +140,10 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             strokes = numbers.large(stage.cycles_per_update)
             surfaces = "worn" if stage.is_worn else "new"
             text = f"Deepest place, on the {side} of joint {name}, as a mean over {strokes} "
-            coefficient = written(scene.bearing(name).materials.wear_coefficient, "1/Pa")
+            bearing = scene.bearing(name)
+            coefficient = written(bearing.materials.wear_coefficient, "1/Pa").replace("^3", "³")
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
-            if scene.bearing(name).viscosity is not None:
+            if bearing.viscosity is not None:
                 text += " The wear is that of dry contact: an upper bound where oil carries."
             depth = wear[place].scaled(1e6 / stage.cycles_per_update)
             return [measured("Wear per million strokes", depth, "m", text)]
