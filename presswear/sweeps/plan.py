@@ -151,7 +151,7 @@ class Plan:
             scene = replace(scene, purpose="forces")  # rows are compared by peaks and means
         if scene.wear_updates > 0 and scene.life is None and scene.cycles_per_update is None:
             advice = "set it, as in cycles_per_update=1e6, so that all rows wear by equal strokes"
-            raise InputError(f"cycles_per_update = none: {advice}")
+            raise InputError(f"cycles_per_update = none: {advice}, or wear_updates=0")
         scene.check()
         return scene
 
