@@ -200,14 +200,11 @@ class Scene(Checked):
             raise InputError(f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}")
         life.services(self.clearance_joints)
         limits = life.limits(self.clearance_joints)
-        deep = [
-            limit
-            for limit in limits
-            if limit.name == "depth" and limit.value >= self.bearing(limit.joint).clearance
-        ]
-        if limits and len(deep) == len(limits):
-            clearance = written(self.bearing(deep[0].joint).clearance, "m")
-            limit = f"until = '{deep[0].key} > {written(deep[0].value, 'm')}'"
+        if limits and all(
+            one.name == "depth" and one.value >= self.bearing(one.joint).clearance for one in limits
+        ):
+            clearance = written(self.bearing(limits[0].joint).clearance, "m")
+            limit = f"until = '{limits[0].key} > {written(limits[0].value, 'm')}'"
             raise InputError(f"{limit}: allowed is below the clearance, {clearance}")
 
     @property

@@ -177,7 +177,8 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return torque and power of the drives with the largest; ideal ones if none were stored."""
     if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
-    new, drives = (press.drives_of(scene, stages[k]) for k in (0, -1))
+    drives = press.drives_of(scene, stages[-1])
+    new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
     duties = {body: drive.duty for body, drive in drives.items()} or press.ideal_drives(scene)
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):
@@ -194,7 +195,7 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             peak, closed = getattr(drives[body], f"peak_{name}"), getattr(drives[body].ideal, name)
             text += f" Without clearance: {numbers.quantity_text(abs(closed.peak), unit)}."
             before = getattr(new[body], f"peak_{name}") if body in new else None
-            if len(stages) > 1 and before is not None:
+            if before is not None:
                 text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
             result.append(measured(f"Peak drive {name}", peak, unit, text))
         else:
@@ -235,9 +236,9 @@ def warnings(result: Result) -> list[str]:
         made = stage.statistics.energy_made_fraction
         if made > _MADE:
             part = numbers.readable(100.0 * made, 2)
-            bearings = map(scene.bearing, scene.clearance_joints)
-            has_own_law = any(isinstance(one.normal_law, UserFunction) for one in bearings)
-            can_change = scene.conventions.contact == "radial" and not has_own_law
+            laws = [scene.bearing(name).normal_law for name in scene.clearance_joints]
+            is_radial = scene.conventions.contact == "radial"
+            can_change = is_radial and not any(isinstance(law, UserFunction) for law in laws)
             lines.append(
                 f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
                 "joints dissipate. Forces and wear may be wrong by as much."
