@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -25,10 +26,10 @@ from presswear.paper.printed import (
     printed_at,
 )
 from presswear.paper.settings import BASE, GEOMETRIES, JOINTS, JUDGED, LONG, SETTINGS, WEAR
-from presswear.paper.verdicts import Judged, Verdict, compared
+from presswear.paper.verdicts import Judged, compared
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES
-from presswear.show.page import NOTHING, Line, Row, Section, Table, plain_table, row_table, text_of
+from presswear.show.page import NOTHING, Line, Section, Table, plain_table, text_of
 from presswear.show.report import provenance_table, setting_tables
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
@@ -36,8 +37,6 @@ from presswear.tools.numbers import readable, unit_factor, whole
 TEXTS = tomllib.loads(files("presswear.paper").joinpath("report.toml").read_text("utf-8"))
 TITLE = "Chen, Tang and Gao's worn press, computed again"
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first runs away
-
-_SENSITIVE = [(name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]]
 
 
 def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, Path]:
@@ -63,29 +62,26 @@ def failures_of(evidence: Evidence) -> dict[str, str]:
 def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]:
     """Return the sections of the page without the figures of the paper."""
     failures = failures_of(evidence)
-    runs: list[tuple[str, Table]] = [("", run_table(evidence))]
+    runs: dict[str, Table | None] = {"": run_table(evidence)}
     if first := next(iter(evidence.results.values()), None):
-        runs.append(("Parameters of the first setting", setting_tables(first)["parameters"]))
-        if origin := provenance_table(first):
-            runs.append(("Provenance", origin))
-    assumptions = [
-        ("Geometries", geometry_table(evidence)),
-        ("Wear coefficient", fit_table(evidence)),
-        ("One assumption changed", sensitivity_table(evidence, failures)),
+        runs["Parameters of the first setting"] = setting_tables(first)["parameters"]
+        runs["Provenance"] = provenance_table(first)
+    numbers = {"": number_table(evidence), "Ratios of depths": ratio_table(evidence)}
+    numbers["Ranges of wear"] = range_table(evidence)
+    assumptions = {"Geometries": geometry_table(evidence), "Wear coefficient": fit_table(evidence)}
+    assumptions["One assumption changed"] = sensitivity_table(evidence, failures)
+    verdict_counts = {"Verdicts": count_table(claims)}
+    parts: list[tuple[str, Sequence[str], Mapping[str, Table | None]]] = [
+        ("In short", findings(evidence, failures), verdict_counts),
+        ("Claims on trends", [TEXTS["claims"]], {"": claim_table(evidence, claims)}),
+        ("Every printed number of sections 5.3 and 5.4", [TEXTS["numbers"]], numbers),
+        ("Assumptions, their fit and their effect", [TEXTS["assumptions"]], assumptions),
+        ("Accuracy of the statistics", [TEXTS["statistics"]], {"": long_table(evidence)}),
+        ("Runs", (), runs),
     ]
-    numbers = [("", number_table(evidence)), ("Ratios of depths", ratio_table(evidence))]
-    numbers.append(("Ranges of wear", range_table(evidence)))
-    counts, trends = [("Verdicts", count_table(claims))], [("", claim_table(evidence, claims))]
-    parts = (
-        ("Claims on trends", "claims", trends),
-        ("Every printed number of sections 5.3 and 5.4", "numbers", numbers),
-        ("Assumptions, their fit and their effect", "assumptions", assumptions),
-        ("Accuracy of the statistics", "statistics", [("", long_table(evidence))]),
-    )
     return [
-        Section("In short", findings(evidence, failures), counts, is_open=True),
-        *(Section(heading, [TEXTS[text]], tables) for heading, text, tables in parts),
-        Section("Runs", tables=runs),
+        Section(heading, texts, [(name, one) for name, one in tables.items() if one], is_open=not k)
+        for k, (heading, texts, tables) in enumerate(parts)
     ]
 
 
@@ -205,46 +201,36 @@ def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
 def count_table(claims: Sequence[Judged]) -> Table:
     """Return how many claims have which verdict, by case."""
     lines = (
-        (str(word), *(str(sum(one.verdict(case) is word for one in claims)) for case in JUDGED))
-        for word in Verdict
+        (word, *(str(sum(one.verdict(case) == word for one in claims)) for case in JUDGED))
+        for word in get_args(verdicts.Verdict)
     )
     return plain_table(("claims", *GEOMETRIES, "refined conventions"), lines)
 
 
 def number_table(evidence: Evidence) -> Table:
     """Return every printed number beside ours."""
-    groups: dict[str, list[Line]] = {}
-    meanings = {}
+    groups, meanings = dict[str, list[Line]](), dict[str, str]()
     for number in PRINTED:
         setting, row = SETTINGS[number.place.setting], QUANTITIES[number.quantity]
         heading = f"Section {number.section}: {setting.label}"
         for place in number.places:
             ours = evidence.measured(BASE, place, number.quantity)
             label = f"{setting.short}: {place_text(place, number.quantity)}, Fig. {number.figure}"
-            over = None
+            over, ranges, remarks = None, list[str](), [number.misprint]
             if ours is not None and ours.estimate.mean > 0.0 and number.quantity != "angle":
                 over = number.value / ours.estimate.mean
-            ranges = (ours.single_cycles, ours.first_cycles) if ours else (None, None)
-            line = (
-                label,
-                printed_text(number),
-                value_text(evidence, BASE, place, number.quantity),
-                *(range_text(ends, row.unit, row.digits) for ends in ranges),
-                readable(over),
-                str(verdicts.position(number, ours)),
-            )
+            for ends in (ours.single_cycles, ours.first_cycles) if ours else (None, None):
+                ranges.append(range_text(ends, row.unit, row.digits))
+            value = value_text(evidence, BASE, place, number.quantity)
+            position = verdicts.position(number, ours)
+            line = (label, printed_text(number), value, *ranges, readable(over), position)
             groups.setdefault(heading, []).append(line)
-            remarks = {
-                number.misprint: bool(number.misprint),
-                "the paper does not say before or after which wear; both are shown": (
-                    len(number.places) > 1
-                ),
-                "our replicates differ, so that the interval is over replicates": (
-                    ours is not None and ours.differ
-                ),
-            }
-            if any(remarks.values()):
-                meanings[label] = "; ".join(text for text, applies in remarks.items() if applies)
+            if len(number.places) > 1:
+                remarks.append("the paper does not say before or after which wear; both are shown")
+            if ours is not None and ours.differ:
+                remarks.append("our replicates differ, so that the interval is over replicates")
+            if any(remarks):
+                meanings[label] = "; ".join(filter(None, remarks))
     ours_heads = ("ours (95 % interval)", "single cycles (95 %)", "first cycles")
     head = ("printed number", "paper", *ours_heads, "paper / ours", "printed number is")
     return Table(head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings)
@@ -256,9 +242,8 @@ def ratio_table(evidence: Evidence) -> Table:
     for part in DEPTH_RATIOS:
         ours, printed = compared(evidence, BASE, part), part.printed
         assert printed is not None, "only printed depths are compared"
-        over = readable(printed / ours.mean if ours else None)
-        agrees = str(verdicts.agreement(printed, ours))
-        lines.append((comparison_text(part), readable(printed), text_of(ours), over, agrees))
+        texts = readable(printed), text_of(ours), readable(printed / ours.mean if ours else None)
+        lines.append((comparison_text(part), *texts, verdicts.agreement(printed, ours)))
     head = ("ratio of deepest wears", "paper", "ours (95 % interval)", "paper / ours", "the paper")
     return plain_table(head, lines, numeric=False)
 
@@ -348,14 +333,14 @@ def case_ratio(
 
 def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     """Return the effect of each changed assumption; failures are messages by case."""
+    shown = [(name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]]
     lines = []
-    for case, (label, _) in settings.SENSITIVITIES.items():
-        ratios = [case_ratio(evidence, place, quantity, case) for quantity, place in _SENSITIVE]
+    for name, case in settings.SENSITIVITIES.items():
+        ratios = [case_ratio(evidence, place, quantity, name) for quantity, place in shown]
         cells = (f"{text}{' *' * differs}" for text, differs in ratios)
-        lines.append((f"{label}: {failures[case]}" if case in failures else label, *cells))
-    heads = (
-        f"{quantity} {place.joint} {stage_text(place, quantity)}" for quantity, place in _SENSITIVE
-    )
+        failure = f": {failures[name]}" if name in failures else ""
+        lines.append((f"{case.label}{failure}", *cells))
+    heads = (f"{quantity} {one.joint} {stage_text(one, quantity)}" for quantity, one in shown)
     return plain_table(("changed alone", *heads), lines)
 
 
@@ -364,7 +349,7 @@ def long_table(evidence: Evidence) -> Table:
     lines = []
     places = [
         (Place(setting, wear_updates, joint), quantity)
-        for setting in settings.LONG_SETTINGS
+        for setting in settings.CASES[LONG].settings
         for quantity, wear_updates in TEXTS["tables"]["long"]
         for joint in (("",) if quantity in ("velocity", "acceleration") else JOINTS)
     ]
@@ -383,19 +368,14 @@ def long_table(evidence: Evidence) -> Table:
 
 def run_table(evidence: Evidence) -> Table:
     """Return cycles, status, energy residual and wall time of each run."""
-    records = []
+    lines = []
     for name, result in evidence.results.items():
         statistics = [stage.statistics for stage in result.stages]
         moving = [one for one in statistics if one.energy_exchanged]
         residuals = [abs(one.energy_residual) / one.energy_exchanged for one in moving]
-        record = {
-            "label": settings.run_label(name),
-            "cycles": ", ".join(whole(one.cycles) for one in statistics),
-            "status": f"{result.status}: {result.message}".removesuffix(": "),
-            "residual": max(residuals, default=None),
-            "wall": result.wall_s,
-        }
-        records.append(record)
-    columns = [Row("run", "label"), Row("cycles of each stage", "cycles"), Row("status", "status")]
-    columns += [Row("energy residual", "residual", digits=1), Row("wall time", "wall", "s")]
-    return row_table(columns, records, numeric=False)
+        cycles = ", ".join(whole(one.cycles) for one in statistics)
+        status = f"{result.status}: {result.message}".removesuffix(": ")
+        residual, wall = text_of(max(residuals, default=None), digits=1), text_of(result.wall_s)
+        lines.append((settings.run_label(name), cycles, status, residual, wall))
+    heads = ("run", "cycles of each stage", "status", "energy residual", "wall time (s)")
+    return plain_table(heads, lines, numeric=False)

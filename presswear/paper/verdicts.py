@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
+from typing import Literal
 
 import presswear as pw
 from presswear.paper.evidence import Evidence, Measured
@@ -14,27 +14,11 @@ from presswear.paper.settings import BASE, GEOMETRIES, JUDGED
 SAME = 0.02  # relative change below which a quantity is considered unchanged
 
 
-class Verdict(StrEnum):
-    """Verdict on a claim."""
-
-    HOLDS = "holds"
-    IN_PART = "holds in part"
-    FAILS = "does not hold"
-    OPEN = "undecided"
-    MISSING = "not computed"
-
-
-class Position(StrEnum):
-    """Position of a printed number relative to ours."""
-
-    INSIDE = "inside"
-    ABOVE = "above"
-    BELOW = "below"
-    AGREES = "agrees"
-    DIFFERS = "differs"
-    FREE = "as ratios only"
-    OPEN = "undecided"
-    MISSING = "not computed"
+Verdict = Literal["holds", "holds in part", "does not hold", "undecided", "not computed"]
+# Position of a printed number relative to ours.
+Position = Literal[
+    "inside", "above", "below", "agrees", "differs", "as ratios only", "undecided", "not computed"
+]
 
 
 def ratio(over: Sequence[pw.Estimate], under: Sequence[pw.Estimate]) -> pw.Estimate:
@@ -89,33 +73,30 @@ def compared(evidence: Evidence, case: str, comparison: Comparison) -> pw.Estima
 def verdict(ours: pw.Estimate | None, comparison: Comparison) -> Verdict:
     """Return whether an interval confirms the expected change."""
     if ours is None:
-        return Verdict.MISSING
+        return "not computed"
     if ours.low is None or ours.high is None:
-        return Verdict.OPEN
+        return "undecided"
     neutral = 0.0 if comparison.is_difference else 1.0
-    above, below = ours.low > neutral, ours.high < neutral
-    match comparison.expected:
-        case "more":
-            holds, fails = above, below
-        case "less":
-            holds, fails = below, above
-        case "same":
-            least, most = neutral - SAME, neutral + SAME
-            holds = least <= ours.low and ours.high <= most
-            fails = ours.low > most or ours.high < least
-    if holds:
-        return Verdict.HOLDS
-    return Verdict.FAILS if fails else Verdict.OPEN
+    margin = SAME if comparison.expected == "same" else 0.0
+    if ours.low > neutral + margin:
+        side = "more"
+    elif ours.high < neutral - margin:
+        side = "less"
+    elif margin and neutral - margin <= ours.low and ours.high <= neutral + margin:
+        side = "same"
+    else:
+        return "undecided"
+    return "holds" if side == comparison.expected else "does not hold"
 
 
 def combined(verdicts: Iterable[Verdict]) -> Verdict:
     """Return the verdict on a claim from the verdicts on its comparisons."""
-    computed = set(verdicts) - {Verdict.MISSING}
+    computed = set(verdicts) - {"not computed"}
     if not computed:
-        return Verdict.MISSING
-    if Verdict.FAILS in computed:
-        return Verdict.IN_PART if Verdict.HOLDS in computed else Verdict.FAILS
-    return Verdict.HOLDS if computed == {Verdict.HOLDS} else Verdict.OPEN
+        return "not computed"
+    if "does not hold" in computed:
+        return "holds in part" if "holds" in computed else "does not hold"
+    return "holds" if computed == {"holds"} else "undecided"
 
 
 @dataclass(frozen=True)
@@ -133,19 +114,19 @@ class Judged:
     def geometry(self) -> str:
         """Agreement of the verdicts on all geometries, in words."""
         verdicts = {self.verdict(name) for name in GEOMETRIES}
-        if len(verdicts) == 1 and verdicts <= {Verdict.HOLDS, Verdict.FAILS, Verdict.IN_PART}:
+        if len(verdicts) == 1 and verdicts <= {"holds", "does not hold", "holds in part"}:
             return "same on all three geometries"
-        if Verdict.HOLDS in verdicts and verdicts & {Verdict.FAILS, Verdict.IN_PART}:
+        if "holds" in verdicts and verdicts & {"does not hold", "holds in part"}:
             return "changes with the geometry"
         return "not decided on all three"
 
     def text(self, case: str) -> str:
         """Return the verdict, with counts where comparisons disagree or are missing."""
         count = Counter(self.parts[case])
-        missing = count.pop(Verdict.MISSING, 0)
+        missing = count.pop("not computed", 0)
         text = f"{self.verdict(case)}"
         if len(count) > 1:
-            text += f" ({count[Verdict.HOLDS]} of {count.total()} hold)"
+            text += f" ({count['holds']} of {count.total()} hold)"
         return text + (f" ({missing} not computed)" if missing and count else "")
 
 
@@ -170,28 +151,28 @@ def position(number: Printed, ours: Measured | None) -> Position:
     K_d / b, which the paper does not print, so ratios of depths are compared instead.
     """
     if ours is None:
-        return Position.MISSING
+        return "not computed"
     if number.quantity == "depth":
-        return Position.FREE
+        return "as ratios only"
     if number.quantity == "angle":
         value = ours.estimate.mean
         return agreement(value + wrapped_angle(number.value - value), ours.estimate)
     if ours.single_cycles is None or ours.first_cycles is None:
-        return Position.OPEN
+        return "undecided"
     # The paper shows the first cycle of its run, so ours are part of the range.
     if number.value > max(ours.single_cycles[1], ours.first_cycles[1]):
-        return Position.ABOVE
+        return "above"
     is_below = number.value < min(ours.single_cycles[0], ours.first_cycles[0])
-    return Position.BELOW if is_below else Position.INSIDE
+    return "below" if is_below else "inside"
 
 
 def agreement(printed: float, ours: pw.Estimate | None) -> Position:
     """Return whether a printed number is in our interval."""
     if ours is None:
-        return Position.MISSING
+        return "not computed"
     if ours.low is None or ours.high is None:
-        return Position.OPEN
-    return Position.AGREES if ours.low <= printed <= ours.high else Position.DIFFERS
+        return "undecided"
+    return "agrees" if ours.low <= printed <= ours.high else "differs"
 
 
 def positions(evidence: Evidence) -> list[tuple[Printed, Position]]:

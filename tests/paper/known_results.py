@@ -97,12 +97,12 @@ def result(
 @cache
 def every_result() -> dict[str, pw.Result]:
     results = {}
-    for seed, case in enumerate(CASES):
+    for seed, (name, case) in enumerate(CASES.items()):
         for setting in case.settings:
             last = min(base_scene(setting).wear_updates, case.wear_updates)
             seeds, force = range(100 * seed + 1, 100 * seed + 99, 10), [EVEN] * case.replicates
             stages = [stage(setting, k, seeds[k], force) for k in range(last + 1)]
-            results[run_name(case.name, setting)] = result(setting, stages)
+            results[run_name(name, setting)] = result(setting, stages)
     return results
 
 

@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from presswear.paper.printed import (
     wrapped_angle,
 )
 from presswear.paper.settings import BASE, FRICTION, HIGH_FRICTION, make_scenes
-from presswear.paper.verdicts import Position, Verdict, compared, verdict
+from presswear.paper.verdicts import Verdict, compared, verdict
 
 A, B = Place("speed-4pi", 0, "A"), Place("speed-8pi", 0, "A")
 
@@ -39,9 +40,9 @@ def test_known_depths_give_known_verdicts() -> None:
             words.add(verdict(ours, part))
         assert words
         if "clearance A is more serious" in claim.quote:
-            assert words == {Verdict.HOLDS}
+            assert words == {"holds"}
         if claim.quote.startswith("the wear depth at the friction coefficient"):
-            assert words == {Verdict.OPEN}
+            assert words == {"undecided"}
 
 
 def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction() -> None:
@@ -70,9 +71,8 @@ def test_comparisons_use_what_the_paper_prints() -> None:
 def test_each_sensitivity_changes_one_assumption_of_the_first_setting() -> None:
     scenes = make_scenes()
     first = list(scenes.values())[: len(settings.SETTINGS)]
-    made = [setting.make() for setting in settings.SETTINGS.values()]
-    assert [scene.mechanism.period for scene in first] == [scene.mechanism.period for scene in made]
-    assert first[0].replicates == settings.REPLICATES
+    speeds = [2.0 / scene.mechanism.period for scene in first]  # over pi
+    assert speeds == pytest.approx([3.5, 6.0, 6.0, 4.0, 8.0])
     base = first[0].as_dict()
     names = {name.partition("--")[0]: scene for name, scene in scenes.items()}
     assert names.keys() >= {*settings.GEOMETRIES, *settings.SENSITIVITIES}
@@ -112,10 +112,10 @@ def test_intervals_may_reach_zero_and_differences_of_angles_go_the_short_way() -
 @pytest.mark.parametrize(
     ("low", "high", "more", "less", "same"),
     [
-        (1.5, 3.0, Verdict.HOLDS, Verdict.FAILS, Verdict.FAILS),
-        (0.9, 3.0, Verdict.OPEN, Verdict.OPEN, Verdict.OPEN),
-        (0.3, 0.9, Verdict.FAILS, Verdict.HOLDS, Verdict.FAILS),
-        (0.99, 1.01, Verdict.OPEN, Verdict.OPEN, Verdict.HOLDS),
+        (1.5, 3.0, "holds", "does not hold", "does not hold"),
+        (0.9, 3.0, "undecided", "undecided", "undecided"),
+        (0.3, 0.9, "does not hold", "holds", "does not hold"),
+        (0.99, 1.01, "undecided", "undecided", "holds"),
     ],
 )
 def test_a_verdict_needs_the_whole_interval(
@@ -126,9 +126,9 @@ def test_a_verdict_needs_the_whole_interval(
     for expected, word in (("more", more), ("less", less), ("same", same)):
         for quantity, off in (("force", 0.0), ("angle", 1.0)):
             ours = pw.Estimate(1.0 - off, low - off, high - off)
-            assert verdict(ours, Comparison(quantity, (B,), (A,), expected)) is word
-    assert verdict(pw.Estimate(2.0), Comparison("force", (B,), (A,))) is Verdict.OPEN
-    assert verdict(None, Comparison("force", (B,), (A,))) is Verdict.MISSING
+            assert verdict(ours, Comparison(quantity, (B,), (A,), expected)) == word
+    assert verdict(pw.Estimate(2.0), Comparison("force", (B,), (A,))) == "undecided"
+    assert verdict(None, Comparison("force", (B,), (A,))) == "not computed"
 
 
 @pytest.mark.parametrize(
@@ -136,25 +136,25 @@ def test_a_verdict_needs_the_whole_interval(
     list(zip(("h", "hh", "hf", "ff", "fo", "ho", "oo", "hm", "mm"), "hhpffoohm", strict=True)),
 )
 def test_a_claim_holds_where_all_its_parts_do(parts: str, word: str) -> None:
-    words = dict(zip("hpfom", Verdict, strict=True))
-    assert verdicts.combined(words[letter] for letter in parts) is words[word]
+    words = dict(zip("hpfom", get_args(Verdict), strict=True))
+    assert verdicts.combined(words[letter] for letter in parts) == words[word]
 
 
 def test_printed_numbers_are_compared_with_single_cycles_and_intervals() -> None:
     ours = Measured(estimate(100.0, 5.0), (60.0, 150.0), (100.0, 110.0))
     angle = Measured(estimate(math.radians(359.0), math.radians(5.0)))
     for quantity, value, measured, expected in (
-        ("force", 140.0, ours, Position.INSIDE),
-        ("force", 151.0, ours, Position.ABOVE),
-        ("force", 59.0, ours, Position.BELOW),
-        ("force", 310.0, replace(ours, first_cycles=(300.0, 320.0)), Position.INSIDE),
-        ("force", 100.0, Measured(estimate(100.0, 5.0)), Position.OPEN),
-        ("force", 100.0, None, Position.MISSING),
-        ("depth", 1e-6, ours, Position.FREE),
-        ("angle", math.radians(2.0), angle, Position.AGREES),
-        ("angle", math.radians(6.0), angle, Position.DIFFERS),
+        ("force", 140.0, ours, "inside"),
+        ("force", 151.0, ours, "above"),
+        ("force", 59.0, ours, "below"),
+        ("force", 310.0, replace(ours, first_cycles=(300.0, 320.0)), "inside"),
+        ("force", 100.0, Measured(estimate(100.0, 5.0)), "undecided"),
+        ("force", 100.0, None, "not computed"),
+        ("depth", 1e-6, ours, "as ratios only"),
+        ("angle", math.radians(2.0), angle, "agrees"),
+        ("angle", math.radians(6.0), angle, "differs"),
     ):
         number = Printed("5", "1", Place("speed-4pi", 1, "A"), quantity, value)
-        assert verdicts.position(number, measured) is expected
-    assert verdicts.agreement(2.0, pw.Estimate(1.9, 1.5, 2.5)) is Position.AGREES
-    assert verdicts.agreement(3.0, pw.Estimate(1.9)) is Position.OPEN
+        assert verdicts.position(number, measured) == expected
+    assert verdicts.agreement(2.0, pw.Estimate(1.9, 1.5, 2.5)) == "agrees"
+    assert verdicts.agreement(3.0, pw.Estimate(1.9)) == "undecided"
