@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import choice, count, named_set, quantity, written
-from presswear.tools.serialize import Checked
+from presswear.tools.serialize import Checked, documented
 from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
@@ -52,56 +52,13 @@ CONVENTIONS: dict[str, Conventions] = {
 Law = str | UserFunction | Callable[..., float]
 
 
+@documented
 @dataclass(frozen=True)
 class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
-    Numbers are in SI, or texts with units such as "0.5 mm". The clearance is radial.
-
-    Attributes
-    ----------
-    clearance : float, 1e-09 to 1 m, default 0.0008
-        Radius of the bearing R_i minus radius of the pin, half of the difference of the diameters.
-    bearing_radius : float, 0.0001 to 1 m, default 0.015
-    width : float, above 0 up to 1 m, default 0.02
-        Axial width b.
-    materials : Materials or str, default "paper"
-        Elasticity and wear of a pair, pin first; also "304L-304L", "316L-304L", "nitrided-304L" and
-        "chromed-304L".
-    contact_stiffness : float or None, 1000 to 1e+15 N/m^n, default None
-        Stiffness K; None: Hertz, from the materials and radii.
-    exponent : float, 1 to 2.5, default 1.5
-    elasticity : {"power", "liu", "foundation"}, default "power"
-        Elastic force of round surfaces: K delta^n, Liu's law, or elastic foundation.
-    normal_law : str or callable, default "lankarani-nikravesh"
-        Or "hunt-crossley", "herbert-mcwhannell", "gonthier", "flores", "kelvin-voigt",
-        "FILE.py:FUNCTION", or a function of NORMAL_PARAMETERS that returns a force, N.
-    restitution : float, 0 to 1, default 0.9
-    viscous_damping : float, 0 to 1e+09 N s/m, default 0
-        Of normal_law = kelvin-voigt.
-    friction_law : str or callable, default "ramp"
-        Or "smooth", "threlfall", "lugre", "FILE.py:FUNCTION", or a function of FRICTION_PARAMETERS
-        that returns a force, N.
-    friction : float, 0 to 0.8, default 0.02
-    lower_speed : float, 0 to 1 m/s, default 0.0001
-        Sliding speed below which there is no friction.
-    upper_speed : float, 1e-05 to 1 m/s, default 0.001
-        Sliding speed above which friction is full.
-    static_friction : float or None, 0 to 2, default None
-        Of friction_law = lugre, as the next three; None: equal to friction.
-    stribeck_speed : float, 1e-06 to 1 m/s, default 0.001
-    bristle_stiffness : float, 100 to 1e+08 1/m, default 100000
-    bristle_damping : float, 0.01 to 100000 s/m, default 10
-    viscosity : float or None, 1e-05 to 1000 Pa s, default None
-        Of a lubricant, whose film is reported and not simulated; None: dry.
-    roughness : float, 1e-09 to 0.0001 m, default 3e-07
-        R_q of each surface, for the report on the film.
-    pressure_limit : float or None, 1000 to 1e+10 Pa, default None
-        Largest pin pressure F / (2 R_i b) without a warning; None: no limit.
-    pv_limit : float or None, 1 to 1e+12 W/m^2, default None
-        Largest mean of pressure times sliding speed without a warning; None: no limit.
-    angles : int, 16 to 100000, default 360
-        Bins of a wear map.
+    Numbers are in SI, or texts with units such as "0.5 mm". A law can be a function of some of
+    NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a force, N.
     """
 
     clearance: float = quantity(

@@ -93,6 +93,21 @@ class Checked(Named):
         check_fields(self)
 
 
+def documented(owner: type[T]) -> type[T]:
+    """Add the fields of a data class to its docstring, with range, default and text."""
+    lines = [inspect.cleandoc(owner.__doc__ or ""), "\nAttributes\n----------"]
+    for item in fields(cast(Any, owner)):
+        meaning, default = meaning_of(item), item.default
+        if isinstance(meaning, Choice):
+            allowed, default = ", ".join(meaning.allowed()), meaning.shown(default)
+        elif meaning is not None:
+            allowed = meaning.range_text()
+        if meaning is not None:
+            lines.append(f"{item.name} : {allowed}, default {default}\n    {meaning.text}")
+    owner.__doc__ = "\n".join(lines)
+    return owner
+
+
 def converted(name: str, value: Any, kind: Any) -> Any:
     """Return a value as its annotation says; raise InputError with its name.
 
