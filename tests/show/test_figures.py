@@ -295,14 +295,14 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
     }
     first = panels["depth of C: first"]
     curve, limit, life, service = (np.asarray(line.get_xydata()) for line in first.get_lines())
-    np.testing.assert_allclose(curve, 10.0 * np.outer(made.STROKES, [1e-7, 1e-6]))
-    assert set(limit[:, 1]) == {50.0}
-    assert set(life[:, 0]) == {1e-6 * made.LIFE}
-    assert set(service[:, 0]) == {2.0}
+    np.testing.assert_allclose(curve, np.outer(made.STROKES, [1.0, 1e-11]))
+    assert set(limit[:, 1]) == {5e-5}
+    assert set(life[:, 0]) == {made.LIFE}
+    assert set(service[:, 0]) == {2e6}
     colour = to_rgba(LINES[2][0])[:3]
     (span,) = [patch for patch in first.patches if patch.get_facecolor()[:3] == colour]
     ends = span.get_extents().transformed(first.transData.inverted())
-    expected = 1e-6 * made.LIFE * np.exp([-math.hypot(0.03, 0.04), math.hypot(0.03, 0.04)])
+    expected = made.LIFE * np.exp([-math.hypot(0.03, 0.04), math.hypot(0.03, 0.04)])
     assert (ends.x0, ends.x1) == pytest.approx(tuple(expected))
     words = {title: [text.get_text() for text in each.texts] for title, each in panels.items()}
     assert words["worn volume of A"] == ["replaced", "running-in", "steady"]

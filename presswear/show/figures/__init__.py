@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.show.figures import dynamics, life, mechanism, motion, style, wear
 from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, WIDTH, Axes, Drawing, Stages
@@ -20,27 +21,27 @@ from presswear.tools.files import write_whole
 
 __all__ = ["NAMES", "Drawing", "drawings", "plot", "rendered", "save", "write"]
 
-# Figures by name, in the order of the report: the choice of the stages that are drawn (None: all),
-# and the function that returns the drawings of at least one stage, none where it would be empty.
-NAMES: dict[str, tuple[Callable[[Result, Stages], Any] | None, Callable[..., list[Drawing]]]] = {
-    "life": (None, life.service_life),
-    "mechanism": (None, lambda result, stages: [mechanism.labelled(result.scene)]),
-    "stroke": (style.moving_stages, motion.height_over_angle),
-    "tonnage": (style.moving_stages, motion.force_over_stroke),
-    "wear": (style.shown_stages, wear.wear_depth),
-    "growth": (None, wear.wear_growth),
-    "surfaces": (style.shown_stages, wear.worn_surfaces),
-    "response": (style.moving_stages, motion.response),
-    "bottom": (style.shown_stages, motion.bottom_dead_centre),
-    "force": (style.loose_stages, motion.contact_force),
-    "path": (style.loose_stages, motion.centre_trajectory),
-    "phase": (style.settled_stages, dynamics.phase_portrait),
-    "poincare": (style.settled_stages, dynamics.poincare_section),
-    "impacts": (style.settled_stages, dynamics.impact_section),
-    "modes": (style.settled_stages, dynamics.contact_modes),
-    "spectrum": (style.settled_stages, dynamics.spectrum),
-    "drives": (style.moving_stages, motion.drive_work),
-    "oil": (None, motion.film_thickness),
+# Figures by name, in the order of the report: the stages that are drawn, and the function that
+# returns the drawings of at least one stage, none where it would be empty.
+NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
+    "life": ("all", life.service_life),
+    "mechanism": ("all", lambda result, stages: [mechanism.labelled(result.scene)]),
+    "stroke": ("moving", motion.height_over_angle),
+    "tonnage": ("moving", motion.force_over_stroke),
+    "wear": ("shown", wear.wear_depth),
+    "growth": ("all", wear.wear_growth),
+    "surfaces": ("shown", wear.worn_surfaces),
+    "response": ("moving", motion.response),
+    "bottom": ("shown", motion.bottom_dead_centre),
+    "force": ("loose", motion.contact_force),
+    "path": ("loose", motion.centre_trajectory),
+    "phase": ("settled", dynamics.phase_portrait),
+    "poincare": ("settled", dynamics.poincare_section),
+    "impacts": ("settled", dynamics.impact_section),
+    "modes": ("settled", dynamics.contact_modes),
+    "spectrum": ("settled", dynamics.spectrum),
+    "drives": ("moving", motion.drive_work),
+    "oil": ("all", motion.film_thickness),
 }
 _PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets only shown ones
 
@@ -66,10 +67,19 @@ def drawings(
 
 def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
     """Return the drawings of a figure of ``NAMES``; none where it would show nothing."""
-    choose, draw = NAMES[name]
+    choice, draw = NAMES[name]
     with matplotlib.rc_context(SETTINGS):
-        chosen = choose(result, stages) if choose and stages else stages
-        return draw(result, chosen) if chosen else []
+        shown = style.shown_stages(result, stages) if stages else []
+        # The numbers of a failed stage are meaningless.
+        moving = [each for each in shown if not each.data.failed and each.data.time.size > 1]
+        choices: dict[str, Sequence[Any]] = {
+            "all": stages,
+            "shown": shown,
+            "moving": moving,
+            "loose": [each for each in moving if each.data.has_joint_series],
+            "settled": [each for each in shown if has_motion(result.scene, each.data)],
+        }
+        return draw(result, choices[choice]) if choices[choice] else []
 
 
 def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) -> list[Axes]:

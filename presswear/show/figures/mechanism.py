@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -25,12 +25,19 @@ _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring
 _MARGIN = 0.16  # around everything that moves, relative to its size
-_ON_AXIS = 0.7  # cosine from which a label lies on the x axis of its body
-_ROOM = 0.05  # between a label and other bodies, relative to the same size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _SLIMMEST = 0.6  # width over height, at least
-_UP, _LEFT = np.array([0.0, 1.0]), np.array([-1.0, 0.0])
+_SIDES = (90, 0, 180, 270, 45, 135, 315, 225)  # of a place, at which a label may be, degrees
+_SAMPLES = 1000  # points of a drawn line that a label may cover
+_OVERLAP = 100.0  # cost of a label on another one, in lines that it covers
+
+
+class _Label(NamedTuple):
+    text: str
+    places: Array  # beside which it may be, the best first, shape (n, 2), m
+    gap: float  # from the place, points
+    look: dict[str, Any]  # of the text
 
 
 @matplotlib.rc_context(style.SETTINGS)
@@ -56,40 +63,26 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     low[0], high[0], wide = low[0] - 0.5 * room, high[0] + 0.5 * room, wide + room
     height = min(max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
     sheet, ((axes,),) = style.panels(1, 1, height)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     for path in paths.values():
         axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
     place = moving(Attachment(output.body, output.x, output.y))[0]
-    along = 0.14 * size * direction_at(output.direction)
-    _arrow(axes, place, place + along, "black", 1.6)
-    centres = {name: path[0] for name, path in origins.items()}
-    _draw_joints(axes, scene, ends, {name: path[0] for name, path in paths.items()}, centres, size)
-    for number in range(len(linkage.bodies)):
-        _draw_body(axes, linkage, number, position[:1], size)
-    _draw_guides_and_forces(axes, linkage, position[:1], centres, size)
+    _arrow(axes, place, place + 0.14 * size * direction_at(output.direction), "black", 1.6)
+    labels = _draw_joints(axes, scene, ends, {name: path[0] for name, path in paths.items()}, size)
     for drive in linkage.drives:
         hinge = next((paths[name][0] for name, end in ends if end.body == drive.body), None)
         if hinge is not None:
             _bent_arrow(axes, hinge, drive.mean_speed, 0.06 * size, "black")
-            # Below the arrow, on the side that the body does not reach.
-            side = 1.0 if centres[drive.body][0] < hinge[0] - 1e-6 * size else -1.0
-            corner = hinge + 0.06 * size * np.array([0.5 * side, -0.87])
-            text = f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm"
-            _label(axes, text, corner, np.array([side, -1.0]), 5.0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    scale = (height - _EDGES[1]) * sheet.dpi / tall  # pixels per m
-    boxes: list[Array] = []  # of the labels, corners in pixels from the origin
-    for text in axes.texts:
-        around = text.get_window_extent().get_points() - axes.transData.transform(text.xy)
-        box = scale * np.array(text.xy) + around
-        for placed in boxes:
-            if np.all(box[0] < placed[1]) and np.all(placed[0] < box[1]):  # move it up or down
-                is_above = box[:, 1].sum() > placed[:, 1].sum()
-                shift = placed[1, 1] - box[0, 1] + 2 if is_above else placed[0, 1] - box[1, 1] - 2
-                box[:, 1] += shift
-                text.xyann = (text.xyann[0], text.xyann[1] + 72.0 / sheet.dpi * shift)
-        boxes.append(box)
-        low[0], high[0] = min(low[0], box[0, 0] / scale), max(high[0], box[1, 0] / scale)
+            corners = hinge + 0.06 * size * np.array([[0.5, -0.87], [-0.5, -0.87]])
+            labels.append(
+                _Label(f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm", corners, 5.0, {})
+            )
+    labels += [_draw_body(axes, linkage, k, position[:1], size) for k in range(len(linkage.bodies))]
+    labels += _draw_guides_and_forces(axes, linkage, position[:1], size)
+    scale = 72.0 * (height - _EDGES[1]) / tall  # points per m
+    boxes = _write(axes, labels, scale) / scale
+    low[0], high[0] = min(low[0], boxes[:, 0, 0].min()), max(high[0], boxes[:, 1, 0].max())
     axes.set_xlim(low[0], high[0])
     width = (height - _EDGES[1]) * (high[0] - low[0]) / tall + _EDGES[0]
     sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
@@ -101,6 +94,37 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     return style.finished("mechanism", sheet, **content)[0]
 
 
+def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
+    """Write each label where it covers the fewest lines; return the boxes, (n, 2, 2), points.
+
+    The scale is in points per metre. Boxes are lower left and upper right corners.
+    """
+    artists: list[Any] = [*axes.lines, *axes.patches]
+    lines, weights = [], []
+    for artist in artists:
+        path = artist.get_path()
+        lines.append(scale * path.interpolated(_SAMPLES // len(path.vertices) + 1).vertices)
+        weights.append(0.3 if artist.zorder < 2 else 1.0)  # paths and guides may be covered
+    starts = np.cumsum([0, *map(len, lines[:-1])])
+    points, sides = np.vstack(lines), np.array([direction_at(math.radians(a)) for a in _SIDES])
+    boxes: list[Array] = []
+    for text, places, gap, look in labels:
+        note = axes.annotate(text, places[0], (0, 0), textcoords="offset points", zorder=9, **look)
+        note.set(ha="center", va="center", multialignment="center")
+        half = 36.0 / axes.figure.dpi * np.array(note.get_window_extent().size)
+        offsets = gap * sides + half * np.round(sides)
+        middles = (scale * places[:, np.newaxis] + offsets).reshape(-1, 2)
+        boxed = np.stack([middles - half, middles + half], axis=1)
+        inside = [((points > box[0]) & (points < box[1])).all(axis=1) for box in boxed]
+        costs = np.logical_or.reduceat(inside, starts, axis=1) @ weights
+        for other in boxes:
+            costs += _OVERLAP * ((boxed[:, 0] < other[1]) & (boxed[:, 1] > other[0])).all(axis=1)
+        place, side = divmod(int(costs.argmin()), len(sides))
+        note.xy, note.xyann = tuple(places[place]), tuple(offsets[side])
+        boxes.append(boxed[costs.argmin()])
+    return np.array(boxes)
+
+
 def _common_clearance(scene: Scene) -> float | None:
     """Return the clearance of all joints if many have the same, m: the caption states it."""
     sizes = {scene.bearing(name).clearance for name in scene.clearance_joints}
@@ -108,41 +132,22 @@ def _common_clearance(scene: Scene) -> float | None:
     return sizes.pop() if many and len(sizes) == 1 else None
 
 
-def _unit(vector: Array) -> Array:
-    length = float(np.hypot(*vector))
-    return vector / length if length > 0.0 else vector
-
-
-def _label(axes: Axes, text: str, place: Array, direction: Array, gap: float, **look: Any) -> None:
-    """Write a text beside a place, at a gap in points in a direction."""
-    x, y = gap * _unit(direction)
-    horizontal = "left" if x > 0.4 * gap else "right" if x < -0.4 * gap else "center"
-    vertical = "bottom" if y > 0.4 * gap else "top" if y < -0.4 * gap else "center"
-    look |= {"multialignment": "center", "zorder": 9, "ha": horizontal, "va": vertical}
-    axes.annotate(text, tuple(place), xytext=(x, y), textcoords="offset points", **look)
-
-
 def _draw_joints(
     axes: Axes,
     scene: Scene,
     ends: list[tuple[str, Attachment]],
     places: Mapping[str, Array],
-    centres: Mapping[str, Array],
     size: float,
-) -> None:
-    """Draw the pin joints; joints at one place share a label, away from their bodies."""
+) -> list[_Label]:
+    """Draw the pin joints; joints at one place share a label."""
     groups: dict[tuple[float, ...], list[str]] = {}
     for name, place in places.items():
         groups.setdefault(tuple(np.round(place / (0.01 * size))), []).append(name)
-    output = scene.base_linkage.output
+    labels = []
     for names in groups.values():
         place = places[names[0]]
-        bodies = {end.body for name, end in ends if name in names}
         loose = [name for name in names if name in scene.clearance_joints]
-        arms = [_unit(centres[body] - place) for body in sorted(bodies - {GROUND})]
-        if output.body in bodies:
-            arms.append(direction_at(output.direction))
-        if GROUND in bodies:
+        if any(end.body == GROUND for name, end in ends if name in names):
             axes.plot(*place, marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
         if loose:
             axes.plot(*place, "o", markersize=11, fillstyle="none", color="black", zorder=5)
@@ -151,27 +156,13 @@ def _draw_joints(
         for name in loose if _common_clearance(scene) is None else ():
             of_joint = f" of {name}" if len(names) > 1 else ""
             lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
-        is_block = any(
-            np.abs(centres[body] - place).max() < 1e-9 * size for body in bodies - {GROUND}
-        )
-        gap = 12.0 if is_block else 9.0 if loose else 7.0
-        direction = _free_direction(arms, GROUND in bodies)
-        _label(axes, "\n".join(lines), place, direction, gap, weight="bold")
+        gap = 9.0 if loose else 7.0
+        labels.append(_Label("\n".join(lines), place[np.newaxis], gap, {"weight": "bold"}))
+    return labels
 
 
-def _free_direction(arms: list[Array], on_frame: bool) -> Array:
-    """Return the direction of a label away from the arms that leave a joint."""
-    total = np.sum(arms, axis=0) if arms else -_UP
-    if on_frame:  # beside the hinge, because a drive is drawn below it
-        return -_LEFT if total[0] < -1e-6 else _LEFT
-    if np.hypot(*total) > 0.3:
-        return np.asarray(-total)
-    beside = across(arms[0])
-    return beside * (1.0 if beside @ (_UP - 0.5 * _LEFT) >= 0.0 else -1.0)
-
-
-def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size: float) -> None:
-    """Draw a body with its mass centre, its x axis and its name."""
+def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size: float) -> _Label:
+    """Draw a body with its mass centre and its x axis; its name is beside one of its edges."""
     name, (colour, _) = linkage.bodies[number].name, style.LINES[number % len(style.LINES)]
     outline = body_outline(linkage, name, _BAR * size)
     pose = position[0, 3 * number : 3 * number + 3]
@@ -182,66 +173,34 @@ def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size:
     )
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
-    # The name is beside a block, outside of the longest edge of a plate, or beside a bar.
-    ends = [(end.x, end.y) for _, end in attachments(linkage, name)]
-    corners = np.unique([*ends, (0.0, 0.0)] if len(set(ends)) == 1 else ends, axis=0)
-    place, direction, gap = centre, _LEFT - _UP, 12.0
-    if len(corners) > 1 and not any(guide.body == name for guide in linkage.guides):
-        around = corners - corners.mean(axis=0)
-        corners = corners[np.argsort(np.arctan2(*around.T))] @ turn
-        edges = np.roll(corners, -1, axis=0) - corners
-        k = int(np.hypot(*edges.T).argmax())
-        x, y = direction = _unit(across(edges[k]))
-        is_plate, gap = len(corners) > 2, 7.0
-        place = centre + corners[k] + 0.5 * edges[k] if is_plate else centre
-        if is_plate:
-            inwards = corners.mean(axis=0) - corners[k] - 0.5 * edges[k]
-            direction = -direction if direction @ inwards > 0.0 else direction
-        else:
-            if (y if abs(y) > 0.2 else x) < 0.0:
-                direction = -direction
-            near, far = (
-                _room(linkage, name, position, place, s * direction, size) for s in (1, -1)
-            )
-            is_close = near < min(far, _ROOM * size)
-            is_on_axis = direction @ along > _ON_AXIS and far > _ROOM * size
-            direction = -direction if is_close or is_on_axis else direction
-    _label(axes, name, place, direction, gap, color=colour)
-
-
-def _room(
-    linkage: Linkage, name: str, position: Array, place: Array, side: Array, size: float
-) -> float:
-    """Return the distance, m, of a label beside a place of a body from all other bodies."""
-    label, part = place + side * (0.09 * size, 0.04 * size), np.linspace(0.0, 1.0, 21)[:, None]
-    distances = [math.inf]
-    for body in linkage.bodies:
-        joined = attachments(linkage, body.name) if body.name != name else []
-        ends = [points_of(linkage, position, end)[0, :2] for _, end in joined]
-        for first, second in combinations(ends, 2):
-            distances.append(np.hypot(*(first + part * (second - first) - label).T).min())
-    return float(min(distances))
+    ends = {(end.x, end.y): None for _, end in attachments(linkage, name)}
+    middles = [np.mean(pair, axis=0) for pair in combinations(ends, 2)] or [np.zeros(2)]
+    return _Label(name, centre + np.array(middles) @ turn, 8.0, {"color": colour})
 
 
 def _draw_guides_and_forces(
-    axes: Axes, linkage: Linkage, position: Array, centres: Mapping[str, Array], size: float
-) -> None:
+    axes: Axes, linkage: Linkage, position: Array, size: float
+) -> list[_Label]:
     """Draw guides as dashed lines, springs as zigzags and loads as red arrows."""
+    labels = []
+
+    def at(point: Attachment) -> Array:
+        return points_of(linkage, position, point)[0, :2]
+
     for guide in linkage.guides:
         ends = np.outer([-0.25 * size, 0.25 * size], direction_at(guide.direction))
-        line = centres[guide.body] + ends
+        line = at(Attachment(guide.body, 0.0, 0.0)) + ends
         axes.plot(*line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0)
     for spring in linkage.springs:
-        first, second = (points_of(linkage, position, end)[0, :2] for end in spring.ends)
+        first, second = map(at, spring.ends)
         part = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)
         swing = 0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
-        beside = across(second - first)
-        line = first + np.outer(part, second - first) - np.outer(swing, beside)
+        line = first + np.outer(part, second - first) - np.outer(swing, across(second - first))
         axes.plot(*line.T, color=style.MUTED, linewidth=1.0, zorder=2)
-        _label(axes, spring.name, 0.5 * (first + second), beside, 9.0, color=style.MUTED)
+        middle = 0.5 * (first + second)[np.newaxis]
+        labels.append(_Label(spring.name, middle, 9.0, {"color": style.MUTED}))
     for load in linkage.loads:
-        point = load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0)
-        place = points_of(linkage, position, point)[0, :2]
+        place = at(load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0))
         direction, moment = None, 1.0
         if isinstance(load, Force):
             direction, moment = load.direction, 0.0
@@ -252,6 +211,7 @@ def _draw_guides_and_forces(
             _arrow(axes, place - 0.19 * size * direction_at(direction), place, _LOAD, 1.4)
         if moment:
             _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
+    return labels
 
 
 def _arrow(axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8) -> None:

@@ -18,7 +18,6 @@ from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
-from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
 from presswear.tools.numbers import (
@@ -123,23 +122,6 @@ def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
     ]
 
 
-def moving_stages(result: Result, stages: Stages) -> list[ShownStage]:
-    """Return the shown stages with a motion, unless they failed: their numbers are meaningless."""
-    shown = shown_stages(result, stages)
-    return [stage for stage in shown if not stage.data.failed and stage.data.time.size > 1]
-
-
-def loose_stages(result: Result, stages: Stages) -> list[ShownStage]:
-    """Return the moving stages with series of joints with clearance."""
-    return [stage for stage in moving_stages(result, stages) if stage.data.has_joint_series]
-
-
-def settled_stages(result: Result, stages: Stages) -> list[ShownStage]:
-    """Return the shown stages with at least a cycle of motion in joints with clearance."""
-    shown = shown_stages(result, stages)
-    return [stage for stage in shown if has_motion(result.scene, stage.data)]
-
-
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     """Return the names of stages; ``computed`` if nothing can wear."""
     has_wear = bool(result.scene.clearance_joints)
@@ -232,13 +214,16 @@ def wrapped(label: str, width: float) -> str:
     return fill(label, max(round(width * _ROW / WIDTH), 1))
 
 
-def label_values(axes: Axes, name: str, unit: str) -> tuple[float, str]:
-    """Label the vertical axis of values in SI in the display unit of its limits; return the unit.
+def label_values(
+    axes: Axes, name: str, unit: str, largest: float | None = None
+) -> tuple[float, str]:
+    """Label the vertical axis of values in SI in a display unit; return its factor and name.
 
-    The factor from SI to the display unit comes first.
+    The unit is that in which the largest value, or the largest limit of the axis, reads well.
     """
-    factor, shown = unit_scale(unit, max(map(abs, axes.get_ylim())))
-    axes.set_ylabel(f"{name} ({shown})")
+    largest = max(map(abs, axes.get_ylim())) if largest is None else largest
+    factor, shown = unit_scale(unit, largest)
+    axes.set_ylabel(f"{name} ({shown})".lstrip())
     axes.yaxis.set_major_formatter(lambda value, _: f"{factor * value:g}".replace("-", "−"))
     return factor, shown
 

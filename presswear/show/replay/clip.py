@@ -139,11 +139,11 @@ def _last_cycle(clip: Clip, place: int) -> Film:
 
 def max_depths(linkage: Linkage) -> dict[str, float]:
     """Return the largest wear depth of each joint, m."""
-    pairs = {each.name: (each.bearing_surface, each.pin_surface) for each in linkage.clearances}
-    return {
-        name: max(float(surface.depth.max(initial=0.0)) for surface in pair)
-        for name, pair in pairs.items()
-    }
+    depths = {}
+    for joint in linkage.clearances:
+        sides = joint.bearing_surface, joint.pin_surface
+        depths[joint.name] = max(float(side.depth.max(initial=0.0)) for side in sides)
+    return depths
 
 
 def equal_limits(clips: Sequence[Clip]) -> list[Clip]:

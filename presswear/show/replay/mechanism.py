@@ -6,7 +6,6 @@ again, with a larger scale, as a band behind each surface.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +18,6 @@ from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y
 from presswear.show.replay.shapes import Colour, Shape, band, circle, filled, line, mix, ring
 from presswear.tools.arrays import Array
-
-Layer = Callable[[int], float]
 
 # Palette of Okabe and Ito, distinguishable with every common colour blindness.
 BODY_COLOURS = ("#D55E00", "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
@@ -45,36 +42,36 @@ def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     return low - margin, high + margin
 
 
-def body_shapes(linkage: Linkage, body: str, bar: float, layer: Layer) -> list[Shape]:
+def body_shapes(linkage: Linkage, number: int, bar: float) -> list[Shape]:
     """Return a body in its own frame with its holes, mass centre and bearings."""
-    number = linkage.index(body)
+    body = linkage.bodies[number].name
     fill = to_rgba(BODY_COLOURS[number % len(BODY_COLOURS)])
     edge = mix(fill, INK, 0.55)
-    drawn = [filled(circle((0.0, 0.0), 0.16 * bar, 12), layer(39), edge)]
+    drawn = [filled(circle((0.0, 0.0), 0.16 * bar, 12), 39, edge)]
     for inset, z, paint in ((0.0, 4, edge), (0.22 * bar, 5, fill)):
         outline = shapes.body_outline(linkage, body, bar, inset)
-        drawn.append(filled(outline, layer(3 * number + z), paint))
+        drawn.append(filled(outline, 3 * number + z, paint))
     bearings = {joint.bearing: k for k, joint in enumerate(linkage.clearances)}
     for _, end in shapes.attachments(linkage, body):
         centre = (end.x, end.y)
-        drawn.append(filled(circle(centre, 0.55 * bar, 24), layer(40), INK))
-        drawn.append(filled(circle(centre, 0.35 * bar, 24), layer(41), PAPER))
+        drawn.append(filled(circle(centre, 0.55 * bar, 24), 40, INK))
+        drawn.append(filled(circle(centre, 0.35 * bar, 24), 41, PAPER))
         if end in bearings:
             paint = JOINT_COLOURS[bearings[end] % len(JOINT_COLOURS)]
-            drawn.append(ring(centre, 1.35 * bar, 0.5 * bar, layer(3 * number + 6), paint))
+            drawn.append(ring(centre, 1.35 * bar, 0.5 * bar, 3 * number + 6, paint))
     return drawn
 
 
-def frame_shapes(linkage: Linkage, positions: Array, bar: float, layer: Layer) -> list[Shape]:
+def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
     """Return the pedestals of the ground joints and the guides along the path of their bodies."""
     drawn: list[Shape] = []
     for _, point in shapes.attachments(linkage, GROUND):
         centre = np.array([point.x, point.y])
         foot, side = centre - [0.0, 3.4 * bar], np.array([2.2 * bar, 0.0])
-        drawn.append(filled(np.array([centre, foot - side, foot + side]), layer(1), STEEL))
-        drawn.append(filled(circle(centre, 1.3 * bar), layer(2), STEEL))
+        drawn.append(filled(np.array([centre, foot - side, foot + side]), 1, STEEL))
+        drawn.append(filled(circle(centre, 1.3 * bar), 2, STEEL))
         ends = np.array([foot - 1.3 * side, foot + 1.3 * side])
-        drawn += shapes.hatched(ends, -1.0, bar, layer(1), INK)
+        drawn += shapes.hatched(ends, -1.0, bar, 1, INK)
     for guide in linkage.guides:
         along, base = shapes.direction(guide.direction), np.array([guide.x, guide.y])
         places = shapes.points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
@@ -82,7 +79,7 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float, layer: Layer) -
         ends = base + np.outer([travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], along)
         for sign in (-1.0, 1.0):
             edge = ends + sign * 2.35 * bar * shapes.across(along)
-            drawn += shapes.hatched(edge, sign, bar, layer(1), INK)
+            drawn += shapes.hatched(edge, sign, bar, 1, INK)
     return drawn
 
 
@@ -127,7 +124,7 @@ class EnlargedJoint:
             f"arrow: sqrt(F), up to {self.max_force:.0f} N",
         )
 
-    def bodies(self, layer: Layer) -> list[list[Shape]]:
+    def bodies(self) -> list[list[Shape]]:
         """Return bearing, its mark, pin and its mark, each about its own centre."""
         pin_radius, edge = self.pin_factor * self.joint.pin_radius, 0.012 * self.radius
         gap = pin_radius + self.gap_factor * self.joint.clearance
@@ -140,24 +137,24 @@ class EnlargedJoint:
             depth = surface(bin_centres(DRAWN_BINS))
             worn = radius + outwards * self.gap_factor * depth
             drawn = [
-                band(_polar(worn), _polar(np.full(DRAWN_BINS, far)), layer(z), paint),
-                band(_polar(worn), _polar(worn + outwards * edge), layer(z + 2), INK),
+                band(_polar(worn), _polar(np.full(DRAWN_BINS, far)), z, paint),
+                band(_polar(worn), _polar(worn + outwards * edge), z + 2, INK),
             ]
             if depth.max() > 0.0:
                 reach = outwards * np.minimum(self.band_factor * depth, np.abs(far - worn))
-                drawn.append(band(_polar(worn), _polar(worn + reach), layer(z + 1), WORN))
+                drawn.append(band(_polar(worn), _polar(worn + reach), z + 1, WORN))
             size = self.radius if far else pin_radius
             mark = (0.55 * size, 0.0), (0.9 * size, 0.0)
-            bodies += [drawn, [line(*mark, 0.02 * self.radius, layer(z + 3), MARK)]]
-        bodies[0].append(ring((0.0, 0.0), self.radius, edge, layer(72), INK))
+            bodies += [drawn, [line(*mark, 0.02 * self.radius, z + 3, MARK)]]
+        bodies[0].append(ring((0.0, 0.0), self.radius, edge, 72, INK))
         return bodies
 
     def coordinates(self, bearing: Array, pin: Array) -> list[Array]:
         """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""
-        offset = self.gap_factor * (pin - bearing)[:2]
+        places = self.centre, self.centre + self.gap_factor * (pin - bearing)[:2]
         return [
-            np.array([*(self.centre + point), angle])
-            for point, pose in ((np.zeros(2), bearing), (offset, pin))
+            np.append(place, angle)
+            for place, pose in zip(places, (bearing, pin), strict=True)
             for angle in (self._map_angle(pose), pose[2])
         ]
 
@@ -165,24 +162,24 @@ class EnlargedJoint:
         """Return the angle of the wear map of a body, rad; a map fixed in space does not turn."""
         return float(pose[2]) if self.joint.map_frame == "body" else 0.0
 
-    def moving(self, bearing: Array, pin: Array, row: Array, layer: Layer) -> list[Shape]:
+    def moving(self, bearing: Array, pin: Array, row: Array) -> list[Shape]:
         """Return clearance circle, path of the pin, contact and force.
 
         Poses of bearing and pin have shape (n, 3); the row has the columns ``FILM_JOINT``.
         """
         eccentricity = (pin - bearing)[:, :2]
         play = self.gap_factor * self.joint.clearance
-        drawn = [ring(self.centre, play, 0.008 * self.radius, layer(85), mix(STEEL, INK, 0.4))]
+        drawn = [ring(self.centre, play, 0.008 * self.radius, 85, mix(STEEL, INK, 0.4))]
         count = len(eccentricity) - 1
         if count > 0:  # the path fades towards the past
             points = self.centre + self.gap_factor * eccentricity
             shares = 0.85 * (1.0 - np.arange(1, count + 1) / count)
             paints = [mix(self.paint, PAPER, share) for share in shares.tolist()]
-            drawn += shapes.strokes(points, 0.016 * self.radius, layer(86), paints)
-            drawn.append(filled(circle(points[-1], 0.03 * self.radius, 16), layer(86), self.paint))
-        return drawn + self.contact(eccentricity[-1], self._map_angle(pin[-1]), row, layer(88))
+            drawn += shapes.strokes(points, 0.016 * self.radius, 86, paints)
+            drawn.append(filled(circle(points[-1], 0.03 * self.radius, 16), 86, self.paint))
+        return drawn + self.contact(eccentricity[-1], self._map_angle(pin[-1]), row)
 
-    def contact(self, eccentricity: Array, map_angle: float, row: Array, z: float) -> list[Shape]:
+    def contact(self, eccentricity: Array, map_angle: float, row: Array) -> list[Shape]:
         """Return contact point and force on the bearing; nothing without contact.
 
         ``map_angle`` is the angle of the wear map of the pin, rad.
@@ -198,8 +195,8 @@ class EnlargedJoint:
         # The force on the pin is -F_n n + F_t t, with t a quarter turn ahead of n.
         force = row[NORMAL] * normal - row[TANGENTIAL] * shapes.across(normal)
         return [
-            filled(circle(point, 0.045 * self.radius, 20), z, FORCE),
-            *shapes.arrow(point, length / size * force, 0.035 * self.radius, z, FORCE),
+            filled(circle(point, 0.045 * self.radius, 20), 88, FORCE),
+            *shapes.arrow(point, length / size * force, 0.035 * self.radius, 88, FORCE),
         ]
 
 

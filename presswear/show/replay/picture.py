@@ -3,7 +3,7 @@
 All shapes belong to one ground object and are replaced in every picture.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import mechanism
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
-from presswear.show.replay.mechanism import FORCE, INK, JOINT_COLOURS, STEEL, EnlargedJoint
+from presswear.show.replay.mechanism import (
+    FORCE,
+    INK,
+    JOINT_COLOURS,
+    STEEL,
+    EnlargedJoint,
+    body_shapes,
+)
 from presswear.show.replay.shapes import Colour, Point, Shape, line, moved, points_of
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
@@ -70,19 +77,6 @@ def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspec
     return Layout(height, tuple(panels), (end * (-1.0, 1.0), end))
 
 
-def graphics(shapes: Iterable[Shape]) -> dict[str, Any]:
-    """Return shapes as one triangle list of Exudyn."""
-    each = list(shapes)
-    counts = [len(shape.points) for shape in each]
-    starts = np.cumsum([0, *counts[:-1]])
-    points = np.vstack([np.insert(shape.points, 2, shape.z, axis=1) for shape in each])
-    triangles = [shape.triangles + start for shape, start in zip(each, starts, strict=True)]
-    colours = np.repeat([shape.colour for shape in each], counts, axis=0)
-    normals = np.tile([0.0, 0.0, 1.0], len(points))
-    data: dict[str, Any] = FromPointsAndTrigs(points, np.vstack(triangles), colours, normals)
-    return data
-
-
 class Picture:
     """Clips side by side in Exudyn's renderer, in a picture of a width and height in pixels."""
 
@@ -102,13 +96,11 @@ class Picture:
         self._bodies: list[list[list[Shape]]] = []  # of each clip
         self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
         for clip, panel in zip(clips, self.layout.panels, strict=True):
-            drawing = self._bar, self.layer
-            frame = mechanism.frame_shapes(clip.linkage, clip.film.position, *drawing)
+            frame = mechanism.frame_shapes(clip.linkage, clip.film.position, self._bar)
             self._frame += [moved(shape, np.append(panel.offset, 0.0)) for shape in frame]
-            names = [body.name for body in clip.linkage.bodies]
-            bodies = [mechanism.body_shapes(clip.linkage, name, *drawing) for name in names]
-            self._bodies.append(bodies)
-            self._joints.append([self._enlarged(clip, panel, each) for each in clip.chapters])
+            bodies = range(len(clip.linkage.bodies))
+            self._bodies.append([body_shapes(clip.linkage, k, self._bar) for k in bodies])
+            self._joints.append([_enlarged(clip, panel, each) for each in clip.chapters])
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
@@ -125,19 +117,9 @@ class Picture:
         self.container.renderer.ResetState()  # otherwise the view set before an image is lost
         self.set_view()
 
-    def layer(self, number: int) -> float:
+    def height(self, layer: int) -> float:
         """Return the height of a layer, m."""
-        return number * mechanism.LAYER_STEP * self._size
-
-    def _enlarged(self, clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
-        joints = []
-        places = zip(chapter.linkage.clearances, panel.joints, strict=True)
-        for k, (joint, centre) in enumerate(places):
-            limits = clip.max_depth[joint.name], clip.max_force[joint.name]
-            paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
-            enlarged = EnlargedJoint(joint, *limits, centre, panel.radius, paint)
-            joints.append((enlarged, enlarged.bodies(self.layer)))
-        return joints
+        return layer * mechanism.LAYER_STEP * self._size
 
     def set_view(self) -> None:
         """Point the view at the whole picture; Exudyn's zoom is half of the visible height."""
@@ -159,24 +141,38 @@ class Picture:
             for spring in clip.linkage.springs:
                 ends = (points_of(clip.linkage, state.positions[-1:], end) for end in spring.ends)
                 start, end = (panel.offset + pose[0, :2] for pose in ends)
-                shapes.append(line(start, end, 0.5 * self._bar, self.layer(38), STEEL))
+                shapes.append(line(start, end, 0.5 * self._bar, 38, STEEL))
             joints = chapters[state.chapter]
             for (joint, parts), row, peak in zip(joints, state.joints, state.peaks, strict=True):
                 sides = joint.joint.bearing, joint.joint.pin
                 bearing, pin = (points_of(clip.linkage, state.positions, side) for side in sides)
                 for shape, pose in zip(parts, joint.coordinates(bearing[-1], pin[-1]), strict=True):
                     shapes += [moved(each, pose) for each in shape]
-                shapes += joint.moving(bearing, pin, row, self.layer)
+                shapes += joint.moving(bearing, pin, row)
                 texts += self._joint_text(joint, row, peak)
-                name = self._text(panel.offset + bearing[-1, :2], joint.joint.name, 1.4, z=60)
+                name = self._text(panel.offset + bearing[-1, :2], joint.joint.name, 1.4, layer=60)
                 texts.append({**name, "offset": [0.8, 0.5]})
-        self.system.SetObjectParameter(self._ground, "VgraphicsData", [graphics(shapes), *texts])
+        self.system.SetObjectParameter(
+            self._ground, "VgraphicsData", [self._triangles(shapes), *texts]
+        )
+
+    def _triangles(self, shapes: Sequence[Shape]) -> dict[str, Any]:
+        """Return shapes as one triangle list of Exudyn."""
+        counts = [len(shape.points) for shape in shapes]
+        starts = np.cumsum([0, *counts[:-1]])
+        heights = np.repeat([self.height(shape.layer) for shape in shapes], counts)
+        points = np.column_stack([np.vstack([shape.points for shape in shapes]), heights])
+        triangles = [shape.triangles + start for shape, start in zip(shapes, starts, strict=True)]
+        colours = np.repeat([shape.colour for shape in shapes], counts, axis=0)
+        normals = np.tile([0.0, 0.0, 1.0], len(points))
+        data: dict[str, Any] = FromPointsAndTrigs(points, np.vstack(triangles), colours, normals)
+        return data
 
     def _text(
-        self, point: Point, words: str, size: float, paint: Colour = INK, z: int = 95
+        self, point: Point, words: str, size: float, paint: Colour = INK, layer: int = 95
     ) -> dict[str, Any]:
         """Return a text that starts at a point, with letters of a size relative to the font."""
-        position = [float(point[0]), float(point[1]), self.layer(z)]
+        position = [float(point[0]), float(point[1]), self.height(layer)]
         look = {"position": position, "color": list(paint), "fontSize": size * self._font}
         return {"type": "Text", "text": words, **look}
 
@@ -211,9 +207,9 @@ class Picture:
         now = start + part * (end - start)
         mark = np.array([0.0, 1.6 * width])
         return [
-            line(start, end, width, self.layer(90), STEEL),
-            line(start, now, width, self.layer(91), INK),
-            line(now - mark, now + mark, 1.2 * width, self.layer(92), FORCE),
+            line(start, end, width, 90, STEEL),
+            line(start, now, width, 91, INK),
+            line(now - mark, now + mark, 1.2 * width, 92, FORCE),
         ]
 
     def image(self) -> NDArray[np.uint8]:
@@ -224,3 +220,13 @@ class Picture:
     def close(self) -> None:
         """Release the container."""
         self.container.Reset()
+
+
+def _enlarged(clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
+    joints = []
+    for k, (joint, centre) in enumerate(zip(chapter.linkage.clearances, panel.joints, strict=True)):
+        limits = clip.max_depth[joint.name], clip.max_force[joint.name]
+        paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
+        enlarged = EnlargedJoint(joint, *limits, centre, panel.radius, paint)
+        joints.append((enlarged, enlarged.bodies()))
+    return joints

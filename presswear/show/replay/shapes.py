@@ -1,4 +1,4 @@
-"""Plane shapes: outlines of bodies, and triangles whose height z decides which covers another."""
+"""Plane shapes: outlines of bodies, and triangles in layers, the higher ones in front."""
 
 import math
 from collections.abc import Sequence
@@ -20,11 +20,11 @@ SEGMENTS = 48  # of a full circle
 
 
 class Shape(NamedTuple):
-    """Triangles, shape (t, 3), of points, shape (n, 2), m, with one colour and height z, m."""
+    """Triangles, shape (t, 3), of points, shape (n, 2), m, with one colour in a layer."""
 
     points: Array
     triangles: NDArray[np.int64]
-    z: float
+    layer: int
     colour: Colour
 
 
@@ -92,55 +92,55 @@ def circle(centre: Point, radius: float, segments: int = SEGMENTS) -> Array:
     return np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-def filled(outline: Array, z: float, paint: Colour) -> Shape:
+def filled(outline: Array, layer: int, paint: Colour) -> Shape:
     """Return the inside of an outline, shape (n, 2), that is star-shaped about its mean point."""
     k = np.arange(len(outline))
     triangles = np.column_stack([np.zeros_like(k), 1 + k, 1 + (k + 1) % len(k)])
-    return Shape(np.vstack([outline.mean(axis=0), outline]), triangles, z, paint)
+    return Shape(np.vstack([outline.mean(axis=0), outline]), triangles, layer, paint)
 
 
-def band(inner: Array, outer: Array, z: float, paint: Colour) -> Shape:
+def band(inner: Array, outer: Array, layer: int, paint: Colour) -> Shape:
     """Return the area between two closed lines, shape (n, 2) each."""
     k, count = np.arange(len(inner)), len(inner)
     following = (k + 1) % count
     quarters = [(k, count + k, count + following), (k, count + following, following)]
-    return Shape(np.vstack([inner, outer]), np.hstack(quarters).T, z, paint)
+    return Shape(np.vstack([inner, outer]), np.hstack(quarters).T, layer, paint)
 
 
-def ring(centre: Point, radius: float, width: float, z: float, paint: Colour) -> Shape:
+def ring(centre: Point, radius: float, width: float, layer: int, paint: Colour) -> Shape:
     """Return a circular line of some width."""
     inner, outer = (circle(centre, radius + side * width, 2 * SEGMENTS) for side in (-0.5, 0.5))
-    return band(inner, outer, z, paint)
+    return band(inner, outer, layer, paint)
 
 
-def strokes(points: Array, width: float, z: float, paints: Sequence[Colour]) -> list[Shape]:
+def strokes(points: Array, width: float, layer: int, paints: Sequence[Colour]) -> list[Shape]:
     """Return the lines between successive points, shape (n, 2), one colour each."""
     normal = np.diff(points, axis=0)[:, ::-1] * (-1.0, 1.0)
     length = np.hypot(*normal.T)
     normal *= (0.5 * width / np.where(length > 0.0, length, 1.0))[:, None]
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
     return [
-        Shape(np.array([a - n, b - n, b + n, a + n]), triangles, z, paint)
+        Shape(np.array([a - n, b - n, b + n, a + n]), triangles, layer, paint)
         for a, b, n, paint in zip(points[:-1], points[1:], normal, paints, strict=True)
     ]
 
 
-def line(start: Point, end: Point, width: float, z: float, paint: Colour) -> Shape:
+def line(start: Point, end: Point, width: float, layer: int, paint: Colour) -> Shape:
     """Return a straight line of some width."""
-    return strokes(np.array([start, end], dtype=float), width, z, [paint])[0]
+    return strokes(np.array([start, end], dtype=float), width, layer, [paint])[0]
 
 
-def arrow(start: Array, vector: Array, width: float, z: float, paint: Colour) -> list[Shape]:
+def arrow(start: Array, vector: Array, width: float, layer: int, paint: Colour) -> list[Shape]:
     """Return an arrow from a point along a vector that is not zero."""
     length = float(np.hypot(*vector))
     head = min(4.0 * width, length)
     neck, tip = start + (1.0 - head / length) * vector, start + vector
     wings = 0.45 * head / length * across(vector)
     outline = np.array([neck - wings, tip, neck + wings])
-    return [line(start, neck, width, z, paint), filled(outline, z, paint)]
+    return [line(start, neck, width, layer, paint), filled(outline, layer, paint)]
 
 
-def hatched(ends: Array, side: float, bar: float, z: float, paint: Colour) -> list[Shape]:
+def hatched(ends: Array, side: float, bar: float, layer: int, paint: Colour) -> list[Shape]:
     """Return a fixed edge, hatched on the left for side = 1 and on the right for -1."""
     start, end = ends
     vector = end - start
@@ -149,5 +149,5 @@ def hatched(ends: Array, side: float, bar: float, z: float, paint: Colour) -> li
     slant = 0.9 * bar * (side * across(along) - along)
     marks = np.linspace(0.0, 1.0, max(int(length / (0.9 * bar)), 2))
     feet = start + np.outer(marks, vector)
-    lines = [line(foot, foot + slant, 0.132 * bar, z, paint) for foot in feet]
-    return [line(start, end, 0.22 * bar, z, paint), *lines]
+    lines = [line(foot, foot + slant, 0.132 * bar, layer, paint) for foot in feet]
+    return [line(start, end, 0.22 * bar, layer, paint), *lines]

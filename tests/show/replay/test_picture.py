@@ -30,7 +30,7 @@ def drawn(picture: Picture, layer: int) -> Array:
     """Return the corners of the triangles in one layer of the renderer."""
     data = picture.container.renderer.GetGraphicsData()["triangles"]
     points = data["points"].reshape(-1, 3).astype(float)
-    return points[np.isclose(points[:, 2], picture.layer(layer), rtol=1e-5)][:, :2]
+    return points[np.isclose(points[:, 2], picture.height(layer), rtol=1e-5)][:, :2]
 
 
 def words(picture: Picture) -> str:
@@ -90,10 +90,10 @@ def test_a_touching_pin_meets_the_worn_bearing() -> None:
     row = np.array([50.0, 0.0, *normal, 0.0, 50.0])
     map_angle = angle - (229 + 0.5) * np.pi / 180.0  # the deepest part of the groove of the pin
     reach = joint.clearance + worn[86] + groove[229]
-    point = view.contact(reach * normal, map_angle, row, 0.0)[0].points[0]
+    point = view.contact(reach * normal, map_angle, row)[0].points[0]
     surface = view.pin_factor * joint.pin_radius + view.gap_factor * (joint.clearance + worn[86])
     assert point == pytest.approx(surface * normal, abs=1e-12)
-    inner = view.bodies(lambda layer: 0.0)[0][0].points[:180]
+    inner = view.bodies()[0][0].points[:180]
     nearest = inner[np.argmin(np.hypot(*(inner - point).T))]
     assert np.hypot(*nearest) == pytest.approx(surface, rel=1e-3)  # two bins are drawn as one
 
@@ -103,7 +103,7 @@ def test_arrow_length_is_the_root_of_the_force() -> None:
 
     def length(force: float) -> float:
         row = np.array([force, 0.0, 1.0, 0.0, 0.0, force])
-        shapes = view.contact(np.array([view.joint.clearance, 0.0]), 0.0, row, 0.0)
+        shapes = view.contact(np.array([view.joint.clearance, 0.0]), 0.0, row)
         if not shapes:
             return 0.0
         return float(max(s.points[:, 0].max() for s in shapes[1:]) - shapes[0].points[0, 0])
