@@ -117,8 +117,8 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
         boxed = np.stack([middles - half, middles + half], axis=1)
         inside = [((points > box[0]) & (points < box[1])).all(axis=1) for box in boxed]
         costs = np.logical_or.reduceat(inside, starts, axis=1) @ weights
-        for other in boxes:
-            costs += _OVERLAP * ((boxed[:, 0] < other[1]) & (boxed[:, 1] > other[0])).all(axis=1)
+        for placed in boxes:
+            costs += _OVERLAP * ((boxed[:, 0] < placed[1]) & (boxed[:, 1] > placed[0])).all(axis=1)
         place, side = divmod(int(costs.argmin()), len(sides))
         note.xy, note.xyann = tuple(places[place]), tuple(offsets[side])
         boxes.append(boxed[costs.argmin()])
