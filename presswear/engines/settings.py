@@ -32,6 +32,7 @@ WEAR_ERROR = 0.1  # relative error of the wear maps for which the tolerances bel
 LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
 # Fewest steps of an error-controlled engine in a free impact: 15 show its peak to 1e-5
 IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
+FINEST = 1e-13  # tolerance of exudyn-tree
 PAPER_STEP = 1e-4  # s; integral step of the paper's Table 2
 
 
@@ -118,7 +119,7 @@ class ExudynTree(_Engine):
     tolerances: ClassVar = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
 
     tree_tolerance: float | None = quantity(
-        *(None, "", 1e-13, 1e-3, "chosen"),
+        *(None, "", FINEST, 1e-3, "chosen"),
         "of exudyn-tree: error of a step, rad or m and rad/s or m/s; default: by the purpose",
     )
     free_step: float | None = None

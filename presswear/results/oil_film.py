@@ -20,6 +20,7 @@ from presswear.tools.numbers import readable
 
 FULL, MIXED, DRY = "full film", "mixed", "dry"
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
+WIDEST = 2.0 * OIL_CLEARANCES[1]  # with grease; no film carries in a wider clearance
 FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
 USUAL_WIDTHS = 0.125, 1.0  # widths over diameters for which the closed form holds
 _LEAST_GAP = 1e-12  # of the clearance; a smaller film is none
@@ -89,8 +90,8 @@ def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
 
 @lru_cache(maxsize=16)  # a report has the films in sentences and in a figure
 def oil_films(scene: Scene) -> dict[str, OilFilm]:
-    """Return the films over a cycle after the run-up, of the clearance joints with a viscosity."""
-    oiled = {name for name in scene.clearance_joints if scene.bearing(name).viscosity is not None}
+    """Return the films over a cycle after the run-up, of clearance joints in which one carries."""
+    oiled = {name for name in scene.clearance_joints if _can_carry(scene.bearing(name))}
     if not oiled:
         return {}
     linkage, (time, forces) = scene.loaded, ideal_forces(scene)
@@ -111,20 +112,29 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
     return films
 
 
+def _can_carry(bearing: Bearing) -> bool:
+    return bearing.viscosity is not None and _relative(bearing) <= WIDEST
+
+
+def _relative(bearing: Bearing) -> float:
+    """Return the clearance in per mille of the bore."""
+    return 1e3 * bearing.clearance / bearing.bearing_radius
+
+
 def dry_contact(scene: Scene) -> list[str]:
     """Return a sentence for each clearance joint: does the model of dry contact hold there?"""
     sentences = []
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
-        relative = 1e3 * bearing.clearance / bearing.bearing_radius
-        text = f"Joint {name}: the relative clearance is {readable(relative)} per mille of the bore"
-        if relative > 2.0 * OIL_CLEARANCES[1]:
-            text += ", too wide for a film"
+        relative = readable(_relative(bearing))
+        text = f"Joint {name}: the relative clearance is {relative} per mille of the bore "
         usual = "{} to {} with oil, up to twice that with grease".format(*OIL_CLEARANCES)
-        text += f" (bearing makers give {usual})."
+        text += f"(bearing makers give {usual})."
         film = oil_films(scene).get(name)
         if film is None:
-            sentences.append(f"{text} No viscosity is specified: the contact is dry.")
+            is_wide = bearing.viscosity is not None
+            reason = "It is too wide for a film" if is_wide else "No viscosity is specified"
+            sentences.append(f"{text} {reason}: the contact is dry.")
             continue
         low, high = (readable(1e6 * float(value)) for value in np.quantile(film.thickness, (0, 1)))
         shares = ", ".join(

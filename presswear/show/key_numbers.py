@@ -7,6 +7,7 @@ from typing import Any
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.life import LifeResult, digits_of, span_of, words_of
+from presswear.results.oil_film import OilFilm, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.plausible import doubts, unusual
@@ -130,7 +131,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """
     for stage in reversed(stages):
         wear = {
-            (name, side): peak.depth
+            (name, side): peak.depth.scaled(1e6 / stage.cycles_per_update)
             for name, joint in stage.statistics.joints.items()
             for side, peak in joint.wear_peaks.items()
             if side != "both" and peak.depth.mean > 0.0
@@ -143,11 +144,22 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             bearing = scene.bearing(name)
             coefficient = written(bearing.materials.wear_coefficient, "1/Pa").replace("^3", "³")
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
-            if bearing.viscosity is not None:
-                text += " The wear is that of dry contact: an upper bound where oil carries."
-            depth = wear[place].scaled(1e6 / stage.cycles_per_update)
-            return [measured("Wear per million strokes", depth, "m", text)]
+            rest = [
+                f"{joint} {numbers.quantity_text(max(depths), 'm')}"
+                for joint in stage.statistics.joints
+                if joint != name and (depths := [wear[key].mean for key in wear if key[0] == joint])
+            ]
+            text += f" Other joints: {', '.join(rest)}." if rest else ""
+            if films := _films(scene):
+                kinds = ", ".join(f"{film.under_load} at {at}" for at, film in films.items())
+                text += " The wear is that of dry contact: an upper bound where oil carries. Oil "
+                text += f"film at the greatest force: {kinds}."
+            return [measured("Wear per million strokes", wear[place], "m", text)]
     return []
+
+
+def _films(scene: Scene) -> dict[str, OilFilm]:
+    return {} if scene.has_untrusted_loads else oil_films(scene)
 
 
 def _greatest(values: Mapping[Any, Estimate]) -> Any:
@@ -219,7 +231,7 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
         if total > 0.0:
             share = 100.0 * volumes[joint].mean / total
             reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
-            if any(scene.bearing(name).viscosity is not None for name in joints):
+            if _films(scene):
                 reason += " This is for dry contact; see the oil films."
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}

@@ -250,7 +250,9 @@ def ended(scene: Scene, most: int) -> Ended:
     """
     first = _ended(scene, most)
     advice = re.search(r"set a smaller (\w+), for example ([-\d.e]+)", first.failure)
-    return _ended(changed(scene, {advice[1]: advice[2]}), most) if advice else first
+    if advice is None or first.is_outside:
+        return first
+    return _ended(changed(scene, {advice[1]: advice[2]}), most)
 
 
 def _ended(scene: Scene, most: int) -> Ended:

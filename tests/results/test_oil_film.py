@@ -35,12 +35,17 @@ def test_film_carries_its_force() -> None:
     assert thickness(BUSH, np.zeros(1), np.ones(1)) == pytest.approx(BUSH.clearance)
 
 
-def test_wide_clearance_carries_nothing_and_thick_oil_everything() -> None:
-    thin, thick = (pw.scenes.slider_crank(viscosity=f"{n} Pa s") for n in (1e-5, 1e3))
+def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearance() -> None:
+    def oiled(clearance: str, viscosity: str) -> pw.Scene:
+        return pw.scenes.slider_crank(clearance=clearance, viscosity=viscosity)
+
+    thin, thick = (oiled("20 um", f"{n} Pa s") for n in (1e-5, 1e3))
     (dry,), (full,) = oil_films(thin).values(), oil_films(thick).values()
     assert dry.shares[FULL] < 1.0
     assert full.shares[DRY] < dry.shares[DRY]
     assert oil_films(pw.scenes.slider_crank()) == {}
+    assert list(oil_films(oiled("50 um", "0.1 Pa s"))) == ["B"]  # 5 per mille of the bore
+    assert oil_films(oiled("51 um", "0.1 Pa s")) == {}
 
 
 def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
@@ -63,9 +68,15 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
     ("values", "words"),
     [
         ({}, "No viscosity is specified"),
-        ({"viscosity": "0.1 Pa s"}, "With 0.1 Pa s a steady film would be"),
-        ({"clearance": "1 mm", "viscosity": "0.1 Pa s"}, "too wide for a film"),
-        ({"viscosity": "0.1 Pa s"}, "The pin swings, so that squeezed oil carries as well"),
+        ({"clearance": "20 um", "viscosity": "0.1 Pa s"}, "With 0.1 Pa s a steady film would be"),
+        (
+            {"clearance": "1 mm", "viscosity": "0.1 Pa s"},
+            "too wide for a film: the contact is",
+        ),
+        (
+            {"clearance": "20 um", "viscosity": "0.1 Pa s"},
+            "The pin swings, so that",
+        ),
     ],
 )
 def test_sentences_say_where_dry_contact_holds(values: dict[str, str], words: str) -> None:

@@ -129,13 +129,16 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     deep = altered(result, 1, statistics=replace(statistics, joints=joints))
     (last,) = [one for one in key_numbers(deep) if one.name == WEAR]
     assert last[1:3] == ("2.00 µm", "1.95 to 2.05 µm")
+    assert last.meaning.endswith("Other joints: C 2.00 µm.")
     joints = {name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()}
     jump = altered(result, 1, statistics=replace(statistics, joints=joints))
     (first,) = [one for one in key_numbers(jump) if one.name == WEAR]
     assert "strokes on new surfaces, with" in first.meaning
-    oiled = replace(result, scene=replace(made.BOTH, bearings=pw.Bearing(viscosity=0.1)))
+    bearings = pw.Bearing(clearance=5e-5, viscosity=0.1)
+    oiled = replace(result, scene=replace(made.BOTH, bearings=bearings))
     (first,) = [one for one in key_numbers(oiled) if one.name == WEAR]
-    assert first.meaning.endswith("that of dry contact: an upper bound where oil carries.")
+    assert "that of dry contact: an upper bound where oil carries." in first.meaning
+    assert first.meaning.endswith("at the greatest force: full film at A, full film at C.")
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ from presswear.engines.exudyn_tree.kernels import (
     stage_bristles,
     stage_forces,
 )
-from presswear.engines.settings import ExudynTree
+from presswear.engines.settings import FINEST, ExudynTree
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
@@ -184,7 +184,9 @@ def prepare(
     if isinstance(tree, str):
         raise InputError(f"engine exudyn-tree needs a linkage without free loops: {tree}")
     longest = settings.longest(plan.cycle)
-    remedy = f"set a smaller tree_tolerance, for example {settings.tolerance / 10.0:.3g}"
+    finer, remedy = settings.tolerance / 10.0, "engine = dae may help"
+    if finer >= FINEST:
+        remedy = f"set a smaller tree_tolerance, for example {finer:.3g}"
     records = recorder.records
     packed, contacts = records.packed, records.contacts
     is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
