@@ -6,6 +6,7 @@ Each run continues from the end of the run at the previous value, so that hyster
 import math
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -125,7 +126,7 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``, shape (2,):
     largest Lyapunov exponent and half width of its interval, 1/s; ``amplitude`` and ``resonance``:
     see ``order_amplitudes``; ``end``, shape (2, 3 bodies): positions and velocities at the end. If
-    the run fails, all numbers are NaN and the end is ``ideal``. So are numbers without cycles.
+    the run fails, all numbers are NaN and the end is ``ideal``. So are numbers not computed.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
     joints = len(linkage.clearances)
@@ -137,9 +138,7 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
         ("resonance", float, joints),
         ("end", float, (2, len(start.position))),
     ]
-    row = np.zeros(1, fields)
-    for name in ("pins", "exponent", "amplitude", "resonance"):
-        row[name] = math.nan
+    row = np.full(1, math.nan, fields)
     plan = Plan(period, cycles.total, 1, sections=PHASES, torques=False)
     run = ENGINE.simulate(linkage, start, plan)
     if run.status == "failed":
@@ -154,14 +153,13 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     row["pins"] = run.recorder.sections[-cycles.stored :, :, columns].reshape(row["pins"].shape)
     further = continued(linkage, linkage, run.end, start)
     if cycles.exponent:
-        try:
+        with suppress(RunFailed):
             exponent = largest_exponent(linkage, further, period, cycles.exponent)
             row["exponent"] = exponent.mean, exponent.half_width or math.nan
-        except RunFailed:
-            pass  # the exponent stays NaN
     if cycles.orders:
-        orders = order_amplitudes(linkage, further, period, cycles.orders, ENGINE)
-        row["amplitude"], row["resonance"] = orders
+        with suppress(RunFailed):
+            orders = order_amplitudes(linkage, further, period, cycles.orders, ENGINE)
+            row["amplitude"], row["resonance"] = orders
     return row
 
 
@@ -173,28 +171,25 @@ def order_amplitudes(
     The spectra are of ``cycles`` cycles, each of which lasts ``period``, s. Amplitudes, shape
     (1 + joints, MAX_ORDER), are those within half an order of 1, 2, ...: of the acceleration of the
     output point, m/s^2, and of the normal force of each joint, N. Resonances have the shape
-    (joints,). Numbers are NaN if the run fails or there is none.
+    (joints,), NaN without an impact. RunFailed if the run fails.
     """
-    joints, length = len(linkage.clearances), SETTLING_CYCLES + cycles
-    amplitude = np.full((1 + joints, MAX_ORDER), math.nan)
-    resonance = np.full(joints, math.nan)
+    joints, length = range(len(linkage.clearances)), SETTLING_CYCLES + cycles
     run = engine.simulate(linkage, start, Plan(period, length, length, torques=False))
     if run.status == "failed":
-        return amplitude, resonance
-    recorder = run.recorder
+        raise RunFailed(run.message)
+    recorder, amplitudes, resonances = run.recorder, [], []
     time = recorder.series("time")
     rows = time >= SETTLING_CYCLES * period
-    series = [recorder.series("acceleration")]
-    series += [recorder.series("normal", k) for k in range(joints)]
-    for k, values in enumerate(series):
+    series = recorder.series("acceleration"), *(recorder.series("normal", k) for k in joints)
+    for values in series:
         spectrum = power_spectrum(time[rows], values[rows], period, (MAX_ORDER + 1) / period)
-        amplitude[k] = [spectrum.amplitude(order) for order in range(1, MAX_ORDER + 1)]
-    for k in range(joints):
+        amplitudes.append([spectrum.amplitude(order) for order in range(1, MAX_ORDER + 1)])
+    for k in joints:
         contacts = dict(zip(CONTACT_COLUMNS, recorder.stored_contacts(k).T, strict=True))
         duration = contacts["separation"] - contacts["touchdown"]
         frequency = resonance_frequency(duration, contacts["closing_speed"])
-        resonance[k] = math.nan if frequency is None else frequency * period
-    return amplitude, resonance
+        resonances.append(math.nan if frequency is None else frequency * period)
+    return np.array(amplitudes), np.array(resonances)
 
 
 def run_branch(
@@ -241,14 +236,9 @@ class Diagram:
     def periods(self, direction: str) -> list[Periodicity | None]:
         """Return the period of the pin positions at each value; None where a run failed."""
         periods: list[Periodicity | None] = []
-        key, joints = self.parameter.key, self.scene.clearance_joints
         for row in self.branches[direction]:
-            scales = [
-                row.value
-                if key in ("clearance", f"{name}.clearance")
-                else self.scene.bearing(name).clearance
-                for name in joints
-            ]
+            scene = changed(self.scene, {self.parameter.key: float(row.value)})
+            scales = [scene.bearing(name).clearance for name in scene.clearance_joints]
             states = (row.pins / np.array(scales)[:, np.newaxis]).reshape(len(row.pins), -1)
             is_failed = np.isnan(states).any()
             periods.append(None if is_failed else periodicity(states, np.ones(states.shape[1])))
@@ -259,7 +249,7 @@ class Diagram:
         sentences = []
         for direction, branch in self.branches.items():
             periods = self.periods(direction)
-            counts = Counter(each.period for each in periods if each is not None and each.period)
+            counts = Counter(each.period for each in periods if each and each.period)
             listed = ", ".join(f"period {k} at {counts[k]}" for k in sorted(counts))
             sentence = (
                 f"{direction}: the motion is periodic at {counts.total()} of {len(periods)} values "
@@ -322,13 +312,11 @@ def compute(
 def load(folder: Path) -> Diagram:
     """Return a stored diagram; raise InputError if there is none or its file was altered."""
     stored = _document(folder)
+    parameter = typed(stored["parameter"], Parameter, f"{folder / FILE}: parameter")
+    cycles = typed(stored["cycles"], Cycles, f"{folder / FILE}: cycles")
     files = {direction: folder / f"{direction}.npz" for direction in DIRECTIONS}
-    return Diagram(
-        Scene.from_dict(stored["scene"]),
-        typed(stored["parameter"], Parameter, f"{folder / FILE}: parameter"),
-        typed(stored["cycles"], Cycles, f"{folder / FILE}: cycles"),
-        {direction: read_branch(file) for direction, file in files.items() if file.exists()},
-    )
+    branches = {word: read_branch(file) for word, file in files.items() if file.exists()}
+    return Diagram(Scene.from_dict(stored["scene"]), parameter, cycles, branches)
 
 
 def _document(folder: Path) -> dict[str, Any]:

@@ -14,13 +14,14 @@ from matplotlib.ticker import MultipleLocator
 
 from presswear.paper import settings
 from presswear.paper.evidence import QUANTITIES, Evidence, Measured
-from presswear.paper.printed import RANGES, Place, printed_at, shown_in
+from presswear.paper.printed import RANGES, TEXTS, Place, printed_at, shown_in
 from presswear.paper.settings import BASE, JOINTS, SETTINGS, STAGES, run_name
 from presswear.show.figures import Drawing, drawn
-from presswear.show.figures.style import LINES, REFERENCE, WIDTH, Axes, Pen, Sheet, ShownStage
+from presswear.show.figures.style import LINES, REFERENCE, Axes, Pen, ShownStage, panels
 from presswear.show.figures.style import SETTINGS as STYLE
 from presswear.show.figures.wear import worn_surface
 
+CAPTIONS = TEXTS["captions"]
 LINEAR_RATIO = 20.0  # ratio of largest to smallest depth up to which a linear scale shows both
 _DIAMOND: dict[str, Any] = {"marker": "D", "markerfacecolor": "none", "linestyle": "none"}
 
@@ -68,7 +69,7 @@ def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> I
     slider = [(quantity, "") for quantity in ("displacement", "velocity", "acceleration")]
     forces = [("force", joint) for joint in JOINTS]
     kinds: dict[str, list[tuple[str, str]]] = {"response": slider, "force": forces, "path": []}
-    for k, (kind, panels) in enumerate(kinds.items()):
+    for k, (kind, shown) in enumerate(kinds.items()):
         for setting in dict.fromkeys(line.setting for line in lines):
             if (result := evidence.results.get(run_name(BASE, setting))) is None:
                 continue
@@ -77,7 +78,7 @@ def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> I
                 title = f"Fig. {number + k} {drawing.title}, {SETTINGS[setting].label}"
                 yield replace(drawing, file=f"fig-{number + k}-{setting}.png", title=title)
         with matplotlib.rc_context(STYLE):
-            compared = peaks(evidence, number + k, lines, panels)
+            compared = peaks(evidence, number + k, lines, shown)
         if compared is not None:
             yield compared
 
@@ -86,10 +87,9 @@ def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str)
     """Draw the surfaces of a joint after its wears; None if nothing is worn."""
     shown = []
     for line in lines:
-        result = evidence.worn_run(BASE, line.at(joint))
-        if result is None:
+        if (worn := evidence.worn_run(BASE, line.at(joint))) is None:
             continue
-        stage = result.stages[line.wear_updates - 1]
+        result, stage = worn, worn.stages[line.wear_updates - 1]
         arrays = dict(stage.arrays)
         for name in (f"{joint}_depth_bearing", f"{joint}_depth_pin"):
             # The surfaces on which the next stage ran are exact also where wear went in steps.
@@ -97,11 +97,11 @@ def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str)
                 arrays[name] = result.stages[line.wear_updates].arrays[name]
             else:
                 arrays[name] = arrays[name] + arrays[name.replace("depth", "wear")]
-        shown.append((result, ShownStage(replace(stage, arrays=arrays), line.pen)))
+        shown.append(ShownStage(replace(stage, arrays=arrays), line.pen))
     if not shown:
         return None
-    drawing = worn_surface(shown[-1][0], joint, [stage for _, stage in shown])
-    caption = f"{drawing.caption} The enlarged part is of “{shown[-1][1].pen.label}”."
+    drawing = worn_surface(result, joint, shown)
+    caption = f"{drawing.caption} The enlarged part is of “{shown[-1].pen.label}”."
     title = f"Fig. {number} {drawing.title}"
     return replace(drawing, file=f"fig-{number:02d}.png", title=title, caption=caption)
 
@@ -112,9 +112,8 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
     if not worn:
         return None
     joints = [joint for joint in JOINTS if evidence.wear_map(BASE, worn[0].at(joint))]
-    sheet = Sheet(figsize=(WIDTH, 0.8 + 2.5 * len(joints)), layout="constrained")
-    panels = sheet.subplots(len(joints), 1, squeeze=False)[:, 0]
-    for axes, joint in zip(panels, joints, strict=True):
+    sheet, grid = panels(len(joints), 1, 0.8 + 2.5 * len(joints))
+    for (axes,), joint in zip(grid, joints, strict=True):
         _draw_depths(axes, evidence, worn, joint)
         for figure, where, arcs in RANGES:
             if (figure[:-1], where) == (str(number), joint):
@@ -124,15 +123,9 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
         axes.set(xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)")
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
     sheet.legend(handles=[line.pen.handle() for line in worn], loc="outside upper center", ncols=3)
-    caption = (
-        "Depth that pin and bearing lose together, all wears so far added up. Lines: mean over all "
-        "cycles; bands: 95 % interval of that mean at each angle. Diamonds: deepest wear as the "
-        "paper prints it. Grey bars: where the paper says that the joint is mainly worn."
-    )
     doubts = dict.fromkeys(one.misprint for one in shown_in(number) if one.misprint)
-    caption += "".join(f" In print: {doubt}." for doubt in doubts)
-    title = f"Fig. {number} Wear depth"
-    return Drawing(f"fig-{number:02d}.png", title, caption, sheet)
+    caption = CAPTIONS["depths"] + "".join(f" In print: {doubt}." for doubt in doubts)
+    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} Wear depth", caption, sheet)
 
 
 def _draw_depths(axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: str) -> None:
@@ -170,14 +163,13 @@ def _measured(
 
 
 def peaks(
-    evidence: Evidence, number: int, lines: Sequence[Line], panels: Sequence[tuple[str, str]]
+    evidence: Evidence, number: int, lines: Sequence[Line], shown: Sequence[tuple[str, str]]
 ) -> Drawing | None:
     """Draw means, scatter and printed values of the peaks of cycles, one row for each line."""
-    if not panels or not any(_measured(evidence, lines, *panels[0])):
+    if not shown or not any(_measured(evidence, lines, *shown[0])):
         return None
-    sheet = Sheet(figsize=(WIDTH, 0.85 + 0.24 * len(lines)), layout="constrained")
-    grid = sheet.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for axes, (quantity, joint) in zip(grid, panels, strict=True):
+    sheet, grid = panels(1, len(shown), 0.85 + 0.24 * len(lines), sharey=True)
+    for axes, (quantity, joint) in zip(grid[0], shown, strict=True):
         row = QUANTITIES[quantity]
         for height, line, measured in _measured(evidence, lines, quantity, joint):
             colour, one = line.pen.colour, measured.estimate
@@ -197,9 +189,5 @@ def peaks(
         axes.locator_params(axis="x", nbins=4)
         axes.use_sticky_edges = False
         axes.margins(x=0.05)
-    caption = (
-        "Peak of a cycle: mean with its 95 % interval (dot and line), range of 95 % of the single "
-        "cycles (bar), and the peak that the paper prints (diamond; where it does not say the "
-        "stage, at no wear)."
-    )
-    return Drawing(f"fig-{number}-peaks.png", f"Fig. {number} Peaks of cycles", caption, sheet)
+    title = f"Fig. {number} Peaks of cycles"
+    return Drawing(f"fig-{number}-peaks.png", title, CAPTIONS["peaks"], sheet)

@@ -20,7 +20,7 @@ def _read(file: str) -> dict[str, Any]:
     return tomllib.loads(files("presswear.paper").joinpath(file).read_text("utf-8"))
 
 
-_DATA, _CLAIMS = _read("printed.toml"), _read("claims.toml")
+_DATA, _CLAIMS, TEXTS = map(_read, ("printed.toml", "claims.toml", "report.toml"))
 
 
 @dataclass(frozen=True)

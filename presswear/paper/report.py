@@ -1,10 +1,8 @@
 """Report page of the paper's study: verdicts, printed numbers, figures, assumptions and runs."""
 
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import get_args
 
@@ -20,6 +18,7 @@ from presswear.paper.printed import (
     HIGHLIGHTS,
     PRINTED,
     RANGES,
+    TEXTS,
     Comparison,
     Place,
     Printed,
@@ -34,7 +33,6 @@ from presswear.show.report import provenance_table, setting_tables
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
 
-TEXTS = tomllib.loads(files("presswear.paper").joinpath("report.toml").read_text("utf-8"))
 TITLE = "Chen, Tang and Gao's worn press, computed again"
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first runs away
 

@@ -58,6 +58,11 @@ class Display:
             return self.column.choices[int(value)]
         return readable(self.factor * value, digits)
 
+    def with_half_width(self, value: float, half: float, digits: int = 3) -> str:
+        """Return a value with the half width of its interval, unless that is NaN."""
+        interval = "" if math.isnan(half) else f" ± {self.number(half, 2)}"
+        return f"{self.number(value, digits)}{interval}"
+
     def text(self, value: float) -> str:
         """Return a value in SI units as text with the display unit."""
         return f"{self.number(value)} {self.unit}".rstrip()

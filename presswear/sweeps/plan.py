@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -68,11 +69,10 @@ class Plan:
             raise InputError("a sample and ranges must be used together")
         if not self.groups:
             raise InputError("nothing varies: vary a key (KEY=VALUES), or use a sample and ranges")
-        keys = [column.key for column in self.columns]
-        for key in keys:
-            if keys.count(key) > 1:
-                raise InputError(f"{key} varies twice")
-        if self.replicates > 1 and SEED in keys:
+        counts = Counter(column.key for column in self.columns)
+        if counts.most_common(1)[0][1] > 1:
+            raise InputError(f"{counts.most_common(1)[0][0]} varies twice")
+        if self.replicates > 1 and SEED in counts:
             raise InputError("vary seed and replicates cannot be combined")
         rows = self.replicates * math.prod(len(group.values) for group in self.groups)
         if rows > MAX_ROWS:
@@ -281,10 +281,9 @@ class Table:
         for k, column in enumerate(self.responses):
             shown, texts = Display(column, self.values[:, k]), []
             for row in range(min(count, len(self.errors))):
-                half = self.half_widths[row, k]
-                interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"
                 sign = ">" if self.censored[row, k] else ""
-                texts.append(f"{sign}{shown.number(self.values[row, k], 4)}{interval}")
+                pair = self.values[row, k], self.half_widths[row, k]
+                texts.append(f"{sign}{shown.with_half_width(*pair, digits=4)}")
             columns.append([shown.label, *texts])
         return [list(line) for line in zip(*columns, strict=True)]
 

@@ -16,7 +16,7 @@ from presswear.scene.catalog import title_of
 from presswear.show import page
 from presswear.show.figures import style
 from presswear.show.figures.style import LINES, Drawing, Pen, finished
-from presswear.show.page import NOTHING, Row, Section
+from presswear.show.page import NOTHING, Section
 from presswear.sweeps.parameters import Column, Display
 from presswear.sweeps.plan import Plan, Table
 from presswear.sweeps.responses import Limit
@@ -50,10 +50,6 @@ MAX_TICKS = 6  # values of a parameter that are all written on its axis
 CELLS = 60  # cells of a map along each axis
 BAR = 0.36  # height of a bar, part of the row of a parameter
 NAME_WIDTH = 2.2  # width of the names of parameters, inches
-COLUMN_ROWS = [Row("name", "column.key"), Row("meaning", "column.text"), Row("values", "count")]
-COLUMN_ROWS += [Row("lowest", "low"), Row("median", "median"), Row("highest", "high")]
-COLUMN_ROWS += [Row("remark", "remark")]
-ERROR_ROWS = (Row("error", "error"), Row("runs", "count"), Row("first run", "first"))
 
 
 @dataclass(frozen=True)
@@ -61,7 +57,6 @@ class Analysis:
     """Everything that the points of a sweep tell about one response; None where they do not."""
 
     points: Points
-    chaos: tuple[float, float, float] | None
     sensitivity: Sensitivity | None
     surrogate: Surrogate | None
     spread: Spread | None
@@ -95,7 +90,10 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
     if points.censored.any():
         count = whole(int(points.censored.sum()))
         notes.append(f"The values of {count} points are lower bounds; indices use the bounds.")
-    return Analysis(points, chaotic_share(points), result, surrogate, spread, limit, tuple(notes))
+    if (chaos := chaotic_share(points)) is not None:
+        text = f"Scatter of chaotic motion is {_percent(chaos)} of the variance of single runs of"
+        notes.append(f"{text} {key}; the rest comes from the parameters.")
+    return Analysis(points, result, surrogate, spread, limit, tuple(notes))
 
 
 def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]) -> Path:
@@ -114,8 +112,7 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
                 numbers.append(_key_number(analysis, label))
             with matplotlib.rc_context(style.SETTINGS):
                 drawn = page.illustrated(drawings(analysis), into)
-            notes = [*analysis.notes, *scatter_note(analysis)]
-            texts = (f"{column.text}.",), result_tables(analysis), drawn, notes
+            texts = (f"{column.text}.",), result_tables(analysis), drawn, analysis.notes
             sections.append(Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS))
     figures = [figure for section in sections for figure in section.figures]
     write_bytes(folder / ROWS_FILE, table.csv().encode())
@@ -136,12 +133,17 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
 
 def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
     """Yield the sections on ranges, failed runs and the first rows."""
-    responses = _columns(table.responses, table.values, plan, table)
+    responses = _ranges(table.responses, table.values, plan, table)
     yield Section("Ranges of responses", tables=[("", responses)])
-    parameters = _columns(table.parameters, table.points, plan)
+    parameters = _ranges(table.parameters, table.points, plan)
     yield Section("Ranges of parameters", tables=[("", parameters)])
     if any(table.errors):
-        yield Section("Failed runs", tables=[("", _errors(table))])
+        failed = []
+        for error, count in Counter(filter(None, table.errors)).most_common(MAX_ERRORS):
+            first = _point(table.parameters, table.points[table.errors.index(error)])
+            failed.append((error, whole(count), first))
+        errors = page.plain_table(("error", "runs", "first run"), failed, numeric=False)
+        yield Section("Failed runs", tables=[("", errors)])
     head, *lines = table.texts(FIRST_ROWS)
     rows = ((f"{number}", *line) for number, line in enumerate(lines, start=1))
     note = f"All {whole(len(table.errors))} runs are in {ROWS_FILE}."
@@ -220,31 +222,16 @@ def findings(analysis: Analysis) -> list[str]:
     return [*lines, text]
 
 
-def scatter_note(analysis: Analysis) -> list[str]:
-    """Return a sentence on the scatter of runs of the same point, where it is known."""
-    if analysis.chaos is None:
-        return []
-    share, key = _percent(analysis.chaos), analysis.points.response.key
-    text = f"Scatter of chaotic motion is {share} of the variance of single runs of {key}; the"
-    return [f"{text} rest comes from the parameters."]
-
-
 def _means(points: Points) -> page.Table:
     """Return the mean of a response at each point, with its 95 % interval and its runs."""
     shown = Display(points.response, points.means)
-    columns = [
-        Display(column, values)
-        for column, values in zip(points.parameters, points.points.T, strict=True)
-    ]
-    lines = []
-    for row, (mean, half) in enumerate(
-        zip(points.means, points.half_widths(points.noise), strict=True)
+    columns = list(map(Display, points.parameters, points.points.T))
+    halves, lines = points.half_widths(points.noise), []
+    for place, mean, half, count in zip(
+        points.points, points.means, halves, points.counts, strict=True
     ):
-        cells = [
-            one.number(value, 4) for one, value in zip(columns, points.points[row], strict=True)
-        ]
-        interval = "" if math.isnan(half) else f" ± {shown.number(half, 2)}"
-        lines.append((*cells, f"{shown.number(mean)}{interval}", whole(int(points.counts[row]))))
+        cells = (one.number(value, 4) for one, value in zip(columns, place, strict=True))
+        lines.append((*cells, shown.with_half_width(mean, half), whole(count)))
     return page.plain_table((*(one.label for one in columns), shown.label, "runs"), lines)
 
 
@@ -275,11 +262,11 @@ def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     return tables
 
 
-def _columns(
+def _ranges(
     columns: tuple[Column, ...], values: np.ndarray, plan: Plan, table: Table | None = None
 ) -> page.Table:
     """Return the ranges of parameters, or of the responses of a table."""
-    records = []
+    lines = []
     for k, column in enumerate(columns):
         finite = values[np.isfinite(values[:, k]), k]
         shown, scatter = Display(column, finite), plan.distributions.get(column.key)
@@ -289,19 +276,9 @@ def _columns(
         count = len(np.unique(finite)) if table is None else len(finite)
         ends = np.quantile(finite, (0.0, 0.5, 1.0)) if finite.size else [math.nan] * 3
         texts = ("" if column.choices else shown.text(value) for value in ends)
-        record = dict(zip(("low", "median", "high"), texts, strict=True))
-        records.append({"column": column, "count": count, "remark": remark, **record})
-    return page.row_table(COLUMN_ROWS, records, numeric=False)
-
-
-def _errors(table: Table) -> page.Table:
-    """Return the errors with their numbers of runs, the most frequent first."""
-    counts = Counter(error for error in table.errors if error)
-    records = []
-    for error, count in counts.most_common(MAX_ERRORS):
-        first = _point(table.parameters, table.points[table.errors.index(error)])
-        records.append({"error": error, "count": count, "first": first})
-    return page.row_table(ERROR_ROWS, records, numeric=False)
+        lines.append((column.key, column.text, whole(count), *texts, remark))
+    head = ("name", "meaning", "values", "lowest", "median", "highest", "remark")
+    return page.plain_table(head, lines, numeric=False)
 
 
 # --- Figures, with titles and captions in ``captions.toml`` ---------------------------------------

@@ -7,7 +7,7 @@ large it is, it is subtracted.
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -147,7 +147,18 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     values, noise = points.means[rows], float(points.noise[rows].mean())
     if kind == "morris":
         options["num_levels"] = MORRIS_LEVELS
-        return _effects(morris.analyze(problem, points.points[rows], values, **options), noise)
+        effects = morris.analyze(problem, points.points[rows], values, **options)
+        # SALib divides by the jump between its own levels, which lie at the ends of the range.
+        jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
+        halves = [effects["mu_star_conf"], np.full(dimension, np.nan)]
+        return Sensitivity(
+            "Elementary effects of a jump by half of the range",
+            "Morris 1991; Campolongo, Cariboni and Saltelli 2007",
+            ("mean of the absolute effects", "standard deviation of the effects"),
+            jump * np.array([effects["mu_star"], effects["sigma"]], float),
+            jump * np.array(halves, float),
+            noise=math.sqrt(4.0 / math.pi * noise) if noise > 0.0 else math.nan,
+        )
     if kind == "saltelli":
         indices = sobol.analyze(problem, values, calc_second_order=False, **options)
         method, keys = "Saltelli et al. 2010; total indices after Jansen 1999", ["S1", "ST"]
@@ -165,21 +176,6 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     shares[1:] -= noise / (variance - noise)
     measures = ("first-order index", "total index")[: len(keys)]
     return Sensitivity("Sobol' indices", method, measures, shares, widths, is_share=True)
-
-
-def _effects(indices: Mapping[str, Array], noise: float) -> Sensitivity:
-    """Return the result of a Morris design; ``noise`` is the variance of a mean by chaos."""
-    # SALib divides by the jump between its own levels, which lie at the ends of the range.
-    jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
-    halves = [indices["mu_star_conf"], np.full(len(indices["mu_star"]), np.nan)]
-    return Sensitivity(
-        "Elementary effects of a jump by half of the range",
-        "Morris 1991; Campolongo, Cariboni and Saltelli 2007",
-        ("mean of the absolute effects", "standard deviation of the effects"),
-        jump * np.array([indices["mu_star"], indices["sigma"]], float),
-        jump * np.array(halves, float),
-        noise=math.sqrt(4.0 / math.pi * noise) if noise > 0.0 else math.nan,
-    )
 
 
 def _changes(points: Points) -> Sensitivity | None:

@@ -88,9 +88,9 @@ class Sweep:
     def write(self, file: Path) -> None:
         """Write everything but the rows."""
         data = {"schema": SCHEMA, "provenance": provenance(), "plan": self.plan}
-        requested = replace(self.requested, functions=())
+        data["requested"] = replace(self.requested, functions=())
         rest = {"keep": self.keep, "limits": self.limits, "program": self.program}
-        write_json(file, {**data, "requested": requested, **rest})
+        write_json(file, data | rest)
 
     def report(self) -> Path:
         """Write figures, ``table.csv`` and ``report.html`` into the folder; return the page."""

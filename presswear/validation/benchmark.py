@@ -202,11 +202,7 @@ def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
         handles |= dict(zip(labels, lines, strict=True))
     sheet.legend(handles.values(), handles, loc="outside upper center", ncols=2)
     failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
-    caption = (
-        "Least CPU times without compiling; lower left is better. Grey: uncertainty of the "
-        f"reference.{f' Failed: {failed}.' if failed else ''}"
-    )
-    return style.Drawing("benchmark.png", "Error against CPU time", caption, sheet)
+    return style.finished("benchmark", sheet, failed=failed)[0]
 
 
 def _draw_errors(
@@ -234,19 +230,7 @@ def _draw_errors(
 # --- Cost of features -----------------------------------------------------------------------------
 
 WARM_UP = 0.05  # of a run's time, run before to compile and load
-WORN: dict[str, object] = {"worn": True}  # beside the settings of a scene: it runs on worn surfaces
-# Settings of the runs by feature and state; the first state is without the feature.
-FEATURES: dict[str, dict[str, dict[str, object]]] = {
-    "clearance": {
-        name: {"joints": joints}
-        for name, joints in {"none": "none", "A": "A", "C": "C", "A and C": "AC"}.items()
-    },
-    "friction": {"off": {"friction": 0.0}, "on": {}},
-    "worn surfaces": {"off": {}, "on": WORN},
-    "foundation": {"off": WORN, "on": WORN | {"contact": "foundation"}},
-    "wear account": {"off": {"wear_coefficient": 0.0}, "on": {}},
-    "torques stored": {"off": {}, "on": {"drive_torque": "on"}},
-}
+FEATURES: dict[str, dict[str, dict[str, Any]]] = problems.DATA["features"]
 ENGINES = {  # features that are timed in each engine
     "exudyn": ["clearance"],
     "exudyn-tree": [name for name in FEATURES if name != "clearance"],
@@ -305,17 +289,16 @@ def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list
             runs[name] = run_of(variant, cycles, depth)
         timings = time_runs(runs, repeats, part)
         for feature in features:
-            off, *_ = (timings[_name(settings)] for settings in FEATURES[feature].values())
-            for state, settings in FEATURES[feature].items():
-                timing = timings[_name(settings)]
-                per_second = timing.cpu / timing.simulated
-                rows.append(
-                    {"engine": engine, "feature": feature, "state": state, "model": timing.model}
-                    | {"simulated_s": timing.simulated, **timing.columns()}
-                    | {"cpu_s_per_simulated_s": per_second, "cpu_s_per_step": timing.per_step}
-                    | {"ratio_per_step": timing.per_step / off.per_step}
-                    | {"ratio_per_simulated_second": per_second / (off.cpu / off.simulated)}
-                )
+            states = {key: timings[_name(one)] for key, one in FEATURES[feature].items()}
+            off, *_ = states.values()
+            for state, timing in states.items():
+                row: dict[str, object] = {"engine": engine, "feature": feature, "state": state}
+                row |= {"model": timing.model, "simulated_s": timing.simulated, **timing.columns()}
+                row["cpu_s_per_simulated_s"] = timing.cpu / timing.simulated
+                row["cpu_s_per_step"] = timing.per_step
+                row["ratio_per_step"] = timing.per_step / off.per_step
+                ratio = (timing.cpu / timing.simulated) / (off.cpu / off.simulated)
+                rows.append({**row, "ratio_per_simulated_second": ratio})
     return rows
 
 

@@ -69,7 +69,8 @@ class Extent:
 
 
 _FILE = files("presswear.validation").joinpath("benchmark_problems.toml")
-FULL, QUICK = (Extent(**values) for values in tomllib.loads(_FILE.read_text("utf-8")).values())
+DATA = tomllib.loads(_FILE.read_text("utf-8"))
+FULL, QUICK = (Extent(**values) for values in DATA["extents"].values())
 
 
 @dataclass(frozen=True)
@@ -152,14 +153,7 @@ def joints_over_impacts(counts: Sequence[int], numerics: Numerics, period: float
     """Return the trapezoidal rule at several steps in an impact; all its steps shrink together."""
     default, methods = numerics.joints.for_cycle(period), []
     for count in sorted({*counts, default.steps_per_contact}):
-        finer = count / default.steps_per_contact
-        engine = replace(
-            default,
-            steps_per_contact=count,
-            steps_sustained=max(5, round(default.steps_sustained * finer)),
-            free_step=default.longest(period) / finer,
-            newton=default.newton / max(finer, 1.0) ** 2,
-        )
+        engine = crosscheck.finer_joints(default, count / default.steps_per_contact, period)
         methods.append(Method(engine, TRAPEZOIDAL, IMPACT, count, engine == default))
     return methods
 

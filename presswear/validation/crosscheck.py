@@ -18,7 +18,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.settings import Engine, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.recording.statistics import Estimate, pooled
 from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
@@ -206,17 +206,21 @@ def exudyn_of(scene: Scene) -> dict[str, Engine]:
     if isinstance(engine, ExudynTree):
         tolerances = [engine.tolerance / part for part in TOLERANCE_PARTS]
         return {f"Exudyn's tree at {t:g}": replace(engine, tree_tolerance=t) for t in tolerances}
-    joints = scene.numerics.joints
     return {
-        "Exudyn" if n == 1 else f"Exudyn, steps / {n}": replace(
-            joints,
-            steps_per_contact=joints.steps_per_contact * n,
-            steps_sustained=joints.steps_sustained * n,
-            free_step=joints.longest(period) / n,
-            newton=joints.newton / n**2,
-        )
+        f"Exudyn{f', steps / {n}' if n > 1 else ''}": finer_joints(scene.numerics.joints, n, period)
         for n in FINENESS
     }
+
+
+def finer_joints(joints: ExudynJoints, factor: float, period: float) -> ExudynJoints:
+    """Return ``exudyn-joints`` with all steps shorter by a factor; a cycle lasts a period, s."""
+    return replace(
+        joints,
+        steps_per_contact=round(joints.steps_per_contact * factor),
+        steps_sustained=max(5, round(joints.steps_sustained * factor)),
+        free_step=joints.longest(period) / factor,
+        newton=joints.newton / max(factor, 1.0) ** 2,
+    )
 
 
 def check_engines(scene: Scene, duration: float | None, report: Progress) -> Crosscheck:
@@ -277,9 +281,9 @@ def _exudyn_checks(
             yield Check(words, float(distance[early].max()), TREE_SLIDER_BOUND, "m")
     if not is_tree:
         # Without touchdowns, the distance of the slider has the order.
-        errors = [float(each[:, 1].max()) for each in distances.values()]
+        errors = [each[:, 1].max() for each in distances.values()]
         if len(first):
-            errors = [float(np.sqrt(np.mean(each[:, 0] ** 2))) for each in differences]
+            errors = [np.sqrt(np.mean(each[:, 0] ** 2)) for each in differences]
         order = -order_of(FINENESS, errors)
         yield Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND)
 
@@ -288,24 +292,23 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], Means]:
     """Check that the 95 % intervals of means over cycles of both engines overlap."""
     cycles = CYCLES if scene.cycles is None else scene.cycles
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
-    # Quantity, its name in the cycles of a recorder, joint, and unit.
-    quantities: list[tuple[str, str, int | None, str]] = [
-        ("greatest slider velocity", "velocity_max", None, "m/s"),
-        ("greatest slider acceleration", "acceleration_max", None, "m/s^2"),
-    ]
+    # By quantity: its unit, its name in the cycles of a recorder, and the joint.
+    quantities: dict[str, tuple[str, str, int | None]] = {
+        "greatest slider velocity": ("m/s", "velocity_max", None),
+        "greatest slider acceleration": ("m/s^2", "acceleration_max", None),
+    }
     for k, joint in enumerate(scene.clearance_joints):
-        quantities.append((f"peak force in {joint}", "force_max", k, "N"))
-        quantities.append((f"load distance in {joint}", "load_distance", k, "N m"))
+        quantities[f"peak force in {joint}"] = "N", "force_max", k
+        quantities[f"load distance in {joint}"] = "N m", "load_distance", k
     means: Means = {}
     exudyn = next(iter(exudyn_of(scene).values()))
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
-        recorder = runner.run(f"{word}, {cycles} cycles", engine, plan).recorder
+        cycle = runner.run(f"{word}, {cycles} cycles", engine, plan).recorder.each_cycle
         means[word.lower()] = {
-            quantity: pooled([recorder.each_cycle(name, k)])[0]
-            for quantity, name, k, _ in quantities
+            key: pooled([cycle(name, k)])[0] for key, (_, name, k) in quantities.items()
         }
     checks = []
-    for quantity, *_, unit in quantities:
+    for quantity, (unit, *_) in quantities.items():
         one, two = (each[quantity] for each in means.values())
         if one.half_width is not None and two.half_width is not None:  # not of a single cycle
             bound = one.half_width + two.half_width
@@ -336,5 +339,4 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
     label = "distance of the slider from the\nin-house reference (m)"
     axes.set(xlim=(0.0, end), xlabel="time (s)", ylabel=label)
     sheet.legend(loc="outside upper center", ncols=3)
-    title = "Distance of the engines from the in-house reference"
-    return style.Drawing("difference.png", title, "", sheet)
+    return style.finished("difference", sheet)[0]

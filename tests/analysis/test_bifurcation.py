@@ -151,5 +151,5 @@ def test_first_orders_are_those_of_the_closed_form() -> None:
     assert list(amplitude[0, :2]) == pytest.approx(expected, rel=0.02)
     assert 1.0 < resonance[0] < MAX_ORDER
     coarse = pw.InHouse("rk4", equal_step=1e-2)
-    for array in order_amplitudes(scene.linkage(), start, period, 2, coarse):
-        assert np.isnan(array).all()
+    with pytest.raises(pw.RunFailed):
+        order_amplitudes(scene.linkage(), start, period, 2, coarse)
