@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.stage_statistics import stage_result
-from presswear.campaign.wear_histories import LifeState, run_life, wear_between
+from presswear.campaign.wear_histories import LifeState, run_life, unknown_life, wear_between
 from presswear.campaign.wear_update import (
     FIRST_REFINEMENT,
     WearUpdate,
@@ -22,13 +22,13 @@ from presswear.campaign.wear_update import (
     cycles_of_update,
     initial_depth,
     jump,
-    wear_error,
-    wear_per_cycle,
+    refinement_spec,
+    stage_spec,
+    unknown_wear,
 )
 from presswear.engines.settings import Engine
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.soundness import Finding
-from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import INTERVAL, ResultFolder, provenance
 from presswear.results.life import LifeResult
 from presswear.results.result import Result, load
@@ -37,7 +37,7 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
-from presswear.tools.processes import Report, Workers, cores
+from presswear.tools.processes import Job, Report, Workers, cores
 from presswear.tools.serialize import checked_names
 
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
@@ -330,55 +330,58 @@ def run_stage(
     return stage, ensemble
 
 
+@dataclass
 class _Campaign:
     """Stages of a scene with the wear updates between them."""
 
-    def __init__(self, runner: Runner, checkpoint: Checkpoint) -> None:
-        self._runner, self._at = runner, checkpoint
-        self._unconverged: list[str] = []
-
-    def _keep(self, is_stage: bool = False, **changes: Any) -> None:
-        """Pass the present state on, with what has changed meanwhile."""
-        for observer in self._runner.observers:
-            observer.on_checkpoint(replace(self._at, **changes), is_stage)
+    runner: Runner
+    at: Checkpoint
+    strokes: float | None = None  # of the service life, if the scene has one
+    unconverged: list[str] = field(default_factory=list)  # messages
 
     def run(self) -> Outcome:
         """Run the service life, if the scene has one, and all stages."""
-        strokes = None
-        if self._runner.scene.life is not None:
+        if self.runner.scene.life is not None:
             try:
-                strokes = self._run_life()
+                self._run_life()
             except RunFailed as error:
                 return "failed", f"{error}", error.finding
-        for index in range(self._at.index, self._runner.scene.wear_updates + 1):
-            failure = self._run_stage(index, strokes)
+        for index in range(self.at.index, self.runner.scene.wear_updates + 1):
+            failure = self._run_stage(index)
             if failure:
                 return failure
-        if self._unconverged:
-            return "unconverged", "; ".join(self._unconverged), None
+        if self.unconverged:
+            return "unconverged", "; ".join(self.unconverged), None
         return "completed", "", None
 
-    def _run_life(self) -> float:
-        """Run the service life and return its strokes."""
-        runner, scene = self._runner, self._runner.scene
-        refinements, life = run_life(
-            runner,
-            initial_depth(scene),
-            self._at.life or LifeState(),
-            lambda life: self._keep(life=life),
-        )
+    def _keep(self, is_stage: bool = False, **changes: Any) -> None:
+        """Pass the present state on, with what has changed meanwhile."""
+        for observer in self.runner.observers:
+            observer.on_checkpoint(replace(self.at, **changes), is_stage)
+
+    def _run(self, depth: Array, spec: RunSpec, step_check: Job | None = None) -> Ensemble:
+        """Run an ensemble, or resume it, and keep its state."""
+
+        def keep(state: EnsembleState) -> None:
+            self._keep(running=state)
+
+        return self.runner.run(depth, spec, self.at.running, keep, step_check)
+
+    def _run_life(self) -> None:
+        runner, scene = self.runner, self.runner.scene
+        state, initial = self.at.life or LifeState(), initial_depth(scene)
+        refinements, life = run_life(runner, initial, state, lambda life: self._keep(life=life))
         for observer in runner.observers:
             observer.on_life(life)
-        self._unconverged += unknown_life(scene, life)
-        self._at = replace(self._at, life=LifeState(refinements))
+        self.unconverged += unknown_life(scene, life)
+        self.at, self.strokes = replace(self.at, life=LifeState(refinements)), life.strokes
         # The wear update after a stage is for the part of the life up to the next stage.
         part = max(life.strokes / scene.wear_updates, 1.0)
         runner.scene = replace(scene, cycles_per_update=part)
-        return life.strokes
 
-    def _run_stage(self, index: int, strokes: float | None) -> Outcome | None:
+    def _run_stage(self, index: int) -> Outcome | None:
         """Run a stage and the wear update after it; return how it failed, or None."""
-        runner, scene, at = self._runner, self._runner.scene, self._at
+        runner, scene, at = self.runner, self.runner.scene, self.at
         runner.start_stage(index)
         _LOG.info("stage %d begins: %s", index, scene.stage_name(index))
         spec, is_last = stage_spec(scene, index), index == scene.wear_updates
@@ -386,144 +389,70 @@ class _Campaign:
             ensemble = Ensemble.of(scene, spec, at.depth, at.stage)
             runner.done += ensemble.state.cycles / scene.replicate_count
         else:
-            if scene.wears_in_steps and not is_last and strokes is None:
+            if scene.wears_in_steps and not is_last and self.strokes is None:
                 runner.later = 3.0 * (scene.cycles or FIRST_REFINEMENT)
-            check = StepCheck(scene, at.depth[0])
-            ensemble = runner.run(
-                at.depth, spec, at.running, lambda state: self._keep(running=state), check
-            )
+            ensemble = self._run(at.depth, spec, StepCheck(scene, at.depth[0]))
         finding = ensemble.finding
         try:
             if not (is_last or ensemble.failure):
-                finding = self._apply_wear(index, ensemble, strokes)
+                finding = self._apply_wear(index, ensemble)
         finally:
             # The stage is finished, even if somebody interrupts the wear update after it.
-            update = self._at.update
+            update = self.at.update
             self._finish(stage_result(scene, index, ensemble, update, finding))
         if ensemble.failure:
             return "failed", f"stage {index}: {ensemble.failure}", finding
         if finding is not None:
             return "failed", finding.words, finding
         if update is not None:
-            self._at = Checkpoint(index + 1, update.depth, life=at.life)
+            self.at = Checkpoint(index + 1, update.depth, life=at.life)
             self._keep(is_stage=True)
         return None
 
-    def _apply_wear(self, index: int, ensemble: Ensemble, strokes: float | None) -> Finding | None:
+    def _apply_wear(self, index: int, ensemble: Ensemble) -> Finding | None:
         """Apply the wear after a stage, by updates or of the life; return the finding."""
-        runner, scene, at = self._runner, self._runner.scene, self._at
-        joints = ensemble.linkage.clearances
-        if strokes is not None:
-            assert at.life is not None
-            since, until = (strokes * k / scene.wear_updates for k in (index, index + 1))
-            initial = initial_depth(scene)
-            update = wear_between(at.life.refinements, joints, initial, since, until)
-            self._at = replace(at, update=update)
+        runner, scene, joints = self.runner, self.runner.scene, ensemble.linkage.clearances
+        if self.strokes is not None:
+            assert self.at.life is not None
+            since, until = (self.strokes * k / scene.wear_updates for k in (index, index + 1))
+            refinements, initial = self.at.life.refinements, initial_depth(scene)
+            update = wear_between(refinements, joints, initial, since, until)
+            self.at = replace(self.at, update=update)
             return None
-        if at.stage is None:
-            self._at = replace(at, stage=ensemble.state, running=EnsembleState())
+        if self.at.stage is None:
+            self.at = replace(self.at, stage=ensemble.state, running=EnsembleState())
         self._keep()
-        each = cycles_of_update(scene, ensemble)
+        each, time = cycles_of_update(scene, ensemble), ensemble.simulated_s
         at_end = (index + 1) * each
         if not scene.wears_in_steps:
             update = jump(ensemble, each)
-            self._at = replace(self._at, update=update)
-            where = f"after stage {index} "
-            return worn_out(joints, update.depth, where, ensemble.simulated_s, at_end)
-        if self._at.update is None:
+            self.at = replace(self.at, update=update)
+            return worn_out(joints, update.depth, f"after stage {index} ", time, at_end)
+        finding = None
+        if self.at.update is None:
             # Surfaces that fit each other better wear more slowly, but hardly at half the rate.
-            depth, time = jump(ensemble, 0.5 * each).depth, ensemble.simulated_s
+            depth = jump(ensemble, 0.5 * each).depth
             where = f"in half of the {stage_name(index + 1)} at the present rate "
             finding = worn_out(joints, depth, where, time, at_end - 0.5 * each)
-            if finding is not None:
-                return finding
-        while (spec := refinement_spec(scene, index, each, self._at.update)) is not None:
-            runner.later = 2.0 * spec.cycles if self._at.update is None else 0.0
+        while not finding and (spec := refinement_spec(scene, index, each, self.at.update)):
+            runner.later = 2.0 * spec.cycles if self.at.update is None else 0.0
             _LOG.info("the wear after stage %d begins: %s", index, spec.label)
-            worn = runner.run(
-                ensemble.depth, spec, self._at.running, lambda state: self._keep(running=state)
-            )
+            worn = self._run(ensemble.depth, spec)
             if worn.finding is not None:
                 return replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
-            time, depth = worn.simulated_s, worn.surface_depth
-            finding = worn_out(joints, depth, f"the {spec.label}: ", time, at_end)
-            if finding is not None:
-                return finding
-            update = cycle_by_cycle(worn, each, self._at.update)
-            self._at = replace(self._at, update=update, running=EnsembleState())
-        return None
+            where, time = f"the {spec.label}: ", worn.simulated_s
+            finding = worn_out(joints, worn.surface_depth, where, time, at_end)
+            if finding is None:
+                update = cycle_by_cycle(worn, each, self.at.update)
+                self.at = replace(self.at, update=update, running=EnsembleState())
+        return finding
 
     def _finish(self, stage: StageResult) -> None:
-        if self._at.life is None:
-            self._unconverged += unknown_wear(self._runner.scene, stage)
+        if self.at.life is None:
+            self.unconverged += unknown_wear(self.runner.scene, stage)
         steps = {key: value for key, value in stage.diagnostics.items() if key.startswith("steps")}
         how = stage.message or stage.status
-        _LOG.info(
-            "stage %d ends: %s, %d cycles, %s", stage.index, how, stage.statistics.cycles, steps
-        )
-        for observer in self._runner.observers:
+        cycles = stage.statistics.cycles
+        _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)
+        for observer in self.runner.observers:
             observer.on_stage(stage)
-
-
-def stage_spec(scene: Scene, index: int) -> RunSpec:
-    """Return the run specification of a stage: its cycles, or the tolerance of its wear maps."""
-    if scene.cycles is not None:
-        return RunSpec(scene.cycles)
-    # A jump multiplies the noise of its map, which changes whatever comes after it long before it
-    # shows in the map: all the cycles that are allowed, as in the paper.
-    jumps = index < scene.wear_updates and not scene.wears_in_steps
-    most = max(scene.max_cycles // scene.replicate_count, 1)
-    return RunSpec(most, None if jumps or not scene.clearance_joints else scene.tolerance)
-
-
-def refinement_spec(
-    scene: Scene, index: int, cycles_per_update: float, update: WearUpdate | None
-) -> RunSpec | None:
-    """Return the next refinement of the wear update after a stage; None if it is known.
-
-    With the number of cycles set, half of them and then all; else twice as many in each refinement,
-    until two agree, or the cycles are used up.
-    """
-    done = 0 if update is None else len(update.steps)
-    if scene.cycles is not None:
-        cycles = scene.cycles if done else max(scene.cycles // 2, 1)
-        is_enough = done == scene.cycles
-    else:
-        most = scene.max_cycles // scene.replicate_count
-        cycles = 2 * done or min(FIRST_REFINEMENT, max(most, 1))
-        is_enough = update is not None and (
-            cycles > most or wear_error(scene.linkage().clearances, update) <= scene.tolerance
-        )
-    if is_enough:
-        return None
-    label = f"{stage_name(index + 1)} in {cycles} steps"
-    wear = wear_per_cycle(cycles_per_update / cycles)
-    return RunSpec(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, label=label)
-
-
-def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
-    """Return a message if the wear of a stage is less accurate than requested."""
-    error = stage.statistics.wear_error
-    if scene.cycles is not None or error is None or error <= scene.tolerance:
-        return []
-    # The error of sampling falls with the square root of the cycles, and refinements double.
-    more = (error / scene.tolerance) ** 2
-    steps, needed = len(stage.wear_steps), more * stage.statistics.cycles
-    if steps > 1:
-        needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
-    return [
-        f"the error of the {stage_name(stage.index + 1)}, {100.0 * error:.2g} %, exceeds tolerance "
-        f"= {100.0 * scene.tolerance:.2g} %: about max_cycles = {math.ceil(needed)} is needed"
-    ]
-
-
-def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
-    """Return a message if a life is less accurate than requested, or unknown."""
-    if life.ended != "limit":
-        return [f"the life is not known: {life.message}"]
-    if life.error is not None and life.error <= scene.tolerance:
-        return []
-    fault = "is unknown"
-    if life.error is not None:
-        fault = f"is {100.0 * life.error:.2g} %, above tolerance = {100.0 * scene.tolerance:.2g} %"
-    return [f"the error of the life {fault}: a larger life.max_cycles is needed"]

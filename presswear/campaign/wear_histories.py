@@ -256,6 +256,18 @@ def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) ->
     return LifeResult(ended, message, strokes, *errors, *details, words, curves)
 
 
+def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
+    """Return a message if a life is less accurate than requested, or unknown."""
+    if life.ended != "limit":
+        return [f"the life is not known: {life.message}"]
+    if life.error is not None and life.error <= scene.tolerance:
+        return []
+    fault = "is unknown"
+    if life.error is not None:
+        fault = f"is {100.0 * life.error:.2g} %, above tolerance = {100.0 * scene.tolerance:.2g} %"
+    return [f"the error of the life {fault}: a larger life.max_cycles is needed"]
+
+
 def wear_between(
     refinements: Refinements,
     joints: Sequence[ClearanceJoint],

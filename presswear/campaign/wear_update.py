@@ -21,6 +21,7 @@ from functools import partial
 import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
+from presswear.campaign.replicates import RunSpec
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES
 from presswear.physics.wear import map_shape, worn_volume
@@ -32,8 +33,8 @@ from presswear.recording.statistics import (
     smoothed_mean,
     smoothing_widths,
 )
-from presswear.results.stage import WearStep
-from presswear.scene.scene import Scene
+from presswear.results.stage import StageResult, WearStep
+from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array
 
 FIRST_REFINEMENT = 8  # cycles of each replicate in the first refinement of a wear update
@@ -195,3 +196,55 @@ def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:
                 step = mean - float(coarser.mean())
                 errors.append(math.hypot(half_width(values) or 0.0, step) / mean)
     return max(errors)
+
+
+def stage_spec(scene: Scene, index: int) -> RunSpec:
+    """Return the run specification of a stage: its cycles, or the tolerance of its wear maps."""
+    if scene.cycles is not None:
+        return RunSpec(scene.cycles)
+    # A jump multiplies the noise of its map, which changes whatever comes after it long before it
+    # shows in the map: all the cycles that are allowed, as in the paper.
+    jumps = index < scene.wear_updates and not scene.wears_in_steps
+    most = max(scene.max_cycles // scene.replicate_count, 1)
+    return RunSpec(most, None if jumps or not scene.clearance_joints else scene.tolerance)
+
+
+def refinement_spec(
+    scene: Scene, index: int, cycles_per_update: float, update: WearUpdate | None
+) -> RunSpec | None:
+    """Return the next refinement of the wear update after a stage; None if it is known.
+
+    With the number of cycles set, half of them and then all; else twice as many in each refinement,
+    until two agree, or the cycles are used up.
+    """
+    done = 0 if update is None else len(update.steps)
+    if scene.cycles is not None:
+        cycles = scene.cycles if done else max(scene.cycles // 2, 1)
+        is_enough = done == scene.cycles
+    else:
+        most = scene.max_cycles // scene.replicate_count
+        cycles = 2 * done or min(FIRST_REFINEMENT, max(most, 1))
+        is_enough = update is not None and (
+            cycles > most or wear_error(scene.linkage().clearances, update) <= scene.tolerance
+        )
+    if is_enough:
+        return None
+    label = f"{stage_name(index + 1)} in {cycles} steps"
+    wear = wear_per_cycle(cycles_per_update / cycles)
+    return RunSpec(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, label=label)
+
+
+def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
+    """Return a message if the wear of a stage is less accurate than requested."""
+    error = stage.statistics.wear_error
+    if scene.cycles is not None or error is None or error <= scene.tolerance:
+        return []
+    # The error of sampling falls with the square root of the cycles, and refinements double.
+    more = (error / scene.tolerance) ** 2
+    steps, needed = len(stage.wear_steps), more * stage.statistics.cycles
+    if steps > 1:
+        needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
+    return [
+        f"the error of the {stage_name(stage.index + 1)}, {100.0 * error:.2g} %, exceeds tolerance "
+        f"= {100.0 * scene.tolerance:.2g} %: about max_cycles = {math.ceil(needed)} is needed"
+    ]
