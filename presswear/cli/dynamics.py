@@ -84,5 +84,5 @@ def _describe(folder: Path, console: Console) -> int:
         )
     terminal.print_lines(console, f"of each mode: {table.head[0]}")
     for heading, rows in table.groups:
-        terminal.print_table(console, (heading, *table.head[1:]), (), rows)
+        terminal.print_table(console, (heading, *table.head[1:]), rows)
     return 0

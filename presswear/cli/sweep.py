@@ -149,7 +149,8 @@ def _print(console: Console, table: "Table") -> None:
     widths = (COLUMN_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True))
     fitting = sum(end <= console.width for end in accumulate(widths))
     count = max(fitting, len(table.parameters) + 1)
-    terminal.print_table(console, [], heads[:count], [cells[:count] for cells in rows])
+    shown = [f">{head}" for head in heads[:count]]
+    terminal.print_table(console, shown, [cells[:count] for cells in rows])
     if len(heads) > count:
         text = f"and {', '.join(heads[count:])}"
         terminal.print_lines(console, text)

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import (
     BarColumn,
     Progress,
@@ -169,34 +168,22 @@ def print_lines(console: Console, *lines: str) -> None:
 
 
 def print_table(
-    console: Console,
-    texts: Sequence[str],
-    numbers: Sequence[str],
-    rows: Iterable[Sequence[str]],
-    more: Sequence[str] = (),
-    **look: Any,
+    console: Console, heads: Sequence[str], rows: Iterable[Sequence[Any]], title: str = ""
 ) -> None:
-    """Print a table of texts that wrap, numbers aligned right, and further texts.
-
-    ``texts``, ``numbers`` and ``more`` are headings of columns; markup is kept only in cells after
-    the numbers. ``look`` are options of ``rich.table.Table``.
-    """
-    table = Table(box=SIMPLE, pad_edge=False, **look)
-    for name in texts:
-        table.add_column(name, overflow="fold")
-    for name in numbers:
-        table.add_column(name, justify="right", no_wrap=True)
-    for name in more:
-        table.add_column(name)
-    plain = len(texts) + len(numbers)
+    """Print a table of texts, which wrap, and of numbers: their headings begin with ``>``."""
+    table = Table(box=SIMPLE, pad_edge=False, title=title or None, title_justify="left")
+    for head in heads:
+        is_number = head.startswith(">")
+        justify: Any = "right" if is_number else "left"
+        table.add_column(head.lstrip(">"), justify=justify, no_wrap=is_number, overflow="fold")
     for row in rows:
-        table.add_row(*(escape(cell) for cell in row[:plain]), *row[plain:])
+        table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
     console.print(table, highlight=False)
 
 
-def verdict(passed: bool) -> str:
-    """Return pass or MISS in markup."""
-    return "pass" if passed else "[bold red]MISS[/]"
+def verdict(passed: bool) -> Text:
+    """Return pass or MISS, in red."""
+    return Text("pass") if passed else Text("MISS", "bold red")
 
 
 class _TimeLeft(ProgressColumn):

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.markup import escape
 
 from presswear.cli import terminal
 from presswear.cli.terminal import print_lines, print_table, verdict
@@ -54,7 +53,7 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
     reason = "trajectories diverge" if outcome.diverged else "the end; trajectories do not diverge"
     print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
     checks = ((c.quantity, c.unit, (c.value, c.bound), c.passed) for c in outcome.checks)
-    _print_checks(console, ("difference", "bound"), checks)
+    _print_checks(console, (">difference", ">bound"), checks)
     print_lines(console, f"table and figure in {folder}")
     return 0 if outcome.passed else 1
 
@@ -70,15 +69,16 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
     ours = table_of(terminal.load_result(folder, console), 0)
     columns = compare_tables(ours, theirs, arguments.until, arguments.tolerance or TOLERANCE)
     checks = ((c.column, c.unit, (c.greatest, c.rms, c.bound), c.passed) for c in columns)
-    _print_checks(console, ("largest", "rms", "bound of rms"), checks)
+    _print_checks(console, (">largest", ">rms", ">bound of rms"), checks)
     return 0 if all(each.passed for each in columns) else 1
 
 
 def _print_checks(console: Console, names: tuple[str, ...], checks: Iterable[Check]) -> None:
-    rows = []
-    for quantity, unit, numbers, passed in checks:
-        rows.append([quantity, *(f"{value:.2e}" for value in numbers), unit, verdict(passed)])
-    print_table(console, ("quantity",), names, rows, ("unit", ""))
+    rows = (
+        [quantity, *(f"{value:.2e}" for value in numbers), unit, verdict(passed)]
+        for quantity, unit, numbers, passed in checks
+    )
+    print_table(console, ("quantity", *names, "unit", ""), rows)
 
 
 def verify(arguments: argparse.Namespace, console: Console) -> int:
@@ -112,8 +112,8 @@ def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
             cells = [f"{check.reference:.9g}", f"{check.reference + check.value:.9g}"]
             cells += [f"{abs(check.value):.1e}", f"{check.bound:.0e}"]
         rows.append([outcome.label, *cells, verdict(outcome.verdict == "pass")])
-    numbers = ("reference", "computed", "error", "bound")
-    print_table(console, ("quantity",), numbers, rows, ("",))
+    heads = ("quantity", ">reference", ">computed", ">error", ">bound", "")
+    print_table(console, heads, rows)
 
 
 def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
@@ -123,9 +123,9 @@ def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
         if check is not None:
             cells = [f"{check.value:.1e}", f"{check.bound:.0e}"]
         mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)
-        cells += [f"{outcome.seconds:.1f}", case.engine, escape(outcome.label), mark]
-        rows.append([case.name, *cells])
-    print_table(console, ("case",), ("value", "bound", "s"), rows, ("engine", "checked", ""))
+        cells += [f"{outcome.seconds:.1f}", case.engine, outcome.label]
+        rows.append([case.name, *cells, mark])
+    print_table(console, ("case", ">value", ">bound", ">s", "engine", "checked", ""), rows)
 
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:
@@ -168,9 +168,8 @@ def _print_methods(console: Console, points: Any) -> None:
             for p in points
             if p.problem is problem and p.timing is not None
         ]
-        numbers = ("CPU ms", f"error of {quantity}")
-        look = {"title": problem.name, "title_justify": "left"}
-        print_table(console, ("method",), numbers, rows, **look)
+        heads = ("method", ">CPU ms", f">error of {quantity}")
+        print_table(console, heads, rows, problem.name)
     for point in points:
         if point.failure:
             words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
@@ -183,7 +182,7 @@ def _print_features(console: Console, table: Any) -> None:
         times = f"{row['cpu_s_per_simulated_s']:.3f}", f"{1e6 * row['cpu_s_per_step']:.2f}"
         ratios = f"{row['ratio_per_step']:.2f}", f"{row['ratio_per_simulated_second']:.2f}"
         rows.append([f"{row['feature']}: {row['state']}", row["engine"], *times, *ratios])
-    numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
-    print_table(console, ("feature", "engine"), numbers, rows)
+    heads = ("feature", "engine", ">s/s", ">us/step", ">ratio/step", ">ratio/s")
+    print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"
     console.print(meaning, highlight=False)

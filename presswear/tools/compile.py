@@ -76,7 +76,7 @@ class _Cache(NullCache):
         versions = sys.implementation.cache_tag, numba.__version__, numpy_version
         self._key = key, versions, config.USING_SVML
 
-    def _files(self, signature: Any, context: Any) -> list[Path]:
+    def files(self, signature: Any, context: Any) -> list[Path]:
         """Return the file of the user and, if the processor can execute it, that of the wheel."""
         triple, *processor = context.codegen().magic_tuple()
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
@@ -92,7 +92,7 @@ class _Cache(NullCache):
         """Return stored code; None where it is to be compiled in this process."""
         code = self._stored(signature, context)
         if code is None:
-            file, *_ = self._files(signature, context)
+            file, *_ = self.files(signature, context)
             with suppress(OSError):  # nothing can be stored
                 file.parent.mkdir(parents=True, exist_ok=True)
                 self._lock = file.with_suffix(".lock").open("a+", encoding="utf-8")
@@ -104,13 +104,6 @@ class _Cache(NullCache):
                 self._release()
         return code
 
-    def is_compiled_elsewhere(self, signature: Any, context: Any) -> bool:
-        """Return whether another process compiles the code now."""
-        file, *_ = self._files(signature, context)
-        with suppress(OSError), file.with_suffix(".lock").open("r+", encoding="utf-8") as locked:
-            return lock(locked) in BUSY
-        return False
-
     def _release(self) -> None:
         if self._lock is not None:
             with suppress(OSError):
@@ -120,7 +113,7 @@ class _Cache(NullCache):
 
     def _stored(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it is damaged."""
-        for file in self._files(signature, context):
+        for file in self.files(signature, context):
             with suppress(OSError, AttributeError, ImportError):  # a named tuple may be gone
                 content = file.read_bytes()
                 if digest(content[64:]).encode() == content[:64]:
@@ -131,7 +124,7 @@ class _Cache(NullCache):
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Store code, and remove the oldest files; do nothing where no file can be written."""
-        file, *_ = self._files(signature, result.target_context)
+        file, *_ = self.files(signature, result.target_context)
         content = dumps(result._reduce())
         with suppress(OSError):
             part = file.with_suffix(f".{os.getpid()}")
@@ -320,7 +313,10 @@ def specialised(kernel: F, *arguments: Any) -> F:
 def is_compiled_elsewhere(kernel: Callable[..., Any], *arguments: Any) -> bool:
     """Return whether another process compiles a kernel for arguments of these types now."""
     dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
-    return bool(dispatcher._cache.is_compiled_elsewhere(kinds, dispatcher.targetctx))
+    file, *_ = dispatcher._cache.files(kinds, dispatcher.targetctx)
+    with suppress(OSError), file.with_suffix(".lock").open("r+", encoding="utf-8") as locked:
+        return lock(locked) in BUSY
+    return False
 
 
 @intrinsic
