@@ -1,9 +1,8 @@
 """Scenes from TOML files, every number with its unit, and measured surfaces from tables."""
 
-import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
 from itertools import takewhile
@@ -13,25 +12,21 @@ from typing import Any
 import numpy as np
 
 from presswear.linkage.linkage import Linkage, linkage_from
-from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.surface import SIDES
-from presswear.scene.bearing import Bearing
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import (
     DEFAULT,
     IN_FILE,
     TABLES,
-    Setting,
     changed,
     name_of_key,
     on_surfaces,
-    settings_in,
     settings_of,
 )
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text
-from presswear.tools.quantities import NONE, Quantity, parse_quantity
+from presswear.tools.quantities import NONE, Choice, Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST
 
 SUFFIX = ".toml"
@@ -43,95 +38,39 @@ _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 POINTS = "points"
 EXAMPLES = (*MECHANISMS, POINTS)  # kinds of example files
 _COMMENT = 34  # width of an example file before its comments
-_HEAD = """\
-# presswear show FILE draws the mechanism, presswear run FILE runs it, presswear list FILE lists all
-# that can be set. Every number has its unit. x points to the right, y upwards, and angles turn
-# counterclockwise. To switch on a line or a table, remove the # at the beginning of its lines.
-"""
-_OFF: Mapping[str, Any] = {  # settings of the lines and tables that are switched off
-    **{"torque_limit": "1 kN m", "pressure_limit": "40 MPa", "pv_limit": "1 MPa m/s"},
-    **{"bearing_modulus": "110 GPa", "viscosity": "0.1 Pa s"},
-    **{"cycles": 20, "cycles_per_update": 1e6},
-    **{"process": "blanking", "servo": "dwell", "life": "limits"},
-}
-_BEARING = (
-    *("joints", "clearance", "bearing_radius", "width", "elasticity", "friction"),
-    *("restitution", "youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient"),
-    *("bearing_share", "viscosity"),
-)
-_INERTIA = "_inertia"  # end of the keys of bars, whose inertia follows from mass and length
-_SINGLE = "clearance", "friction"  # keys of the bearing of a single joint
-_LIMITS = "torque_limit", "pressure_limit", "pv_limit"
-_RUN = "conventions", "wear_updates", "cycles_per_update", "max_cycles", "cycles", "engine"
+_OFF = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)  # of a line that is switched off
 
 
 def example_file(kind: str) -> str:
-    """Return the text of a file that describes a mechanism, one of EXAMPLES."""
+    """Return the text of a file that describes a mechanism, one of EXAMPLES.
+
+    Each value is followed by its meaning.
+    """
     if not kind:
         raise InputError(f"name the kind of mechanism: {', '.join(EXAMPLES)}")
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
-    mechanism: OneMechanism
-    if kind == POINTS:
-        first = files("presswear.scene").joinpath("points.toml").read_text("utf-8")
-        mechanism = linkage_from(tomllib.loads(first)["mechanism"], kind)
-    else:
-        # The slider of a press is below its crank.
-        mechanism = SliderCrank(slide_angle=-0.5 * math.pi)
-        mechanism = mechanism if kind == mechanism.kind else MECHANISMS[kind]()
-        inertias = {body.name.split()[0]: body.inertia for body in mechanism.linkage().bodies}
-        numbers = [
-            replace(one, value=inertias[one.key[: -len(_INERTIA)]])
-            if one.key.endswith(_INERTIA)
-            else one
-            for one in settings_in(mechanism)
-            if not one.is_part
-        ]
-        first = _table("mechanism", numbers).replace("]", f']\nkind = "{kind}"', 1)
-    joints = ",".join(mechanism.default_joints) or "B"
-    bearings = Bearing(clearance=0.3e-3)
-    run = {"conventions": "refined", "max_cycles": 256, "engine": "dae"}
-    scene = Scene(mechanism, joints=joints, bearings=bearings, wear_updates=1)
-    possible = {setting.key for setting in settings_of(scene)}
-    scene = changed(scene, run | {k: value for k, value in _OFF.items() if k in possible})
-    settings = {setting.key: setting for setting in settings_of(scene)}
-    single = [replace(settings[key], value=0.5 * settings[key].value) for key in _SINGLE]
-    tables = [
-        first,
-        _table("bearings", [settings[key] for key in _BEARING], text="of all joints"),
-        _table(f"bearings.{joints[0]}", single, "#", "of a single joint"),
-        *(
-            _table(part, [one for key, one in settings.items() if key.split(".")[0] == part], "#")
-            for part in _PARTS
-            if part in settings
-        ),
-        _table("limits", [settings[key] for key in _LIMITS if key in settings], "#"),
-        _table("settings", [settings[key] for key in _RUN]),
-    ]
-    return "\n".join([_HEAD, f'title = "My {kind}"\n', *tables])
-
-
-def _table(name: str, settings: Iterable[Setting], sign: str = "", text: str = "") -> str:
-    """Return a table of a file, each value with its meaning; ``sign`` switches its lines off."""
-    rows = [(f"{sign}[{name}]", text)]
-    for setting in settings:
-        meaning, value = setting.meaning, setting.value
-        if value in ("", None):
-            continue
-        if isinstance(meaning, Quantity):
-            text = meaning.written(value)
-            text, explained = f'"{text}"' if meaning.unit else text, meaning.text
-        else:
+    folder = files("presswear.scene")
+    text, first = (folder.joinpath(f"{n}.toml").read_text("utf-8") for n in ("example", kind))
+    joints = getattr(MECHANISMS.get(kind), "default_joints", "B")
+    named = {"KIND": kind, "MECHANISM": first, "JOINTS": ", ".join(joints), "JOINT": joints[0]}
+    text = re.sub(r"\b(KIND|MECHANISM|JOINTS?)\b", lambda match: named[match[1]], text)
+    scene = _scene_of(tomllib.loads(_OFF.sub("", text)), Path(kind))
+    meanings = {setting.key: setting.meaning for setting in settings_of(scene)}
+    lines, table = [], ""
+    for line in text.splitlines():
+        if heading := re.match(r"#?\[+(\w+)", line):
+            table = heading[1]
+        key = line.lstrip("#").partition(" = ")[0]
+        if table in _PARTS:
+            key = table if key == "kind" else f"{table}.{key}"
+        meaning = meanings.get(key)
+        explained = "" if meaning is None else meaning.text
+        if isinstance(meaning, Choice):
             words = " | ".join(word for word in meaning.words if word != NONE)
-            explained = meaning.text.partition(";")[0] + (f" ({words})" if words else "")
-            listed = ", ".join(meaning.split(value)) if meaning.several else value
-            text = f'"{listed}"'
-        key = "kind" if setting.key in _PARTS else setting.key.rpartition(".")[2]
-        is_off = setting.key in _OFF or setting.key.endswith(_INERTIA)
-        off = "#" if sign or is_off else ""
-        rows.append((f"{off}{key} = {text}", explained))
-    lines = (f"{row:{_COMMENT}}  # {comment}" if comment else row for row, comment in rows)
-    return "\n".join(lines) + "\n"
+            explained = explained.partition(";")[0] + (f" ({words})" if words else "")
+        lines.append(f"{line:{_COMMENT}}  # {explained}" if explained else line)
+    return "\n".join([*lines, ""])
 
 
 _TOML_FAULTS = {  # beginnings of messages of tomllib, and what they mean
@@ -172,26 +111,30 @@ def scene_from(file: str | Path) -> Scene:
     """Return the scene that a file describes, checked; errors name the file, the key, the value."""
     file = Path(file)
     try:
-        data = read_toml(file)
-        for key in data:
-            if key not in _KEYS:
-                raise unknown("key", key, _KEYS)
-        mechanism, parameters = _mechanism(data.pop("mechanism", None), file.parent)
-        title = data.get("title", f"The linkage of {file.name}")
-        scene = Scene(mechanism, file.stem, title, wear_updates=0)  # by default nothing wears
-        origins = dict.fromkeys((setting.key for setting in settings_of(scene)), DEFAULT)
-        settings = _settings({"mechanism": parameters, **data}, file.parent)
-        scene = changed(replace(scene, origins=origins), settings, IN_FILE)
-        source = data.get("surfaces")
-        if source is not None:
-            if not isinstance(source, str) or not source.endswith(TABLE):
-                raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
-            scene = on_surfaces(scene, read_profiles(file.parent / source), source)
+        scene = _scene_of(read_toml(file), file)
         scene.check()
         return scene
     except (InputError, RecursionError) as error:
         text = f"{error}"
         raise InputError(text if text.startswith(f"{file}") else f"{file}: {text}") from None
+
+
+def _scene_of(data: dict[str, Any], file: Path) -> Scene:
+    for key in data:
+        if key not in _KEYS:
+            raise unknown("key", key, _KEYS)
+    mechanism, parameters = _mechanism(data.pop("mechanism", None), file.parent)
+    title = data.get("title", f"The linkage of {file.name}")
+    scene = Scene(mechanism, file.stem, title, wear_updates=0)  # by default nothing wears
+    origins = dict.fromkeys((setting.key for setting in settings_of(scene)), DEFAULT)
+    settings = _settings({"mechanism": parameters, **data}, file.parent)
+    scene = changed(replace(scene, origins=origins), settings, IN_FILE)
+    source = data.get("surfaces")
+    if source is None:
+        return scene
+    if not isinstance(source, str) or not source.endswith(TABLE):
+        raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
+    return on_surfaces(scene, read_profiles(file.parent / source), source)
 
 
 def _mechanism(data: Any, folder: Path) -> tuple[OneMechanism, Mapping[str, Any]]:
