@@ -13,6 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage import laws
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -20,14 +21,6 @@ from presswear.linkage.elements import (
     ClearanceJoint,
     OutputPoint,
     Revolute,
-)
-from presswear.linkage.laws import (
-    DAMPINGS,
-    FrictionLaw,
-    NormalLaw,
-    delivered_restitution,
-    greatest_penetration,
-    lankarani_nikravesh_damping,
 )
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Load, Spring
@@ -153,12 +146,12 @@ class Impact:
     @property
     def damping(self) -> float:
         """Damping factor chi."""
-        return DAMPINGS[self.law].factor(self.nominal)
+        return laws.DAMPINGS[self.law].factor(self.nominal)
 
     @property
     def linkage(self) -> Linkage:
         """Ring of 0.3 kg and shaft of 0.1 kg without constraint."""
-        law = NormalLaw(self.stiffness, 1.5, self.damping)
+        law = laws.NormalLaw(self.stiffness, 1.5, self.damping)
         ends = Attachment("ring", 0.0, 0.0), Attachment("shaft", 0.0, 0.0)
         joint = ClearanceJoint("J", *ends, 0.015, self.clearance, 0.02, law)
         bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
@@ -172,7 +165,9 @@ class Impact:
     @property
     def deepest(self) -> float:
         """Greatest penetration, m."""
-        return greatest_penetration(REDUCED_MASS, self.speed, self.stiffness, 1.5, self.damping)
+        return laws.greatest_penetration(
+            REDUCED_MASS, self.speed, self.stiffness, 1.5, self.damping
+        )
 
     @property
     def elastic_duration(self) -> float:
@@ -187,7 +182,7 @@ class Impact:
         1 / (n + 1) of the distance from either end makes the integrand smooth.
         """
         chi, n = self.damping, 1.5
-        restitution = delivered_restitution(chi)
+        restitution = laws.delivered_restitution(chi)
         unit = (n + 1.0) * REDUCED_MASS * self.speed**2 / self.stiffness
 
         def time(integral: float, u: float, s: float) -> float:
@@ -253,7 +248,7 @@ SDND100_INTERVAL = math.pi / 100.0  # s between two extrema
 SDND100_STIFFNESS, SDND100_GRAVITY, SDND100_FRICTION = 1e4, 10.0, 0.1
 SHARP = 1e-6  # m/s above which friction is full, 0.001 of the largest speed
 
-FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
+FRICTION = laws.FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
 GRAVITY = 9.81  # m/s^2
 SLOPE = 0.05
 _FLOOR_CLEARANCE = 1e4  # m: the slope of the floor changes by 1e-4 in a metre
@@ -269,7 +264,7 @@ def _block_at(x: float, weight: float) -> Array:
 
 
 def block(
-    pull: float, press: float, friction: FrictionLaw, speed: float, damping: float = 0.0
+    pull: float, press: float, friction: laws.FrictionLaw, speed: float, damping: float = 0.0
 ) -> tuple[Linkage, Start]:
     """Return a block of 1 kg that cannot turn on a floor, and its initial state at x = 0.
 
@@ -278,7 +273,7 @@ def block(
     """
     ends = Attachment(GROUND, 0.0, _FLOOR_CLEARANCE), Attachment("block", 0.0, 0.0)
     size = _FLOOR_CLEARANCE + 0.01, _FLOOR_CLEARANCE, 0.02  # radius, clearance, width
-    normal = NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
+    normal = laws.NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
     floor = ClearanceJoint("floor", *ends, *size, normal, friction)
     heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
     linkage = free_bodies("block on a floor", (heavy,), (floor,), "block", loads=(load,))
@@ -293,7 +288,7 @@ def on_incline(slope: float, speed: float, damping: float = 0.0) -> tuple[Linkag
 
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
     """Return a mass on a spring of 1 km, released; friction is full above ``upper``, m/s."""
-    friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
+    friction = laws.FrictionLaw(SDND100_FRICTION, 0.0, upper)
     linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
     frame = Attachment(GROUND, -1e3, float(rest.position[1]))
     spring = Spring("spring", frame, Attachment("block", 0.0, 0.0), SDND100_STIFFNESS, 1e3)
@@ -301,7 +296,7 @@ def sdnd100(upper: float) -> tuple[Linkage, Start]:
     return replace(linkage, name="SDND100", springs=(spring,)), release
 
 
-def creep_speed(friction: FrictionLaw, slope: float) -> float:
+def creep_speed(friction: laws.FrictionLaw, slope: float) -> float:
     """Return the speed, m/s, at which a block creeps down an incline of tangent ``slope``.
 
     The ramp gives mu c_d = tan(theta), so v = v0 + (v1 - v0) tan(theta) / mu.
@@ -359,7 +354,7 @@ class Ball:
     @property
     def linkage(self) -> Linkage:
         """Pin of 0.1 kg in a bearing with a clearance of 1 m."""
-        law = NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal))
+        law = laws.NormalLaw(self.stiffness, 1.5, laws.lankarani_nikravesh_damping(self.nominal))
         ends = Attachment(GROUND, 0.0, 0.0), Attachment("ball", 0.0, 0.0)
         joint = ClearanceJoint("floor", *ends, 1.05, 1.0, 0.02, law)
         bodies, up = (Body("ball", 0.1, 1e-4),), OutputPoint("ball", 0.5 * math.pi)

@@ -7,20 +7,6 @@ import pytest
 
 import presswear as pw
 from presswear.analysis import bifurcation
-from presswear.analysis.bifurcation import (
-    CONTACT_GAP,
-    DIRECTIONS,
-    ENGINE,
-    Cycles,
-    Diagram,
-    Parameter,
-    compute,
-    continued,
-    load,
-    order_amplitudes,
-    read_branch,
-    run_branch,
-)
 from presswear.analysis.spectra import MAX_ORDER
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
@@ -31,17 +17,17 @@ from presswear.scene.settings import changed
 from presswear.show.figures.dynamics import draw_diagram
 
 SCENE = pw.scenes.slider_crank()
-CYCLES = Cycles(12, 6, 0, 0)
+CYCLES = bifurcation.Cycles(12, 6, 0, 0)
 
 
 def test_parameter_is_read_with_its_unit() -> None:
-    clearance = Parameter.parse("clearance=0.01:0.05:5 mm", SCENE)
+    clearance = bifurcation.Parameter.parse("clearance=0.01:0.05:5 mm", SCENE)
     np.testing.assert_allclose(clearance.values, 1e-5 * np.arange(1, 6), rtol=1e-12)
-    speed = Parameter.parse("speed=2pi:12pi:3 rad/s", SCENE)
+    speed = bifurcation.Parameter.parse("speed=2pi:12pi:3 rad/s", SCENE)
     # Values of a range have 12 digits.
     np.testing.assert_allclose(speed.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=5e-12)
     assert speed.unit == "rad/s"
-    assert Parameter.parse("B.friction=0.1:0:2", SCENE).values == (0.0, 0.1)
+    assert bifurcation.Parameter.parse("B.friction=0.1:0:2", SCENE).values == (0.0, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -60,15 +46,15 @@ def test_parameter_is_read_with_its_unit() -> None:
 )
 def test_bad_parameters_are_refused(text: str, message: str) -> None:
     with pytest.raises(pw.InputError, match=message):
-        Parameter.parse(text, SCENE)
+        bifurcation.Parameter.parse(text, SCENE)
 
 
 def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
     previous = SCENE.linkage()
     scene = pw.scenes.slider_crank(clearance="0.4 mm", speed="500 rad/s")
-    run = ENGINE.simulate(previous, start_of(SCENE), Plan(SCENE.mechanism.period, 3, 1))
+    run = bifurcation.ENGINE.simulate(previous, start_of(SCENE), Plan(SCENE.mechanism.period, 3, 1))
     linkage = scene.linkage()
-    start = continued(linkage, previous, run.end, start_of(scene))
+    start = bifurcation.continued(linkage, previous, run.end, start_of(scene))
     phi, phi_t, *_ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
     assert np.abs(phi).max() < 1e-12
     assert np.abs(phi_t).max() < 1e-9
@@ -78,31 +64,37 @@ def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
         constraints_of(closed(each)).evaluate(0.0, end.position, end.velocity)[0][rows]
         for each, end in ((previous, run.end), (linkage, start))
     )
-    cap = min(1.0, (1.0 - CONTACT_GAP) * 5e-4 / np.hypot(*before))
+    cap = min(1.0, (1.0 - bifurcation.CONTACT_GAP) * 5e-4 / np.hypot(*before))
     np.testing.assert_allclose(after, 0.8 * cap * before, rtol=1e-6)
     scaled = 500.0 / previous.drives[0].speed * run.end.velocity
     np.testing.assert_allclose(start.velocity, scaled, rtol=0.0, atol=0.3)
 
 
 def test_a_stopped_branch_is_resumed(tmp_path: Path) -> None:
-    parameter = Parameter.parse("clearance=0.01:0.05:4 mm", SCENE)
+    parameter = bifurcation.Parameter.parse("clearance=0.01:0.05:4 mm", SCENE)
     for values, name in (
         (parameter.values, "whole"),
         (parameter.values[:2], "parts"),
         (parameter.values, "parts"),
     ):
         file = tmp_path / f"{name}.npz"
-        run_branch(SCENE, parameter.key, values, CYCLES, start_of, file, lambda *report: None)
-    whole, parts = (read_branch(tmp_path / f"{name}.npz") for name in ("whole", "parts"))
+        bifurcation.run_branch(
+            SCENE, parameter.key, values, CYCLES, start_of, file, lambda *report: None
+        )
+    whole, parts = (
+        bifurcation.read_branch(tmp_path / f"{name}.npz") for name in ("whole", "parts")
+    )
     assert whole.tobytes() == parts.tobytes()
     assert parts.value.tolist() == list(parameter.values)
 
 
 def test_periods_of_two_clearances(tmp_path: Path) -> None:
     """At 10 um the motion has the period of the crank; at 0.3 mm none within 60 cycles."""
-    parameter = Parameter.parse("clearance=0.01:0.3:2 mm", SCENE)
-    diagram = compute(SCENE, parameter, Cycles(60, 30, 4, 0), tmp_path, start_of, 1)
-    for direction in DIRECTIONS:
+    parameter = bifurcation.Parameter.parse("clearance=0.01:0.3:2 mm", SCENE)
+    diagram = bifurcation.compute(
+        SCENE, parameter, bifurcation.Cycles(60, 30, 4, 0), tmp_path, start_of, 1
+    )
+    for direction in bifurcation.DIRECTIONS:
         branch = diagram.branches[direction]
         periods = dict(zip(branch.value, diagram.periods(direction), strict=True))
         small, large = periods[1e-5], periods[3e-4]
@@ -112,25 +104,25 @@ def test_periods_of_two_clearances(tmp_path: Path) -> None:
         assert branch.exponent[branch.value == 3e-4][0][0] > 0.0
     assert "periodic at 1 of 2 values" in diagram.summary()[0]
     assert "(period 1 at 1)" in diagram.summary()[0]
-    assert load(tmp_path).summary() == diagram.summary()
+    assert bifurcation.load(tmp_path).summary() == diagram.summary()
     assert "(degrees)" in draw_diagram(diagram).sheet.axes[0].get_ylabel()
     with pytest.raises(pw.InputError, match="a diagram with another cycles"):
-        compute(SCENE, parameter, CYCLES, tmp_path, start_of, 1)
+        bifurcation.compute(SCENE, parameter, CYCLES, tmp_path, start_of, 1)
 
 
 def test_a_failed_run_leaves_a_gap(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """With far too large steps all numbers are NaN, and the next value starts anew."""
     monkeypatch.setattr(bifurcation, "ENGINE", pw.InHouse("rk4", equal_step=1e-2))
-    parameter = Parameter("speed", (1.0, 2.0), "rad/s")
+    parameter = bifurcation.Parameter("speed", (1.0, 2.0), "rad/s")
     file = tmp_path / "up.npz"
-    cycles = Cycles(12, 6, 0, 2)
-    run_branch(SCENE, "speed", (100.0,), cycles, start_of, file, lambda *report: None)
-    branch = read_branch(file)
+    cycles = bifurcation.Cycles(12, 6, 0, 2)
+    bifurcation.run_branch(SCENE, "speed", (100.0,), cycles, start_of, file, lambda *report: None)
+    branch = bifurcation.read_branch(file)
     for name in ("pins", "amplitude", "resonance"):
         assert np.isnan(getattr(branch, name)).all()
     start = start_of(changed(SCENE, {"speed": 100.0}))
     np.testing.assert_array_equal(branch.end[0], [start.position, start.velocity])
-    diagram = Diagram(SCENE, parameter, CYCLES, {"up": branch})
+    diagram = bifurcation.Diagram(SCENE, parameter, CYCLES, {"up": branch})
     assert diagram.periods("up") == [None]
     assert "1 runs failed" in diagram.summary()[0]
 
@@ -146,10 +138,12 @@ def test_first_orders_are_those_of_the_closed_form() -> None:
     waves = 2.0 * np.abs(np.fft.rfft(x)) / 4096
     expected = [float(waves[k] * (2.0 * np.pi * k / period) ** 2) for k in (1, 2)]
     start = start_of(scene)
-    amplitude, resonance = order_amplitudes(scene.linkage(), start, period, 6, ENGINE)
+    amplitude, resonance = bifurcation.order_amplitudes(
+        scene.linkage(), start, period, 6, bifurcation.ENGINE
+    )
     assert amplitude.shape == (2, MAX_ORDER)
     assert list(amplitude[0, :2]) == pytest.approx(expected, rel=0.02)
     assert 1.0 < resonance[0] < MAX_ORDER
     coarse = pw.InHouse("rk4", equal_step=1e-2)
     with pytest.raises(pw.RunFailed):
-        order_amplitudes(scene.linkage(), start, period, 2, coarse)
+        bifurcation.order_amplitudes(scene.linkage(), start, period, 2, coarse)

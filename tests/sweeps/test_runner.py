@@ -20,14 +20,6 @@ import pytest
 import presswear as pw
 from presswear.sweeps import runner
 from presswear.sweeps.responses import Response, request
-from presswear.sweeps.runner import (
-    Outcome,
-    ProcessExecutor,
-    Progress,
-    SerialExecutor,
-    read_row,
-    run_rows,
-)
 from presswear.sweeps.sweep import load_sweep
 from presswear.tools.errors import InputError, RunFailed
 
@@ -36,7 +28,7 @@ REQUESTED = request(SCENE, ["bdc_error"])
 NAMES = {f"{k}": lambda: SCENE for k in range(4)}
 
 
-class Counting(SerialExecutor):
+class Counting(runner.SerialExecutor):
     """Executor that stores a made-up outcome, and may end the sweep after some rows."""
 
     def __init__(self, most: int = 100) -> None:
@@ -47,7 +39,7 @@ class Counting(SerialExecutor):
             raise KeyboardInterrupt
         self.count += 1
         future: Future[Any] = Future()
-        future.set_result(Outcome({"bdc_error": Response(1.5, None, True)}, "", 2.0))
+        future.set_result(runner.Outcome({"bdc_error": Response(1.5, None, True)}, "", 2.0))
         return future
 
 
@@ -58,26 +50,26 @@ def rows_in(folder: Path) -> dict[str, int]:
 def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
     first, second = Counting(3), Counting()
     with pytest.raises(KeyboardInterrupt):
-        run_rows(tmp_path, NAMES, REQUESTED, first, 1)
+        runner.run_rows(tmp_path, NAMES, REQUESTED, first, 1)
     stored = rows_in(tmp_path)
     assert len(stored) == 3  # no claim is left
-    reports: list[Progress] = []
-    run_rows(tmp_path, NAMES, REQUESTED, second, 1, on_progress=reports.append)
+    reports: list[runner.Progress] = []
+    runner.run_rows(tmp_path, NAMES, REQUESTED, second, 1, on_progress=reports.append)
     assert second.count == 1
     assert stored.items() <= rows_in(tmp_path).items()
-    assert reports[0] == Progress(4, 3, 0, 1, 2.0)
+    assert reports[0] == runner.Progress(4, 3, 0, 1, 2.0)
     assert reports[-1].done == 4
-    outcome = read_row(tmp_path, "0")
+    outcome = runner.read_row(tmp_path, "0")
     assert outcome.values["bdc_error"] == Response(1.5, None, True)
 
 
 def test_empty_and_damaged_rows_run_again(tmp_path: Path) -> None:
-    run_rows(tmp_path, NAMES, REQUESTED, Counting(), 1)
+    runner.run_rows(tmp_path, NAMES, REQUESTED, Counting(), 1)
     for name, text in (("0", ""), ("1", '{"values": {'), ("2", '{"seconds": "x"}')):
         (tmp_path / "rows" / f"{name}.json").write_text(text)
-        assert read_row(tmp_path, name) is None
+        assert runner.read_row(tmp_path, name) is None
     again = Counting()
-    run_rows(tmp_path, NAMES, REQUESTED, again, 1)
+    runner.run_rows(tmp_path, NAMES, REQUESTED, again, 1)
     assert again.count == 3
 
 
@@ -88,7 +80,7 @@ def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path: Path) -> No
             return super().submit(fn, *args, **kwargs)
 
     executor = Claiming()
-    run_rows(tmp_path, NAMES, REQUESTED, executor, 1)
+    runner.run_rows(tmp_path, NAMES, REQUESTED, executor, 1)
     assert executor.count == 3
     assert (tmp_path / "rows" / "3.json").exists()
 
@@ -98,16 +90,16 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
         raise InputError("no such linkage")
 
     executor = Counting()
-    run_rows(tmp_path, {"a": impossible, "b": lambda: SCENE}, REQUESTED, executor, 1)
+    runner.run_rows(tmp_path, {"a": impossible, "b": lambda: SCENE}, REQUESTED, executor, 1)
     assert executor.count == 1
-    outcome = read_row(tmp_path, "a")
+    outcome = runner.read_row(tmp_path, "a")
     assert outcome.error == "no such linkage"
 
     broken, future = Counting(), Future[Any]()
     future.set_exception(MemoryError())
     broken.submit = lambda *args, **kwargs: future  # type: ignore[method-assign]
     with pytest.raises(RunFailed, match="the executor failed"):
-        run_rows(tmp_path, NAMES, REQUESTED, broken, 1)
+        runner.run_rows(tmp_path, NAMES, REQUESTED, broken, 1)
     assert set(rows_in(tmp_path)) == {"a", "b"}
 
 
@@ -118,7 +110,7 @@ def test_another_program_is_refused() -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only there is a server of forks used")
 def test_modules_that_workers_share_exist() -> None:
-    with ProcessExecutor(1):
+    with runner.ProcessExecutor(1):
         # A module that is missing is passed over in silence, and every worker imports its own.
         assert all(find_spec(name) for name in vars(forkserver._forkserver)["_preload_modules"])
 
@@ -142,7 +134,7 @@ def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path)
         process.wait(30.0)
         errors = process.stderr.read().decode()
     assert number == signal.SIGKILL or "all finished runs are stored; continue with" in errors
-    stored = {name: when for name, when in rows_in(folder).items() if read_row(folder, name)}
+    stored = {name: when for name, when in rows_in(folder).items() if runner.read_row(folder, name)}
     assert stored
     command = [*command[:5], "--resume", "--out", str(folder), "--jobs", "1"]
     assert subprocess.run(command, stdout=subprocess.DEVNULL).returncode == 0

@@ -124,7 +124,7 @@ def test_verdicts(case: cases.Case, verdict: str) -> None:
     assert [outcome.verdict for outcome in cases.outcomes(case)] == [verdict]
 
 
-def test_the_command_prints_the_hard_cases_and_fails_on_a_miss(
+def test_the_commands_print_the_cases_and_fail_on_a_miss(
     monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
@@ -132,22 +132,15 @@ def test_the_command_prints_the_hard_cases_and_fails_on_a_miss(
     monkeypatch.setattr(hard_cases, "hard_cases", lambda: iter(listed))
     assert "refused" in command("verify --hard")
     listed.append(_case(value=2.0))
-    out = command("verify --hard", 1)
-    assert "1 of 3 within their bounds, 1 refused, 1 missed" in out
-    assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-
-
-def test_the_command_prints_references_and_fails_on_a_miss(
-    monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
-) -> None:
-    monkeypatch.setenv("COLUMNS", "100")
+    hard = command("verify --hard", 1)
+    assert "1 of 3 within their bounds, 1 refused, 1 missed" in hard
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
     checks = [cases.Check.against(name, -15.75637105984, -15.756371, 1e-3)]
-    listed = [cases.Case("one", "", "all", lambda: iter(checks))]
-    monkeypatch.setattr(reference_problems, "reference_cases", lambda: listed)
+    problems = [cases.Case("one", "", "all", lambda: iter(checks))]
+    monkeypatch.setattr(reference_problems, "reference_cases", lambda: problems)
     out = command("verify")
     assert all(words in out for words in (name, "-15.7563711", "pass", "1 of 1"))
-    assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-    listed.append(_case(error=pw.RunFailed("the step vanished (t = 0.1 s)")))
+    assert max(len(line.rstrip()) for line in (out + hard).splitlines()) <= 100
+    problems.append(_case(error=pw.RunFailed("the step vanished (t = 0.1 s)")))
     out = command("verify", 1)
     assert all(words in out for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)"))
