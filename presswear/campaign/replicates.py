@@ -203,11 +203,6 @@ class Part:
     until: int  # cycle of the run after which the part ends
     arrays: State | None  # state to resume from; None: the run starts
 
-    @property
-    def cycles(self) -> int:
-        """Number of finished cycles."""
-        return 0 if self.arrays is None else len(self.arrays["recorder/cycles"])
-
 
 @dataclass(frozen=True)
 class WorkUnit:
@@ -222,68 +217,61 @@ class WorkUnit:
 
     def __call__(self, report: Report) -> dict[int, RunState]:
         """Run it; an interrupt raises ``Stopped`` with the states of the last finished cycles."""
-        linkages = [linkage_on(self.scene, part.depth) for part in self.parts.values()]
-        done = {index: float(part.cycles) for index, part in self.parts.items()}
-        endings = {
-            index: _EndOfPart(self, part, linkage.clearances)
-            for (index, part), linkage in zip(self.parts.items(), linkages, strict=True)
-        }
+        parts = {index: _RunningPart(self, part) for index, part in self.parts.items()}
 
-        def plan_of(index: int) -> Plan:
+        def case_of(running: _RunningPart) -> tuple[Linkage, Start, Plan]:
             def advanced(part: float, recorder: Recorder) -> None:
-                done[index] = part * self.spec.cycles
+                running.done = part * self.spec.cycles
                 rows = recorder.last_frames(self.frames) if self.frames else None
-                report(sum(done.values()) / len(done), "", rows)
+                report(sum(each.done for each in parts.values()) / len(parts), "", rows)
 
-            return replace(
+            plan = replace(
                 self.spec.plan(self.scene),
-                observers=(endings[index], *self.observers),
+                observers=(running, *self.observers),
                 report=advanced,
-                resume=self.parts[index].arrays,
+                resume=running.arrays,
             )
+            return running.linkage, start_of(self.scene, running.part.replicate), plan
 
-        starts = [start_of(self.scene, part.replicate) for part in self.parts.values()]
-        cases = list(zip(linkages, starts, map(plan_of, self.parts), strict=True))
         with on_compiling(lambda: report(math.nan, "compiling")):
             try:
-                runs = self.scene.solver.simulate_together(cases)
+                runs = self.scene.solver.simulate_together([*map(case_of, parts.values())])
             except BaseException as error:
-                states = {k: RunState(end.arrays) for k, end in endings.items() if end.arrays}
+                states = {k: RunState(each.arrays) for k, each in parts.items() if each.arrays}
                 # After a signal any error is treated as an interrupt.
                 if not states or not (isinstance(error, KeyboardInterrupt) or is_stopped()):
                     raise
                 raise Stopped(states) from None
-        return {
-            index: ending.state_of(run)
-            for (index, ending), run in zip(endings.items(), runs, strict=True)
-        }
+        pairs = zip(parts.items(), runs, strict=True)
+        return {index: running.state_of(run) for (index, running), run in pairs}
 
 
-class _EndOfPart(Observer):
+class _RunningPart(Observer):
     """Ends a part of a run in time, and keeps the arrays to resume from."""
 
-    def __init__(self, unit: WorkUnit, part: Part, joints: Sequence[ClearanceJoint]) -> None:
-        self._unit, self._part, self._joints = unit, part, joints
-        self._started = clock.perf_counter()
-        self.arrays, self.is_interrupted = part.arrays, False
+    def __init__(self, unit: WorkUnit, part: Part) -> None:
+        self._unit, self.part, self.linkage = unit, part, linkage_on(unit.scene, part.depth)
+        self._started, self._is_interrupted = clock.perf_counter(), False
+        self.arrays = part.arrays
+        self._resumed = 0 if part.arrays is None else len(part.arrays["recorder/cycles"])
+        self.done = float(self._resumed)  # cycles
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         cycles, unit = len(recorder.cycles), self._unit
-        if cycles > self._part.cycles:
+        if cycles > self._resumed:
             self.arrays = state()
-        is_worn_out = unit.spec.wear and worn_out(self._joints, recorder.surface_depth)
-        if is_worn_out or cycles >= self._part.until:
+        is_worn_out = unit.spec.wear and worn_out(self.linkage.clearances, recorder.surface_depth)
+        if is_worn_out or cycles >= self.part.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration
-        self.is_interrupted = is_due and cycles > self._part.cycles
-        return self.is_interrupted
+        self._is_interrupted = is_due and cycles > self._resumed
+        return self._is_interrupted
 
     def state_of(self, run: Run) -> RunState:
-        """Return the state in which the run ended."""
         arrays = self.arrays
         if run.status == "failed" or arrays is None:
             arrays = named("recorder", run.recorder.save())
-        status = None if self.is_interrupted and run.status != "failed" else run.status
+        status = None if self._is_interrupted and run.status != "failed" else run.status
         return RunState(arrays, status, run.finding, run.end, run.time, run.diagnostics)
 
 

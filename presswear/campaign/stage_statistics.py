@@ -83,21 +83,19 @@ def stage_result(
     together, joints = ensemble.together, ensemble.linkage.clearances
     cycles_per_update = cycles_of_update(scene, ensemble)
     wear = _stage_wear(scene, index, cycles_per_update, ensemble, update)
-    diagnostics = ensemble.diagnostics()
+    diagnostics, film = ensemble.diagnostics(), ensemble.recorders[0].film
     if update is not None and scene.wears_in_steps:
         error = wear_error(joints, update)
     else:
         error = float(map_errors(*map_batches(together.maps)).max(initial=0.0))
-    film = ensemble.recorders[0].film
-    steps = () if update is None else update.steps
     return StageResult(
         index=index,
         status=ensemble.status,
         message=ensemble.failure,
         finding=finding or ensemble.finding,
         cycles_per_update=cycles_per_update,
-        wear_steps=steps,
-        simulated_s=sum(run.time for run in ensemble.runs),
+        wear_steps=() if update is None else update.steps,
+        simulated_s=ensemble.simulated_s,
         wall_s=ensemble.state.wall,
         diagnostics=diagnostics,
         statistics=_statistics(scene, index, ensemble, wear, error, diagnostics),
@@ -215,47 +213,46 @@ def _joint_statistics(
         contact_time_fraction=float(counters["closed_time"].sum()) / time,
         load_distance_per_cycle=_mean(recorders, alone, "load_distance", k).positive,
         wear_volume=Estimate.symmetric(volume, half, len(maps)).positive,
-        wear_volume_step_error=(
-            None if coarser is None else abs(worn_volume(joint, coarser) - volume)
-        ),
+        wear_volume_step_error=None
+        if coarser is None
+        else abs(worn_volume(joint, coarser) - volume),
         wear_map_error=error if math.isfinite(error) else None,
         wear_depth_max_by_replicate=tuple(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
         ),
-        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, k, wear),
+        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, added, maps, coarser, wear),
     )
 
 
-def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, WearPeak]:
+def _wear_peaks(
+    joint: ClearanceJoint, added: Array, maps: Array, coarser: Array | None, wear: StageWear
+) -> dict[str, WearPeak]:
     """Return the deepest places of the wear map of one joint by side.
 
     The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed map has no
     such bias: the interval is that of the samples at the deepest place.
     """
-    added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
-    coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
-    angles = bin_centres(joint.bins)
     peaks = {}
     for name, rows in sides.items():
-        depth, error = added[rows].sum(axis=0), None
+        depth, samples = added[rows].sum(axis=0), maps[:, rows].sum(axis=1)
+        place, value, error = int(depth.argmax()), float(depth.max()), None
         if coarser is not None:
-            error = abs(float(depth.max() - coarser[rows].sum(axis=0).max()))
-        peak = Estimate(float(depth.max())), Estimate(float(angles[int(depth.argmax())]))
+            error = abs(value - float(coarser[rows].sum(axis=0).max()))
+        deepest, angle = Estimate(value), Estimate(float(bin_centres(joint.bins)[place]))
         if len(maps):
-            samples = maps[:, rows].sum(axis=1)
             centre = np.average(samples, axis=0, weights=wear.weights)
-            peak = peak_of(depth, resampled(samples, wear.weights), len(maps), centre)
+            draws = resampled(samples, wear.weights)
+            deepest, angle = peak_of(depth, draws, len(maps), centre)
             if wear.is_smoothed:
-                place, value = int(depth.argmax()), float(depth.max())
                 half = half_width(samples[:, place])
                 deepest = Estimate.symmetric(value, half, len(maps))
-                peak = widened(deepest, value - float(centre[place])), peak[1]
-            depth_peak = widened(peak[0], error or 0.0)
-            peak = depth_peak.positive if wear.is_smoothed else depth_peak, peak[1]
-        peaks[name] = WearPeak(*peak, error)
+                deepest = widened(deepest, value - float(centre[place]))
+            deepest = widened(deepest, error or 0.0)
+            deepest = deepest.positive if wear.is_smoothed else deepest
+        peaks[name] = WearPeak(deepest, angle, error)
     return peaks
 
 

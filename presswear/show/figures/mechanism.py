@@ -173,7 +173,7 @@ def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size:
     )
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
-    ends = {(end.x, end.y): None for _, end in attachments(linkage, name)}
+    ends = {(end.x, end.y): None for end in attachments(linkage, name)}
     middles = [np.mean(pair, axis=0) for pair in combinations(ends, 2)] or [np.zeros(2)]
     return _Label(name, centre + np.array(middles) @ turn, 8.0, {"color": colour})
 

@@ -167,14 +167,11 @@ class _View(NamedTuple):
 
 def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     """Draw outline and enlargement of pin and bearing of the joints that are worn most."""
+    joints, last = result.scene.clearance_joints, shown[-1].data.joints
+    depths = {name: max(float(last[name].depth(side).max()) for side in SIDES) for name in joints}
+    deepest = sorted(joints, key=lambda name: depths[name], reverse=True)[:_MAX_OUTLINES]
     drawings = []
-    last = shown[-1].data.joints
-
-    def depth(joint: str) -> float:
-        return max(float(last[joint].depth(side).max()) for side in SIDES)
-
-    deepest = sorted(result.scene.clearance_joints, key=depth, reverse=True)[:_MAX_OUTLINES]
-    for joint in (name for name in result.scene.clearance_joints if name in deepest):
+    for joint in (name for name in joints if name in deepest):
         maps = [(stage, stage.data.joints[joint]) for stage in shown]
         worn = [s for s, one in maps if any(np.any(one.depth(side) > 0.0) for side in SIDES)]
         if worn:

@@ -10,17 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.drive_motion import run_up_motion
-from presswear.show.replay import mechanism
+from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
-from presswear.show.replay.mechanism import (
-    FORCE,
-    INK,
-    JOINT_COLOURS,
-    STEEL,
-    EnlargedJoint,
-    body_shapes,
-)
-from presswear.show.replay.shapes import Colour, Point, Shape, line, moved, points_of
+from presswear.show.replay.shapes import FORCE, INK, STEEL, EnlargedJoint, Shape, points_of
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
 
@@ -82,11 +74,11 @@ class Picture:
 
     def __init__(self, clips: Sequence[Clip], size: tuple[int, int]) -> None:
         self.clips = tuple(clips)
-        boxes = [mechanism.bounding_box(clip.linkage, clip.film.position) for clip in clips]
+        boxes = [shapes.bounding_box(clip.linkage, clip.film.position) for clip in clips]
         counts = [len(clip.linkage.clearances) for clip in clips]
         self.layout = layout_of(boxes, counts, size[0] / size[1])
         self._size = max(float(np.hypot(*(high - low))) for low, high in boxes)  # m
-        self._bar = mechanism.BAR * self._size
+        self._bar = shapes.BAR * self._size
         self._font = FONT * size[1] / 640.0
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
@@ -96,10 +88,10 @@ class Picture:
         self._bodies: list[list[list[Shape]]] = []  # of each clip
         self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
         for clip, panel in zip(clips, self.layout.panels, strict=True):
-            frame = mechanism.frame_shapes(clip.linkage, clip.film.position, self._bar)
-            self._frame += [moved(shape, np.append(panel.offset, 0.0)) for shape in frame]
+            frame = shapes.frame_shapes(clip.linkage, clip.film.position, self._bar)
+            self._frame += [shapes.moved(shape, np.append(panel.offset, 0.0)) for shape in frame]
             bodies = range(len(clip.linkage.bodies))
-            self._bodies.append([body_shapes(clip.linkage, k, self._bar) for k in bodies])
+            self._bodies.append([shapes.body_shapes(clip.linkage, k, self._bar) for k in bodies])
             self._joints.append([_enlarged(clip, panel, each) for each in clip.chapters])
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
@@ -119,7 +111,7 @@ class Picture:
 
     def height(self, layer: int) -> float:
         """Return the height of a layer, m."""
-        return layer * mechanism.LAYER_STEP * self._size
+        return layer * shapes.LAYER_STEP * self._size
 
     def set_view(self) -> None:
         """Point the view at the whole picture; Exudyn's zoom is half of the visible height."""
@@ -131,45 +123,44 @@ class Picture:
 
         ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the playing speed.
         """
-        shapes, texts = [*self._frame, *self._time_bar(part)], []
+        pieces, texts = [*self._frame, *self._time_bar(part)], []
         drawn = zip(self.clips, self.layout.panels, self._bodies, self._joints, states, strict=True)
         for clip, panel, bodies, chapters, state in drawn:
             texts += self._title(clip, panel, state, note)
             poses = state.positions[-1].reshape(-1, 3) + np.append(panel.offset, 0.0)
             for body, pose in zip(bodies, poses, strict=True):
-                shapes += [moved(shape, pose) for shape in body]
+                pieces += [shapes.moved(shape, pose) for shape in body]
             for spring in clip.linkage.springs:
                 ends = (points_of(clip.linkage, state.positions[-1:], end) for end in spring.ends)
                 start, end = (panel.offset + pose[0, :2] for pose in ends)
-                shapes.append(line(start, end, 0.5 * self._bar, 38, STEEL))
+                pieces.append(shapes.line(start, end, 0.5 * self._bar, 38, STEEL))
             joints = chapters[state.chapter]
             for (joint, parts), row, peak in zip(joints, state.joints, state.peaks, strict=True):
                 sides = joint.joint.bearing, joint.joint.pin
                 bearing, pin = (points_of(clip.linkage, state.positions, side) for side in sides)
                 for shape, pose in zip(parts, joint.coordinates(bearing[-1], pin[-1]), strict=True):
-                    shapes += [moved(each, pose) for each in shape]
-                shapes += joint.moving(bearing, pin, row)
+                    pieces += [shapes.moved(each, pose) for each in shape]
+                pieces += joint.moving(bearing, pin, row)
                 texts += self._joint_text(joint, row, peak)
                 name = self._text(panel.offset + bearing[-1, :2], joint.joint.name, 1.4, layer=60)
                 texts.append({**name, "offset": [0.8, 0.5]})
-        self.system.SetObjectParameter(
-            self._ground, "VgraphicsData", [self._triangles(shapes), *texts]
-        )
+        data = [self._triangles(pieces), *texts]
+        self.system.SetObjectParameter(self._ground, "VgraphicsData", data)
 
-    def _triangles(self, shapes: Sequence[Shape]) -> dict[str, Any]:
+    def _triangles(self, pieces: Sequence[Shape]) -> dict[str, Any]:
         """Return shapes as one triangle list of Exudyn."""
-        counts = [len(shape.points) for shape in shapes]
+        counts = [len(shape.points) for shape in pieces]
         starts = np.cumsum([0, *counts[:-1]])
-        heights = np.repeat([self.height(shape.layer) for shape in shapes], counts)
-        points = np.column_stack([np.vstack([shape.points for shape in shapes]), heights])
-        triangles = [shape.triangles + start for shape, start in zip(shapes, starts, strict=True)]
-        colours = np.repeat([shape.colour for shape in shapes], counts, axis=0)
+        heights = np.repeat([self.height(shape.layer) for shape in pieces], counts)
+        points = np.column_stack([np.vstack([shape.points for shape in pieces]), heights])
+        triangles = [shape.triangles + start for shape, start in zip(pieces, starts, strict=True)]
+        colours = np.repeat([shape.colour for shape in pieces], counts, axis=0)
         normals = np.tile([0.0, 0.0, 1.0], len(points))
         data: dict[str, Any] = FromPointsAndTrigs(points, np.vstack(triangles), colours, normals)
         return data
 
     def _text(
-        self, point: Point, words: str, size: float, paint: Colour = INK, layer: int = 95
+        self, point: Array, words: str, size: float, paint: shapes.Colour = INK, layer: int = 95
     ) -> dict[str, Any]:
         """Return a text that starts at a point, with letters of a size relative to the font."""
         position = [float(point[0]), float(point[1]), self.height(layer)]
@@ -207,9 +198,9 @@ class Picture:
         now = start + part * (end - start)
         mark = np.array([0.0, 1.6 * width])
         return [
-            line(start, end, width, 90, STEEL),
-            line(start, now, width, 91, INK),
-            line(now - mark, now + mark, 1.2 * width, 92, FORCE),
+            shapes.line(start, end, width, 90, STEEL),
+            shapes.line(start, now, width, 91, INK),
+            shapes.line(now - mark, now + mark, 1.2 * width, 92, FORCE),
         ]
 
     def image(self) -> NDArray[np.uint8]:
@@ -226,7 +217,7 @@ def _enlarged(clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
     joints = []
     for k, (joint, centre) in enumerate(zip(chapter.linkage.clearances, panel.joints, strict=True)):
         limits = clip.max_depth[joint.name], clip.max_force[joint.name]
-        paint = JOINT_COLOURS[k % len(JOINT_COLOURS)]
+        paint = shapes.JOINT_COLOURS[k % len(shapes.JOINT_COLOURS)]
         enlarged = EnlargedJoint(joint, *limits, centre, panel.radius, paint)
         joints.append((enlarged, enlarged.bodies()))
     return joints

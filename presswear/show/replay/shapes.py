@@ -1,22 +1,41 @@
-"""Plane shapes: outlines of bodies, and triangles in layers, the higher ones in front."""
+"""Shapes of a planar linkage: bodies, frame, and enlarged joints with clearance.
+
+Shapes are triangles in layers, the higher ones in front. In an enlarged joint, clearance and wear
+have the same scale, much larger than that of the radius, so that pin and bearing touch in the
+drawing when they touch in the run. The wear depth is drawn again, with a larger scale, as a band
+behind each surface.
+"""
 
 import math
 from collections.abc import Sequence
-from itertools import chain
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import bin_centres
+from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y
 from presswear.tools.arrays import Array
 
 Point = Sequence[float] | Array
 Colour = tuple[float, ...]  # red, green, blue, alpha, 0 to 1
 
 SEGMENTS = 48  # of a full circle
+# Palette of Okabe and Ito, distinguishable with every common colour blindness.
+BODY_COLOURS = ("#D55E00", "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
+JOINT_COLOURS = tuple(map(to_rgba, ("#0072B2", "#D55E00", "#009E73", "#CC79A7")))
+INK, PAPER, STEEL = to_rgba("#1a1a1a"), to_rgba("#ffffff"), to_rgba("#c9ced6")
+WORN, FORCE, PIN = to_rgba("#E69F00"), to_rgba("#c1121f"), to_rgba("#9aa5b1")
+LAYER_STEP = 1e-3  # distance of two layers over the size of the mechanism
+BAR = 0.017  # half width of a bar over the size of the mechanism
+PIN_SHARE, PLAY_SHARE, BAND_SHARE = 0.34, 0.36, 0.13  # of the radius of an enlarged joint
+ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
+DRAWN_BINS = 180  # of a wear map
 
 
 class Shape(NamedTuple):
@@ -34,11 +53,6 @@ def moved(shape: Shape, pose: Array) -> Shape:
     return shape._replace(points=pose[:2] + shape.points @ np.array([along, across(along)]))
 
 
-def mix(first: Colour, second: Colour, share: float) -> Colour:
-    """Return ``first`` with a share, 0 to 1, of ``second``."""
-    return tuple((1.0 - share) * x + share * y for x, y in zip(first, second, strict=True))
-
-
 def direction(angle: float) -> Array:
     """Return the unit vector at an angle, rad."""
     return np.array([math.cos(angle), math.sin(angle)])
@@ -54,14 +68,14 @@ def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
     return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
 
 
-def attachments(linkage: Linkage, body: str) -> list[tuple[str, Attachment]]:
-    """Return joint names and points at which a body, or the ground, is connected."""
-    pairs = chain(
-        ((joint.name, joint.first, joint.second) for joint in linkage.revolutes),
-        ((joint.name, joint.bearing, joint.pin) for joint in linkage.clearances),
-        ((spring.name, *spring.ends) for spring in linkage.springs),
-    )
-    return [(name, end) for name, *ends in pairs for end in ends if end.body == body]
+def attachments(linkage: Linkage, body: str) -> list[Attachment]:
+    """Return the points at which a body, or the ground, is connected."""
+    ends = [
+        *(end for joint in linkage.revolutes for end in (joint.first, joint.second)),
+        *(end for joint in linkage.clearances for end in (joint.bearing, joint.pin)),
+        *(end for spring in linkage.springs for end in spring.ends),
+    ]
+    return [end for end in ends if end.body == body]
 
 
 def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) -> Array:
@@ -75,7 +89,7 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
         half = 0.5 * np.array([5.6 * bar, 4.4 * bar]) - inset
         along = direction(guide.direction - guide.angle)
         return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ [along, across(along)]
-    points = [(end.x, end.y) for _, end in attachments(linkage, body)]
+    points = [(end.x, end.y) for end in attachments(linkage, body)]
     points += [(0.0, 0.0)] * (len(points) < 2)
     discs = np.vstack([circle(point, bar - inset) for point in points])
     return discs[ConvexHull(discs).vertices]
@@ -151,3 +165,187 @@ def hatched(ends: Array, side: float, bar: float, layer: int, paint: Colour) -> 
     feet = start + np.outer(marks, vector)
     lines = [line(foot, foot + slant, 0.132 * bar, layer, paint) for foot in feet]
     return [line(start, end, 0.22 * bar, layer, paint), *lines]
+
+
+def mix(first: Colour, second: Colour, share: float) -> Colour:
+    """Return ``first`` with a share, 0 to 1, of ``second``."""
+    return tuple((1.0 - share) * x + share * y for x, y in zip(first, second, strict=True))
+
+
+def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
+    """Return the lowest and highest x, y, m, of a moving linkage with a margin."""
+    names = [GROUND, *(body.name for body in linkage.bodies)]
+    ends = [point for name in names for point in attachments(linkage, name)]
+    points = np.vstack([points_of(linkage, positions, point)[:, :2] for point in ends])
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.09 * float(np.hypot(*(high - low)))
+    return low - margin, high + margin
+
+
+def body_shapes(linkage: Linkage, number: int, bar: float) -> list[Shape]:
+    """Return a body in its own frame with its holes, mass centre and bearings."""
+    body = linkage.bodies[number].name
+    fill = to_rgba(BODY_COLOURS[number % len(BODY_COLOURS)])
+    edge = mix(fill, INK, 0.55)
+    drawn = [filled(circle((0.0, 0.0), 0.16 * bar, 12), 39, edge)]
+    for inset, z, paint in ((0.0, 4, edge), (0.22 * bar, 5, fill)):
+        outline = body_outline(linkage, body, bar, inset)
+        drawn.append(filled(outline, 3 * number + z, paint))
+    bearings = {joint.bearing: k for k, joint in enumerate(linkage.clearances)}
+    for end in attachments(linkage, body):
+        centre = (end.x, end.y)
+        drawn.append(filled(circle(centre, 0.55 * bar, 24), 40, INK))
+        drawn.append(filled(circle(centre, 0.35 * bar, 24), 41, PAPER))
+        if end in bearings:
+            paint = JOINT_COLOURS[bearings[end] % len(JOINT_COLOURS)]
+            drawn.append(ring(centre, 1.35 * bar, 0.5 * bar, 3 * number + 6, paint))
+    return drawn
+
+
+def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
+    """Return the pedestals of the ground joints and the guides along the path of their bodies."""
+    drawn: list[Shape] = []
+    for point in attachments(linkage, GROUND):
+        centre = np.array([point.x, point.y])
+        foot, side = centre - [0.0, 3.4 * bar], np.array([2.2 * bar, 0.0])
+        drawn.append(filled(np.array([centre, foot - side, foot + side]), 1, STEEL))
+        drawn.append(filled(circle(centre, 1.3 * bar), 2, STEEL))
+        ends = np.array([foot - 1.3 * side, foot + 1.3 * side])
+        drawn += hatched(ends, -1.0, bar, 1, INK)
+    for guide in linkage.guides:
+        along, base = direction(guide.direction), np.array([guide.x, guide.y])
+        places = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
+        travel = (places[:, :2] - base) @ along
+        ends = base + np.outer([travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], along)
+        for sign in (-1.0, 1.0):
+            edge = ends + sign * 2.35 * bar * across(along)
+            drawn += hatched(edge, sign, bar, 1, INK)
+    return drawn
+
+
+@dataclass(frozen=True)
+class EnlargedJoint:
+    """Joint with clearance, enlarged; its scale factors are rounded down to two digits.
+
+    Lengths of arrows scale with the square root of the force, so that the force of a resting pin is
+    visible beside an impact.
+    """
+
+    joint: ClearanceJoint
+    max_depth: float  # largest wear depth that the drawing must hold, m
+    max_force: float  # whose arrow has the length ``ARROW_SHARE`` of the radius, N
+    centre: Array  # shape (2,), m
+    radius: float  # m
+    paint: Colour  # of path and text
+
+    @property
+    def pin_factor(self) -> float:
+        """Factor of the radius of the pin."""
+        return _two_digits(PIN_SHARE * self.radius / self.joint.pin_radius)
+
+    @property
+    def gap_factor(self) -> float:
+        """Factor of clearance, wear and motion of the pin."""
+        gap = self.joint.clearance + 2.0 * self.max_depth
+        return _two_digits(PLAY_SHARE * self.radius / gap)
+
+    @property
+    def band_factor(self) -> float:
+        """Factor of the band that shows the wear depth again; 0 without wear."""
+        depth = self.max_depth
+        return _two_digits(BAND_SHARE * self.radius / depth) if depth > 0.0 else 0.0
+
+    def labels(self) -> tuple[str, ...]:
+        """Return the factors as text."""
+        worn = (f"orange: wear depth x{self.band_factor:.0f}",) if self.band_factor > 0.0 else ()
+        return (
+            f"clearance, wear x{self.gap_factor:.4g}; pin x{self.pin_factor:.3g}",
+            *worn,
+            f"arrow: sqrt(F), up to {self.max_force:.0f} N",
+        )
+
+    def bodies(self) -> list[list[Shape]]:
+        """Return bearing, its mark, pin and its mark, each about its own centre."""
+        pin_radius, edge = self.pin_factor * self.joint.pin_radius, 0.012 * self.radius
+        gap = pin_radius + self.gap_factor * self.joint.clearance
+        sides = (
+            (self.joint.bearing_surface, 1.0, gap, self.radius, STEEL, 70),
+            (self.joint.pin_surface, -1.0, pin_radius, 0.0, PIN, 75),
+        )
+        bodies = []
+        for surface, outwards, radius, far, paint, z in sides:
+            depth = surface(bin_centres(DRAWN_BINS))
+            worn = radius + outwards * self.gap_factor * depth
+            drawn = [
+                band(_polar(worn), _polar(np.full(DRAWN_BINS, far)), z, paint),
+                band(_polar(worn), _polar(worn + outwards * edge), z + 2, INK),
+            ]
+            if depth.max() > 0.0:
+                reach = outwards * np.minimum(self.band_factor * depth, np.abs(far - worn))
+                drawn.append(band(_polar(worn), _polar(worn + reach), z + 1, WORN))
+            size = self.radius if far else pin_radius
+            mark = (0.55 * size, 0.0), (0.9 * size, 0.0)
+            bodies += [drawn, [line(*mark, 0.02 * self.radius, z + 3, mix(STEEL, INK, 0.6))]]
+        bodies[0].append(ring((0.0, 0.0), self.radius, edge, 72, INK))
+        return bodies
+
+    def coordinates(self, bearing: Array, pin: Array) -> list[Array]:
+        """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""
+        places = self.centre, self.centre + self.gap_factor * (pin - bearing)[:2]
+        return [
+            np.append(place, angle)
+            for place, pose in zip(places, (bearing, pin), strict=True)
+            for angle in (self._map_angle(pose), pose[2])
+        ]
+
+    def _map_angle(self, pose: Array) -> float:
+        """Return the angle of the wear map of a body, rad; a map fixed in space does not turn."""
+        return float(pose[2]) if self.joint.map_frame == "body" else 0.0
+
+    def moving(self, bearing: Array, pin: Array, row: Array) -> list[Shape]:
+        """Return clearance circle, path of the pin, contact and force.
+
+        Poses of bearing and pin have shape (n, 3); the row has the columns ``FILM_JOINT``.
+        """
+        eccentricity = (pin - bearing)[:, :2]
+        play = self.gap_factor * self.joint.clearance
+        drawn = [ring(self.centre, play, 0.008 * self.radius, 85, mix(STEEL, INK, 0.4))]
+        count = len(eccentricity) - 1
+        if count > 0:  # the path fades towards the past
+            points = self.centre + self.gap_factor * eccentricity
+            shares = 0.85 * (1.0 - np.arange(1, count + 1) / count)
+            paints = [mix(self.paint, PAPER, share) for share in shares.tolist()]
+            drawn += strokes(points, 0.016 * self.radius, 86, paints)
+            drawn.append(filled(circle(points[-1], 0.03 * self.radius, 16), 86, self.paint))
+        return drawn + self.contact(eccentricity[-1], self._map_angle(pin[-1]), row)
+
+    def contact(self, eccentricity: Array, map_angle: float, row: Array) -> list[Shape]:
+        """Return contact point and force on the bearing; nothing without contact.
+
+        ``map_angle`` is the angle of the wear map of the pin, rad.
+        """
+        if row[NORMAL] <= 0.0:
+            return []
+        normal = row[[X, Y]]
+        depth = self.joint.pin_surface(np.array(math.atan2(row[Y], row[X]) - map_angle))
+        arm = self.pin_factor * self.joint.pin_radius - self.gap_factor * float(depth)
+        point = self.centre + self.gap_factor * eccentricity + arm * normal
+        size = math.hypot(row[NORMAL], row[TANGENTIAL])
+        length = ARROW_SHARE * self.radius * math.sqrt(size / self.max_force)
+        # The force on the pin is -F_n n + F_t t, with t a quarter turn ahead of n.
+        force = row[NORMAL] * normal - row[TANGENTIAL] * across(normal)
+        return [
+            filled(circle(point, 0.045 * self.radius, 20), 88, FORCE),
+            *arrow(point, length / size * force, 0.035 * self.radius, 88, FORCE),
+        ]
+
+
+def _two_digits(value: float) -> float:
+    unit: float = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / unit) * unit
+
+
+def _polar(radius: Array) -> Array:
+    """Return points at the bin centres of a map, shape (m, 2)."""
+    angle = bin_centres(len(radius))
+    return radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -10,9 +10,14 @@ from synthetic_clip import FRAMES, synthetic_clip
 
 import presswear as pw
 from presswear.show.replay.clip import Chapter, equal_limits
-from presswear.show.replay.mechanism import BODY_COLOURS, FORCE, EnlargedJoint
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.shapes import attachments, points_of
+from presswear.show.replay.shapes import (
+    BODY_COLOURS,
+    FORCE,
+    EnlargedJoint,
+    attachments,
+    points_of,
+)
 from presswear.tools.arrays import Array
 
 CLIP = synthetic_clip()
@@ -57,7 +62,7 @@ def test_bodies_are_drawn_at_their_stored_positions(picture: Picture, frame: int
         picture.show([state._replace(positions=positions)], 0.0, "")
         assert np.hypot(*drawn(picture, 39).T).min() < 1e-9
         holes = drawn(picture, 41)
-        for _, end in attachments(LINKAGE, body.name):
+        for end in attachments(LINKAGE, body.name):
             joint = points_of(LINKAGE, stored, end)[0, :2] - centre
             assert np.hypot(*(holes - joint).T).min() < 3e-8
 
