@@ -1,39 +1,33 @@
 """Jobs in worker processes or in this process, and signals that stop a command.
 
 A job is a picklable function. It gets a function to report its progress, many times a second, which
-is also where it is stopped. Its result does not depend on where or when it runs.
-
-A worker may be killed at any moment. Progress and stop requests are therefore shared without a
-lock, and results are written to files: half of a result in the pipe of an executor, which all
-workers share, would leave its reader waiting forever.
+is also where it is stopped. Its result does not depend on where or when it runs. A worker may be
+killed at any moment: each has a pipe of its own, so that half a message ends no other worker.
 """
 
 import math
 import multiprocessing
 import os
-import pickle
-import shutil
 import signal
 import sys
-import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from importlib import import_module
+from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from types import FrameType, ModuleType
 from typing import Any, Self
 
 from presswear.tools.arrays import Array
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError, RunFailed
 
-POLL = 0.1  # s between two looks at the progress of workers
+POLL = 0.1  # s between two reports of a worker
 GRACE = 3.0  # s until a worker whose job does not stop is ended, for example while it compiles
-STOP, HALT = 1.0, 2.0  # requests to a worker: stop the job; the pool ends
 LOST = "a worker process was ended from outside, for example because memory ran out"
-
+_IDLE, _DROPPED = "idle", "dropped"  # in place of the key of a job
 
 # Called by a job with its progress (nan while it gets ready) and optionally a word and rows, which
 # stay in this process; KeyboardInterrupt stops the job.
@@ -79,13 +73,17 @@ class Workers:
         # A process that ends with its parent may have no children.
         self.count = 1 if multiprocessing.current_process().daemon else count
         self.lasts, self._imports = lasts, tuple(imports)
-        self._executor: ProcessPoolExecutor | None = None
+        self._workers: list[_Worker] = []
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        self._end(wait=error is None)
+    def __exit__(self, *_: object) -> None:
+        for worker in self._workers:
+            worker.process.kill()
+            worker.process.join()
+            worker.pipe.close()
+        self._workers = []
 
     def run(self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
         """Run jobs, at most one in each worker, and those that follow after them.
@@ -96,68 +94,58 @@ class Workers:
             If a worker was killed.
         """
         waiting = dict(jobs)
-        if self.count > 1:
-            self._run_in_workers(waiting, on_result, on_progress)
-        while waiting:
-            key = next(iter(waiting))
-            job = waiting.pop(key)
-            try:
-                outcome = job(
-                    lambda done, word="", rows=None, k=key: on_progress(k, done, word, rows)
-                )
-            except Stopped as stopped:
-                on_result(key, stopped.outcome)
-                raise KeyboardInterrupt from None
-            _follow(waiting, on_result(key, outcome))
-
-    def _run_in_workers(
-        self, waiting: dict[int, Job], on_result: OnResult, on_progress: OnProgress
-    ) -> None:
-        running: dict[Future[str], tuple[int, int]] = {}  # place and key
-        dropped: set[int] = set()
+        if self.count == 1:
+            _run_here(waiting, on_result, on_progress)
+            return
+        self._workers = self._workers or self._started()
         try:
-            while waiting or running:
-                self._submit(waiting, running)
-                done = wait(running, POLL, FIRST_COMPLETED).done
-                # When a pool breaks, some jobs may have finished all the same.
-                for future in sorted(done, key=lambda each: each.exception() is not None):
-                    key = running[future][1]
-                    following = {} if key in dropped else on_result(key, _result(future))
-                    del running[future]
-                    dropped.discard(key)
+            while waiting or self._running:
+                idle = [worker for worker in self._workers if worker.key == _IDLE]
+                for worker, key in zip(idle, list(waiting), strict=False):
+                    worker.send(waiting.pop(key))
+                    worker.key, worker.progress = key, None
+                for key, result in self._results():
+                    if isinstance(result, BaseException):
+                        raise result
+                    following = on_result(key, result)
                     _follow(waiting, following)
-                    unwanted = {place: k for place, k in running.values() if k in following}
-                    self._request(unwanted, STOP)
-                    dropped.update(unwanted.values())
-                for place, key in running.values():
-                    part = self._shared[place]
-                    if part != -math.inf:
-                        on_progress(key, part, "", None)
+                    for worker in self._running:
+                        if worker.key in following:
+                            worker.key = _DROPPED
+                            worker.send(None)
+                for worker in self._running:
+                    if worker.progress is not None and worker.key != _DROPPED:
+                        on_progress(worker.key, worker.progress, "", None)
         except BaseException as error:
-            if isinstance(error, KeyboardInterrupt) or is_stopped():
-                self._request(range(self.count), HALT)
-                wait(running)
-                for future, (_, key) in running.items():
-                    if key not in dropped and future.exception() is None:
-                        on_result(key, _result(future))
-            self._end(wait=False)
-            if isinstance(error, BrokenProcessPool | MemoryError):
-                raise RunFailed(LOST) from None
+            is_interrupt, due = isinstance(error, KeyboardInterrupt), time.monotonic() + GRACE
+            for worker in self._running:
+                worker.send(None)
+            while self._running and time.monotonic() < due:
+                for key, result in self._results():
+                    if (is_interrupt or is_stopped()) and not isinstance(result, BaseException):
+                        on_result(key, result)
+            self.__exit__()
             raise
 
-    def _submit(
-        self, waiting: dict[int, Job], running: dict["Future[str]", tuple[int, int]]
-    ) -> None:
-        """Submit waiting jobs to free workers."""
-        executor = self._executor or self._start()
-        busy = {place for place, _ in running.values()}
-        free = [place for place in range(self.count) if place not in busy]
-        for place, key in zip(free, list(waiting), strict=False):
-            self._shared[place], self._shared[self.count + place] = -math.inf, 0.0
-            with starting_processes():
-                running[executor.submit(_run_job, place, waiting.pop(key))] = place, key
+    @property
+    def _running(self) -> "list[_Worker]":
+        return [worker for worker in self._workers if worker.key != _IDLE]
 
-    def _start(self) -> ProcessPoolExecutor:
+    def _results(self) -> Iterator[tuple[int, Any]]:
+        """Read what workers send; yield keys and results, or errors, of jobs that are complete."""
+        ready = wait_for([worker.pipe for worker in self._running], POLL)
+        for worker in [worker for worker in self._running if worker.pipe in ready]:
+            key, worker.key = worker.key, _IDLE  # after half a message nothing more is read
+            try:
+                is_complete, content = worker.pipe.recv()
+            except (EOFError, OSError):
+                is_complete, content = True, RunFailed(LOST)
+            if not is_complete:
+                worker.key, worker.progress = key, content
+            elif key != _DROPPED:
+                yield key, content
+
+    def _started(self) -> "list[_Worker]":
         has_server = "forkserver" in multiprocessing.get_all_start_methods()
         context: Any = multiprocessing.get_context("forkserver" if has_server else "spawn")
         package = import_module("presswear").__path__[0]
@@ -165,25 +153,38 @@ class Workers:
         is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
         if has_server and is_safe:
             context.set_forkserver_preload(list(self._imports))
-        self._folder = tempfile.mkdtemp(prefix="presswear-")
-        self._shared = context.RawArray("d", 2 * self.count)  # progress, then requests
-        arguments = self._shared, self._folder, self._imports
-        self._executor = ProcessPoolExecutor(self.count, context, _prepare, arguments)
         with starting_processes():
-            for _ in range(self.count):  # start all workers now, so that they import together
-                self._executor.submit(os.getpid)
-        return self._executor
+            return [_Worker(context, self._imports) for _ in range(self.count)]
 
-    def _request(self, places: Iterable[int], request: float) -> None:
-        for place in places:
-            self._shared[self.count + place] = request
 
-    def _end(self, wait: bool) -> None:
-        if self._executor is not None:
-            self._request(range(self.count), HALT)
-            self._executor.shutdown(wait, cancel_futures=True)
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._executor = None
+class _Worker:
+    """Worker process, and the job that it does."""
+
+    key: Any = _IDLE  # of its job
+    progress: float | None = None  # of its job, once it is reported
+
+    def __init__(self, context: Any, imports: Sequence[str]) -> None:
+        self.pipe, end = context.Pipe()
+        self.process = context.Process(target=_work, args=(end, imports), daemon=True)
+        self.process.start()
+        end.close()
+
+    def send(self, job: Job | None) -> None:
+        """Send a job, or None, the request to stop it."""
+        with suppress(BrokenPipeError):  # it was killed: to read from it fails
+            self.pipe.send(job)
+
+
+def _run_here(waiting: dict[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
+    while waiting:
+        key = next(iter(waiting))
+        job = waiting.pop(key)
+        try:
+            outcome = job(lambda done, word="", rows=None, k=key: on_progress(k, done, word, rows))
+        except Stopped as stopped:
+            on_result(key, stopped.outcome)
+            raise KeyboardInterrupt from None
+        _follow(waiting, on_result(key, outcome))
 
 
 def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> None:
@@ -193,62 +194,46 @@ def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> Non
             waiting[key] = job
 
 
-def _result(future: "Future[str]") -> Any:
-    with open(future.result(), "rb") as file:
-        return pickle.load(file)
-
-
-_worker: dict[str, Any] = {}  # arguments of ``_prepare`` in a worker
-
-
-def _prepare(shared: Any, folder: str, imports: Sequence[str]) -> None:
-    """Prepare a worker."""
-    _worker.update(shared=shared, folder=folder, is_running=False)
-    end_with_parent(lambda: bool(shared[len(shared) - 1] == HALT and _worker["is_running"]), folder)
+def _work(pipe: "Connection[Any, Any]", imports: Sequence[str]) -> None:
+    """Do the jobs of a worker; send False with their progress, True with their results."""
+    end_with_parent()
     for name in imports:
         import_module(name)
-
-
-def _run_job(place: int, job: Job) -> str:
-    """Run a job in a worker; return the path of the file with its result."""
-    shared = _worker["shared"]
+    due = 0.0
 
     def report(done: float, word: str = "", rows: Array | None = None) -> None:
-        shared[place] = done
-        if shared[len(shared) // 2 + place]:
-            _worker["is_running"] = False
-            raise KeyboardInterrupt
+        nonlocal due
+        if time.monotonic() >= due:
+            due = time.monotonic() + POLL
+            pipe.send((False, done))
+            if pipe.poll() and pipe.recv() is None:
+                raise KeyboardInterrupt
 
-    _worker["is_running"] = True
-    try:
-        outcome = job(report)
-    except Stopped as stopped:
-        outcome = stopped.outcome
-    finally:
-        _worker["is_running"] = False
-    handle, path = tempfile.mkstemp(dir=_worker["folder"])
-    with open(handle, "wb") as file:
-        pickle.dump(outcome, file)
-    return path
+    while True:
+        if (job := pipe.recv()) is None:
+            continue  # the request came too late
+        due = 0.0
+        try:
+            result = job(report)
+        except Stopped as stopped:
+            result = stopped.outcome
+        except MemoryError:
+            result = RunFailed(LOST)
+        except BaseException as error:
+            if not isinstance(error, InputError | RunFailed):
+                error.add_note(f"in a worker process:\n{traceback.format_exc()}")
+            result = error
+        pipe.send((True, result))
 
 
-def end_with_parent(is_stuck: Callable[[], bool] = lambda: False, folder: str = "") -> None:
-    """Leave Ctrl-C to the parent; end this process when the parent has ended or was killed.
-
-    It also ends after GRACE seconds in which ``is_stuck`` returned True. The folder is removed
-    together with the parent.
-    """
+def end_with_parent() -> None:
+    """Leave Ctrl-C to the parent; end this process when the parent has ended or was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None, "a process of an executor has a parent"
 
     def watch() -> None:
-        stuck = 0.0
-        while stuck < GRACE:
-            if wait_for([parent.sentinel], 1.0):
-                shutil.rmtree(folder, ignore_errors=True)
-                break
-            stuck = stuck + 1.0 if is_stuck() else 0.0
+        wait_for([parent.sentinel])
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()

@@ -1,9 +1,6 @@
 """Rounds of an ensemble: no number depends on who runs them, and all of them resume."""
 
-import os
-import signal
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -108,9 +105,7 @@ def interrupt() -> None:
 
 
 def kill_worker(pool: Workers) -> None:
-    assert pool._executor is not None
-    with suppress(ProcessLookupError):  # killed by the report before
-        os.kill(next(iter(pool._executor._processes)), signal.SIGKILL)
+    pool._workers[0].process.kill()
 
 
 def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
