@@ -17,7 +17,6 @@ from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
-from presswear.tools.numbers import short_number
 from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, parse_quantity
 from presswear.tools.user_function import UserFunction, is_stored_function
 
@@ -319,18 +318,10 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
 
 
 def _change(setting: Setting, was: Any) -> Change:
-    meaning, unit, size = setting.meaning, "", 1.0
-    numbers = [abs(value) for value in (setting.value, was) if isinstance(value, int | float)]
-    if isinstance(meaning, Quantity):
-        shown = meaning.in_unit_of(max(numbers, default=0.0))
-        unit, size = shown.unit.replace("^2", "²").replace("^3", "³"), shown.size
-    value, before = (
-        short_number(one / size)
-        if isinstance(one, int | float)
-        else str(NONE if one is None else one)
-        for one in (setting.value, was)
-    )
-    return Change(setting.key, value, before, unit, meaning.text)
+    values = [NONE if one is None else one for one in (setting.value, was)]
+    quantity = setting.meaning if isinstance(setting.meaning, Quantity) else Quantity()
+    (value, before), unit = quantity.texts(*values)
+    return Change(setting.key, value, before, unit, setting.meaning.text)
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:

@@ -14,6 +14,7 @@ from numbers import Integral, Real
 from typing import Any, ClassVar, get_args
 
 from presswear.tools.errors import InputError, nearest, shown, unknown
+from presswear.tools.numbers import short_number
 from presswear.tools.user_function import UserFunction
 
 NONE = "none"  # word for an optional part that is absent
@@ -89,6 +90,14 @@ class Quantity:
         """Return a value with the unit in which engineers write it."""
         shown = self.in_unit_of(value)
         return shown.with_unit(f"{value / shown.size:.{digits}g}")
+
+    def texts(self, *values: Any) -> tuple[list[str], str]:
+        """Return values as text in the unit in which engineers write the largest, and that unit."""
+        numbers = [abs(value) for value in values if isinstance(value, int | float)]
+        shown = self.in_unit_of(max(numbers, default=0.0))
+        size = shown.size
+        texts = (f"{x}" if isinstance(x, str) else short_number(x / size) for x in values)
+        return [*texts], shown.unit.replace("^2", "²").replace("^3", "³")
 
     def in_unit_of(self, value: float) -> "Quantity":
         """Return the quantity in the unit in which engineers write a value."""
