@@ -30,7 +30,7 @@ DISCARDED = 0.1  # share of the intervals, while the pair turns to the fastest g
 ENGINE = InHouse("dop853", 1e-11)  # growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
 DISTANCE = 1e-5  # initial distance of a pair over the smallest clearance
 SPEED_RATIO = 30.0  # rate at which contacts change a motion over the rate of the crank
-INTERVALS = 20  # rescalings in a cycle
+INTERVALS = 20  # rescalings in a cycle, so many that a pair does not saturate
 
 
 def growth_logarithms(
@@ -169,16 +169,13 @@ def _depends_on_onset(law: Any) -> bool:
     return bool(slow != fast)
 
 
-def largest_exponent(
-    linkage: Linkage, start: Start, period: float, cycles: int, per_cycle: int = INTERVALS
-) -> Estimate:
+def largest_exponent(linkage: Linkage, start: Start, period: float, cycles: int) -> Estimate:
     """Return the largest Lyapunov exponent of a linkage, 1/s, computed by the in-house engine.
 
-    A cycle lasts ``period``, s, and has ``per_cycle`` intervals, short enough that the pair does
-    not saturate. RunFailed if the motion ends early.
+    A cycle lasts ``period``, s. RunFailed if the motion ends early.
     """
     if not linkage.clearances:
         raise InputError("an exponent needs a joint with clearance: no motion is free")
-    flow = Flow(linkage, start, period, per_cycle)
-    logarithms = growth_logarithms(flow.step, *flow.state(), cycles * per_cycle, flow.distance)
-    return exponent_from_growth(logarithms, flow.interval, per_cycle)
+    flow = Flow(linkage, start, period, INTERVALS)
+    logarithms = growth_logarithms(flow.step, *flow.state(), cycles * INTERVALS, flow.distance)
+    return exponent_from_growth(logarithms, flow.interval, INTERVALS)

@@ -121,21 +121,20 @@ def improve(
     the mechanism as it is cannot be run.
     """
     scene = replace(scene, life=None, wear_updates=1)
-    changes = changes_of(scene)
+    changes = {PLAIN: {}, **changes_of(scene)}
     scenes = {name_for(change): changed(scene, values) for change, values in changes.items()}
-    scenes = {name_for(PLAIN): scene, **scenes}
     for one in scenes.values():
         one.check()
-    plain, *others = run_scenes(scenes, folder, jobs=jobs, on_progress=on_progress).values()
+    ended = run_scenes(scenes, folder, jobs=jobs, on_progress=on_progress).values()
+    results = dict(zip(changes, ended, strict=True))
+    plain = results.pop(PLAIN)
     if plain.status == "failed":
         raise RunFailed(f"the mechanism {PLAIN}: {plain.message}")
-    before, failures = _quantities(plain), dict[str, str]()
+    failures = {name: one.message for name, one in results.items() if one.status == "failed"}
+    before = _quantities(plain)
     effects: dict[str, list[Effect]] = {key: [] for key in before}
-    for change, result in zip(changes, others, strict=True):
-        if result.status == "failed":
-            failures[change] = result.message
-            continue
-        for key, value in _quantities(result).items():
+    for change, result in results.items():
+        for key, value in _quantities(result).items() if change not in failures else ():
             if key in effects:
                 effects[key].append(_effect(change, key, value, before[key]))
     for key, items in effects.items():

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -246,15 +247,11 @@ class Table:
     def at(self, values: Array) -> "Table":
         """Return the rows at which the last parameters have some values, without these columns."""
         count = len(values)
-        rows = np.flatnonzero((self.points[:, -count:] == values).all(axis=1))
-        names = ("values", "half_widths", "censored")
-        return replace(
-            self,
-            parameters=self.parameters[:-count],
-            points=self.points[rows, :-count],
-            errors=tuple(self.errors[row] for row in rows),
-            **{name: getattr(self, name)[rows] for name in names},
-        )
+        rows = (self.points[:, -count:] == values).all(axis=1)
+        arrays = self.values[rows], self.half_widths[rows], self.censored[rows]
+        errors, points = tuple(compress(self.errors, rows)), self.points[rows, :-count]
+        columns = self.parameters[:-count], self.responses
+        return Table(*columns, points, *arrays, errors, self.replicates)
 
     def columns(self) -> dict[str, list[Any]]:
         """Return the columns of an exported table by name."""

@@ -214,11 +214,9 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
             values[name] = function(result, None, None)
         elif not is_optional or name in requested.optional:
             for stage in result.stages:
-                if scope == "stage":
-                    values[f"{name}@{stage.index}"] = function(result, stage, None)
-                    continue
-                for joint in stage.joints.values():
-                    values[f"{joint.name}.{name}@{stage.index}"] = function(result, stage, joint)
+                for joint in stage.joints.values() if scope == "joint" else (None,):
+                    key = f"{joint.name}.{name}" if joint else name
+                    values[f"{key}@{stage.index}"] = function(result, stage, joint)
     last = f"@{result.stages[-1].index}"
     values |= {key.removesuffix(last): values[key] for key in values if key.endswith(last)}
     for user in requested.functions:

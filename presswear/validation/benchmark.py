@@ -76,14 +76,10 @@ def time_runs(
             report(name, (repeat * len(runs) + i) / (repeats * len(runs)))
             run = finished(simulate(), name)
             numbers, evaluations = run.diagnostics, run.diagnostics.get("evaluations")
-            timing = Timing(
-                str(numbers["model"]).partition(";")[0],
-                run.time,
-                int(numbers["steps"]),
-                int(numbers["steps_sent_back"]),
-                None if evaluations is None else int(evaluations),
-                (run.cpu,),
-            )
+            model = str(numbers["model"]).partition(";")[0]
+            counts = int(numbers["steps"]), int(numbers["steps_sent_back"])
+            computed = None if evaluations is None else int(evaluations)
+            timing = Timing(model, run.time, *counts, computed, (run.cpu,))
             first = timings.get(name, timing)
             if replace(timing, times=first.times) != first:
                 raise RunFailed(f"{name}: a repeated run took other steps")

@@ -112,19 +112,17 @@ def sound(run: Run, plan: Plan) -> Run:
     On a worn surface a pin may graze a bump: one contact in a hundred may then be too short.
     """
     recorder = finished(run).recorder
-    records = recorder.records
-    energies = [x for x in run.diagnostics.values() if isinstance(x, float)]
-    contacts = [recorder.stored_contacts(k).ravel() for k in range(len(records.memory))]
-    arrays: dict[str, ArrayLike] = {
-        "series": recorder.rows,
-        "cycles": recorder.cycles,
-        "wear": recorder.maps.sampled,
-        "state": np.concatenate([run.end.position, run.end.velocity]),
-        "energy": energies,
-        "contacts": np.concatenate([*contacts, np.zeros(0)]),
+    records, contacts = recorder.records, recorder.stored_contacts
+    arrays: dict[str, list[ArrayLike]] = {
+        "series": [recorder.rows],
+        "cycles": [recorder.cycles],
+        "wear": [recorder.maps.sampled],
+        "state": [run.end.position, run.end.velocity],
+        "energy": [x for x in run.diagnostics.values() if isinstance(x, float)],
+        "contacts": [contacts(k) for k in range(len(records.memory))],
     }
     for name, values in arrays.items():
-        if not np.all(np.isfinite(np.asarray(values))):
+        if not all(np.isfinite(each).all() for each in values):
             raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
         raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")

@@ -185,7 +185,7 @@ def conserves(duration: float, least: int) -> Checks:
     for tolerance in (1e-9, FINEST):
         engine = InHouse(integration_tolerance=tolerance)
         run = run_sound(linkage, start, engine, guarded(duration))
-        kinetic_end, angular_end = kinetic_and_angular(Start(run.end.position, run.end.velocity))
+        kinetic_end, angular_end = kinetic_and_angular(run.end)
         elastic = float(run.recorder.records.memory["energy"].sum())
         changes.append((kinetic_end + elastic) / kinetic - 1.0)
     contacts = int(run.recorder.records.counters["contacts"].sum())
