@@ -226,7 +226,7 @@ def _means(points: Points) -> page.Table:
     """Return the mean of a response at each point, with its 95 % interval and its runs."""
     shown = Display(points.response, points.means)
     columns = list(map(Display, points.parameters, points.points.T))
-    halves, lines = points.half_widths(points.noise), []
+    halves, lines = points.half_widths, []
     for place, mean, half, count in zip(
         points.points, points.means, halves, points.counts, strict=True
     ):
@@ -343,7 +343,7 @@ def curves(points: Points) -> list[Drawing]:
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
     x_axis = _axis(axes, "x", points.parameters[along], points.points[:, along], style.WIDTH)
     y_axis, pens = Display(points.response, points.means), []
-    half_widths = points.half_widths(points.noise)
+    half_widths = points.half_widths
     for value, line in zip(groups, LINES, strict=False):
         label, rows = points.response.key, points.has_value
         if rest:

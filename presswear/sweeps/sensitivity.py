@@ -40,7 +40,7 @@ class Points:
     variances: Array  # shape (n,), of a single run about the mean of its point; 0 if unknown
     counts: Array  # shape (n,), replicates with a value
     censored: NDArray[np.bool_]  # shape (n,), whether the value of a replicate is a lower bound
-    noise_source: str  # origin of the variances: replicates, intervals of the runs, or none
+    freedom: float  # degrees of freedom of the variances; infinite if from intervals of the runs
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
@@ -53,22 +53,20 @@ class Points:
         return self.variances / np.maximum(self.counts, 1.0)
 
     @property
+    def quantile(self) -> float:
+        """Half width of a 95 % interval over the standard deviation; NaN if that is unknown."""
+        return quantile(self.freedom) if self.freedom > 0.0 else math.nan
+
+    @property
     def is_constant(self) -> bool:
         """True if the response has at most one value."""
         values = self.means[self.has_value]
         return not values.size or float(np.ptp(values)) == 0.0
 
     @property
-    def freedom(self) -> float:
-        """Degrees of freedom of the pooled variance."""
-        return float(np.maximum(self.counts - 1.0, 0.0).sum())
-
-    def half_widths(self, variances: Array) -> Array:
-        """Return half widths of 95 % intervals of means with some variances; NaN if unknown."""
-        if self.noise_source == "none":
-            return np.full(len(variances), np.nan)
-        freedom = self.freedom if self.noise_source == "replicates" else math.inf
-        return quantile(freedom) * np.sqrt(variances)
+    def half_widths(self) -> Array:
+        """Half widths of the 95 % intervals of the means, shape (n,); NaN if unknown."""
+        return self.quantile * np.sqrt(self.noise)
 
 
 def points_of(table: Table, key: str) -> Points:
@@ -83,19 +81,18 @@ def points_of(table: Table, key: str) -> Points:
     counts = np.isfinite(values).sum(axis=1).astype(float)
     with np.errstate(invalid="ignore"):
         means = np.nansum(values, axis=1) / np.where(counts > 0.0, counts, np.nan)
-    freedom = np.maximum(counts - 1.0, 0.0).sum()
+    freedom = float(np.maximum(counts - 1.0, 0.0).sum())
     halves = np.where(np.isfinite(values), halves, 0.0)
-    variances, source = np.zeros(len(counts)), "none"
+    variances = np.zeros(len(counts))
     if freedom > 0.0:
-        squares = np.nansum((values - means[:, None]) ** 2)
-        variances, source = np.full(len(counts), squares / freedom), "replicates"
+        variances += np.nansum((values - means[:, None]) ** 2) / freedom
     elif counts.any() and np.isfinite(halves).all():
-        squared = (halves / quantile(math.inf)) ** 2
-        variances, source = squared.sum(axis=1) / np.maximum(counts, 1.0), "intervals"
+        squared, freedom = (halves / quantile(math.inf)) ** 2, math.inf
+        variances = squared.sum(axis=1) / np.maximum(counts, 1.0)
     points = table.points[:: table.replicates]
     bounds = np.logical_or.reduce(censored & np.isfinite(values), axis=1)
     response = table.responses[k]
-    return Points(table.parameters, response, points, means, variances, counts, bounds, source)
+    return Points(table.parameters, response, points, means, variances, counts, bounds, freedom)
 
 
 @dataclass(frozen=True)
@@ -190,7 +187,7 @@ def _changes(points: Points) -> Sensitivity | None:
                 row = rows[pick(column[rows])]
                 values[side, k] = points.means[row] - points.means[0]
                 variances[side, k] = points.noise[row] + points.noise[0]
-    halves = np.array([points.half_widths(row) for row in variances])
+    halves = points.quantile * np.sqrt(variances)
     names = ("change at the lowest value", "change at the highest value")
     return Sensitivity("One parameter at a time", "change from the middle", names, values, halves)
 
@@ -206,7 +203,7 @@ def chaotic_share(points: Points) -> tuple[float, float, float] | None:
 
     rows = points.has_value
     count, within = int(rows.sum()), float(points.variances.mean())
-    if points.noise_source != "replicates" or count < 3 or within == 0.0:
+    if not 0.0 < points.freedom < math.inf or count < 3 or within == 0.0:
         return None
     counts, means = points.counts[rows], points.means[rows]
     total = counts.sum()

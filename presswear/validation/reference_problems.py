@@ -185,22 +185,15 @@ class Impact:
         restitution = laws.delivered_restitution(chi)
         unit = (n + 1.0) * REDUCED_MASS * self.speed**2 / self.stiffness
 
-        def time(integral: float, u: float, s: float) -> float:
+        def rate(s: float, end: float, sign: float) -> float:
+            x = sign * s ** (n + 1.0)  # u - end
+            integral = -x / chi + math.log1p(chi * x / (1.0 + chi * end)) / chi**2
             depth = (unit * integral) ** (1.0 / (n + 1.0))
-            slowness = REDUCED_MASS * self.speed / (self.stiffness * depth**n * (1.0 + chi * u))
-            return slowness * (n + 1.0) * s**n
+            force = self.stiffness * depth**n * (1.0 + chi * (end + x))
+            return REDUCED_MASS * self.speed / force * (n + 1.0) * s**n
 
-        def loading(s: float) -> float:
-            d = s ** (n + 1.0)
-            return time(d / chi + math.log1p(-chi * d / (1.0 + chi)) / chi**2, 1.0 - d, s)
-
-        def unloading(s: float) -> float:
-            d = s ** (n + 1.0)
-            integral = -d / chi + math.log1p(chi * d / (1.0 - chi * restitution)) / chi**2
-            return time(integral, d - restitution, s)
-
-        ends = (loading, 1.0), (unloading, restitution ** (1.0 / (n + 1.0)))
-        parts = [quad(rate, 0.0, end, epsabs=0.0, epsrel=1e-13) for rate, end in ends]
+        ends = (1.0, -1.0, 1.0), (-restitution, 1.0, restitution ** (1.0 / (n + 1.0)))
+        parts = [quad(rate, 0.0, s, tuple(end), 0, 0.0, 1e-13) for *end, s in ends]
         return sum(part[0] for part in parts), sum(part[1] for part in parts)
 
 
