@@ -267,17 +267,16 @@ def smoothed_maps(runs: Sequence[MapBatches], bins: Sequence[int]) -> Array:
     The noise is that of the batches of all runs. ``bins`` are those of each joint; none: raw maps.
     """
     batches = map_batches(runs)
-    result = []
-    for run in runs:
-        depth = mean_map([run])
-        result.append(smoothed(depth, smoothing_widths(depth, run.samples, *batches, bins), bins))
-    return np.array(result)
+    return np.array([smoothed_mean([run], bins, batches) for run in runs])
 
 
-def smoothed_mean(runs: Sequence[MapBatches], bins: Sequence[int]) -> Array:
-    """Return the mean depth of a cycle in all runs, smoothed as in ``smoothed_maps``, m."""
+def smoothed_mean(
+    runs: Sequence[MapBatches], bins: Sequence[int], batches: tuple[Array, Array] | None = None
+) -> Array:
+    """Return the mean depth of a cycle in all runs, smoothed, m; ``batches`` give the noise."""
     depth, cycles = mean_map(runs), sum(run.samples for run in runs)
-    return smoothed(depth, smoothing_widths(depth, cycles, *map_batches(runs), bins), bins)
+    widths = smoothing_widths(depth, cycles, *(batches or map_batches(runs)), bins)
+    return smoothed(depth, widths, bins)
 
 
 def map_errors(maps: Array, weights: Array) -> Array:

@@ -47,11 +47,6 @@ class Setting:
     value: Any
     meaning: Quantity | Choice
 
-    @property
-    def is_part(self) -> bool:
-        """True where the value names a set or a kind with settings of its own."""
-        return isinstance(self.meaning, Choice) and self.meaning.is_part
-
     def described(self) -> str:
         """Return value, range and meaning in one line."""
         meaning = self.meaning
@@ -106,9 +101,7 @@ def settings_in(
 ) -> Iterator[Setting]:
     """Yield the settings of the parts of a data class, then those of its fields."""
     plain = []
-    for item in fields(owner):
-        key, value = f"{prefix}{item.name}", getattr(owner, item.name)
-        meaning = meaning_of(item, owner)
+    for _, key, value, meaning, inner in _fields_of(owner, prefix):
         if isinstance(meaning, Choice):
             setting = Setting(key, meaning.shown(value), meaning)
             if not meaning.is_part:
@@ -119,7 +112,7 @@ def settings_in(
             origin = (origins or {}).get(key, meaning.origin)
             plain.append(Setting(key, value, replace(meaning, origin=origin)))
         if _has_settings(value):
-            yield from settings_in(value, origins, _inner_prefix(key, prefix, meaning))
+            yield from settings_in(value, origins, inner)
     yield from plain
 
 
@@ -127,9 +120,13 @@ def _has_settings(value: Any) -> bool:
     return is_dataclass(value) and not isinstance(value, UserFunction | OutputPoint)
 
 
-def _inner_prefix(key: str, prefix: str, meaning: Any) -> str:
-    is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
-    return f"{key}." if is_optional else prefix
+def _fields_of(owner: Any, prefix: str) -> Iterator[tuple[str, str, Any, Any, str]]:
+    """Yield name, key, value and meaning of each field, and the prefix of the keys in it."""
+    for item in fields(owner):
+        key, meaning = f"{prefix}{item.name}", meaning_of(item, owner)
+        is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
+        inner = f"{key}." if is_optional else prefix
+        yield item.name, key, getattr(owner, item.name), meaning, inner
 
 
 def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Scene:
@@ -205,18 +202,15 @@ def _changed(
     **updates: Any,
 ) -> Any:
     """Return a data class with its fields, and those of its parts, set by key."""
-    for item in fields(owner):
-        key, value = f"{prefix}{item.name}", getattr(owner, item.name)
-        meaning = meaning_of(item, owner)
+    for name, key, value, meaning, inner in _fields_of(owner, prefix):
         result = settings.get(key, value) if meaning is not None else value
         if isinstance(meaning, Choice) and result is not value and meaning.is_part:
             is_same = result == meaning.shown(value)
             result = value if is_same else meaning.convert(f"{message_prefix}{key}", result)
-        inner = _inner_prefix(key, prefix, meaning)
-        if _has_settings(result) and item.name not in updates:
+        if _has_settings(result) and name not in updates:
             result = _changed(result, settings, inner, message_prefix)
         if result is not value:
-            updates[item.name] = result
+            updates[name] = result
     if not updates:
         return owner
     try:
@@ -298,7 +292,7 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     """Return the changes of a scene against another one that do not follow from others."""
     was, settings = {one.key: one.value for one in settings_of(base)}, settings_of(scene)
     for one in settings:
-        if not isinstance(one.meaning, Choice) or not one.is_part:
+        if not isinstance(one.meaning, Choice) or not one.meaning.is_part:
             continue
         if one.value not in one.meaning.words:
             was[one.key] = one.value  # a set without a name is described by its values

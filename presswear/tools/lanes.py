@@ -108,12 +108,9 @@ def _operation(
     """Define a function of lanes; ``result`` and ``argument``: of conditions."""
     signatures = [Lanes(count, result)(*(Lanes(count, argument),) * arguments) for count in COUNTS]
     infer_global(function)(type("_Template", (ConcreteTemplate,), {"cases": signatures}))
-
-    def lowered(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return generate(builder, *values)
-
     for signature in signatures:
-        lower_builtin(function, *signature.args)(lowered)
+        lower = lower_builtin(function, *signature.args)
+        lower(lambda context, builder, signature, values: generate(builder, *values))
 
 
 def _by_name(name: str) -> Any:
@@ -181,11 +178,9 @@ def _where(typing: Any, condition: Any, one: Any, second: Any) -> Any:
     counts = [kind.count for kind in (condition, one, second) if isinstance(kind, Lanes)]
     kind: Any = Lanes(counts[0]) if counts else types.float64
     test: Any = Lanes(counts[0], True) if counts else types.boolean
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return builder.select(*values)
-
-    return kind(test, kind, kind), generate
+    return kind(test, kind, kind), lambda context, builder, signature, values: builder.select(
+        *values
+    )
 
 
 where = cast(Callable[[bool, float, float], float], _where)
@@ -209,10 +204,8 @@ anywhere = cast(Callable[[bool], bool], _anywhere)
 
 @intrinsic
 def _rounded(typing: Any, x: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return _by_name("llvm.rint")(builder, *values)
-
-    return x(x), generate
+    rint = _by_name("llvm.rint")
+    return x(x), lambda context, builder, signature, values: rint(builder, *values)
 
 
 rounded = cast(Callable[[float], float], _rounded)
@@ -238,10 +231,8 @@ lanes_at = cast(Callable[[Array, int, int], float], _lanes_at)
 
 @intrinsic
 def _lane_of(typing: Any, lanes: Any, index: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return builder.extract_element(*values)
-
-    return types.float64(lanes, types.intp), generate
+    signature = types.float64(lanes, types.intp)
+    return signature, lambda context, builder, _, values: builder.extract_element(*values)
 
 
 lane_of = cast(Callable[[float, int], float], _lane_of)

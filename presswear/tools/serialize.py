@@ -44,16 +44,14 @@ def check_fields(owner: Any) -> None:
     label = getattr(owner, first)
     whose = f" of {label}" if first in _NAMES and isinstance(label, str) else ""
     for item in items:
-        value = getattr(owner, item.name)
-        if value is None and item.default is None:
-            continue
+        result = value = getattr(owner, item.name)
         name = item.name if item.name == first else f"{item.name}{whose}"
         meaning = meaning_of(item, owner)
-        if isinstance(meaning, Quantity) and item.default is None and value == NONE:
-            object.__setattr__(owner, item.name, None)
-            continue
-        kind = item.type if meaning is None else Annotated[Any, meaning]
-        result = converted(name, value, kind)
+        if item.default is None and isinstance(meaning, Quantity) and value == NONE:
+            result = None
+        elif value is not None or item.default is not None:
+            kind = item.type if meaning is None else Annotated[Any, meaning]
+            result = converted(name, value, kind)
         if result is not value:
             object.__setattr__(owner, item.name, result)
 

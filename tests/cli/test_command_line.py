@@ -30,7 +30,6 @@ Command = Callable[..., str]
 
 # Line, and the words that its message contains, separated by " & ".
 BAD_INPUT = r"""
-dance: dance & run
 reprot nowhere: 'reprot'; did you mean report?
 list nonsense: nonsense & ideal
 run: scene
@@ -42,15 +41,10 @@ report /dev/null: /dev/null: it is not a folder
 run .: .: expected a scene of presswear list
 run six-bar: six-bar is a mechanism; write a file of it with: presswear new six-bar
 run study.py: study.py is a Python script; run it with: python study.py
-run wear-times --set clearence=1mm: did you mean clearance?
-run wear-times --set A.clearence=1mm: did you mean A.clearance?
 new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, points
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
-run wear-times --set clearance=15mm: clearance = 15 mm
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
-run wear-times --set friction=inf: friction
 run wear-times --set speed=200rmp: 'rmp'; did you mean rpm?
-run wear-times --set joints=F: O2, O7, A, B, C, D, E, none, several together, as O2,O7,A
 run wear-times --set clearance 1mm: --set KEY=VALUE
 run wear-times --cycels 5: --cycels 5; did you mean --cycles?
 run wear-times --conventions mine: mine & refined

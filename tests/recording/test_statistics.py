@@ -16,11 +16,9 @@ from presswear.tools.arrays import Array
 def test_interval_of_a_mean_over_cycles() -> None:
     """Student's interval of 2, 4, 6 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
     found = statistics.pooled([np.array([100.0, 50.0, 2.0, 4.0, 6.0])])[0]
-    assert found.mean == 4.0
-    assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
-    assert statistics.pooled([np.array([1.0])])[0].half_width is None
+    assert (found.mean, found.half_width) == pytest.approx((4.0, 4.30265 * 2.0 / 3.0**0.5))
     # Where no more ran, the last is the only sample.
-    assert statistics.pooled([np.array([1.0, 3.0])])[0].mean == 3.0
+    assert statistics.pooled([np.array([1.0, 3.0])])[0] == statistics.Estimate(3.0, samples=1)
 
 
 def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:
@@ -222,15 +220,6 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
         place, np.rint(draws / turn * bins).astype(np.int64), bins, count
     )
     assert (angle.low, angle.high) == pytest.approx(expected, abs=10.0 * turn / bins)
-
-
-def test_pointwise_intervals_cover_the_mean_map() -> None:
-    """Of 20 000 bins with normal depths 95 % have the true mean in their interval."""
-    maps = np.random.default_rng(2).normal(1.0, 0.3, (12, 20_000))
-    low, high = statistics.pointwise_interval(
-        maps.mean(axis=0), statistics.resampled(maps, np.ones(12)), 12
-    )
-    assert np.mean((low < 1.0) & (high > 1.0)) == pytest.approx(0.95, abs=0.01)
 
 
 def test_an_angle_near_zero_keeps_its_interval_together() -> None:

@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 from collections import namedtuple
-from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from threading import Thread
@@ -30,7 +29,6 @@ from presswear.tools.compile import (
     call,
     compiled,
     copy_to,
-    fused,
     is_compiled_elsewhere,
     lazily_compiled,
     on_compiling,
@@ -278,19 +276,6 @@ def test_first_start_compiles_few_kernels_and_second_none(
         kernels, unused = map(int, ran.stdout.split())
         assert fewest < kernels <= limit
         assert unused == 0
-
-
-def _product_and_sum(a: float, b: float, c: float) -> float:
-    return a * b + c
-
-
-def test_a_fused_kernel_rounds_once_or_as_others_do() -> None:
-    plain, quick = compiled(_product_and_sum), fused(_product_and_sum)
-    for n in range(1, 50):
-        a, b, c = 1.0 + 1.0 / (3.0 * n), 1.0 - 1.0 / (7.0 * n), -1.0 - 0.1 / n
-        assert plain(a, b, c) == a * b + c
-        once = float(Fraction(a) * Fraction(b) + Fraction(c))
-        assert quick(a, b, c) in (once, a * b + c)
 
 
 @compiled

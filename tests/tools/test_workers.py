@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -153,13 +154,9 @@ class Large:
         return len, (bytes(200_000_000),)
 
 
-@dataclass(frozen=True)
-class ReturnsLarge:
-    delay: float
-
-    def __call__(self, report: Report) -> Any:
-        report(0.0)
-        return Large(self.delay)
+def returns_large(delay: float, report: Report) -> Large:
+    report(0.0)
+    return Large(delay)
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.1, 0.2])
@@ -169,7 +166,7 @@ def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
     def run() -> None:
         with Workers(2) as pool:
             try:
-                pool.run({0: ReturnsLarge(delay), 1: Waits(1.0)}, collects, nothing)
+                pool.run({0: partial(returns_large, delay), 1: Waits(1.0)}, collects, nothing)
             except RunFailed as error:
                 errors.append(str(error))
 
