@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,23 +26,17 @@ QUANTITIES = {
 OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")  # the others add up all wears so far
 
 
-def _worn_range(maps: Array) -> Array:
-    """Return the angle over which surfaces are worn, rad, from maps of shape (..., surfaces, m)."""
-    worn = maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)
-    return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
-
-
 # functionals of wear maps of shape (..., surfaces, m): one surface, the sum of both, where angles
 # are directions in space, and two surfaces where angles are on the bodies
-_FUNCTIONALS: dict[str, Callable[[Array], Array]] = {
-    "deepest": lambda maps: np.asarray(maps.max(axis=-1).sum(axis=-1)),
-    "mean": lambda maps: np.asarray(maps.mean(axis=-1).sum(axis=-1)),
-    "deviation": lambda maps: np.asarray(maps.std(axis=-1).sum(axis=-1)),
-    "range": _worn_range,
+_FUNCTIONALS: dict[str, Callable[[Array], Any]] = {
+    "deepest": lambda maps: maps.max(axis=-1).sum(axis=-1),
+    "mean": lambda maps: maps.mean(axis=-1).sum(axis=-1),
+    "deviation": lambda maps: maps.std(axis=-1).sum(axis=-1),
+    "range": lambda maps: (
+        2.0 * math.pi * (maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)).mean(axis=(-2, -1))
+    ),
 }
-OF_MAPS = frozenset(
-    name for name, row in QUANTITIES.items() if row.path in (*_FUNCTIONALS, "angle")
-)
+OF_MAPS = {name for name, row in QUANTITIES.items() if row.path in (*_FUNCTIONALS, "angle")}
 
 
 @dataclass(frozen=True)
@@ -137,15 +131,13 @@ def _from_cycles(result: pw.Result, place: Place, quantity: str) -> Measured | N
         return None
     count = result.scene.replicate_count
     # After a wear each replicate also runs alone on its surfaces, which gives the interval.
-    alone = every[-count:] if place.wear_updates > 0 else ()
-    together = every[:count]
+    together, alone = every[:count], every[-count:] if place.wear_updates > 0 else ()
     estimate, differ = pw.statistics.pooled(together, alone)
     samples = np.concatenate([pw.statistics.after_startup(rows) for rows in together])
-    scatter = None
+    scatter, first = None, [float(rows[0]) for rows in together]
     if samples.size >= MIN_SAMPLES:
-        low, high = np.quantile(samples, (0.025, 0.975))
-        scatter = (float(low), float(high))
-    first = [float(rows[0]) for rows in together]
+        low, high = np.quantile(samples, (0.025, 0.975)).tolist()
+        scatter = low, high
     return Measured(estimate, scatter, (min(first), max(first)), len(together), differ)
 
 

@@ -44,11 +44,6 @@ class Printed:
     misprint: str = ""  # errors of the print, separated by semicolons
 
     @property
-    def is_peak(self) -> bool:
-        """True for a peak of the motion or of a force; its counterpart is a single cycle."""
-        return self.quantity not in ("depth", "angle")
-
-    @property
     def places(self) -> tuple[Place, ...]:
         """Places to compare with: section 5.4.2 does not say before or after which wear."""
         if self.section != "5.4.2":

@@ -85,11 +85,12 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
 
 def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
     """Return the answer of the study in a few sentences."""
+    peaks = verdicts.positions(evidence)
     text = TEMPLATES.from_string(TEXTS["headline"]).render(
         claims=len(claims),
         count=Counter(claim.verdict() for claim in claims),
         same=sum(claim.geometry.startswith("same") for claim in claims),
-        peaks=Counter(one for number, one in verdicts.positions(evidence) if number.is_peak),
+        peaks=Counter(one for number, one in peaks if number.quantity not in ("depth", "angle")),
     )
     return text.strip()
 
@@ -293,11 +294,8 @@ def fit(factors: Mapping[Place, float]) -> tuple[float, float]:
     They are the geometric mean of all but the doubtful prints, and the root mean square of
     logarithms; nan if there are none.
     """
-    logs = [math.log(factor) for place, factor in factors.items() if place not in DOUBTFUL]
-    if not logs:
-        return math.nan, math.nan
-    mean = sum(logs) / len(logs)
-    return math.exp(mean), math.exp(math.sqrt(sum((log - mean) ** 2 for log in logs) / len(logs)))
+    logs = np.log([factor for place, factor in factors.items() if place not in DOUBTFUL])
+    return (math.exp(logs.mean()), math.exp(logs.std())) if logs.size else (math.nan, math.nan)
 
 
 def fit_table(evidence: Evidence) -> Table:
