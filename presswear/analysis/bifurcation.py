@@ -30,7 +30,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, values_of
 from presswear.tools.arrays import Array, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import FolderLock
+from presswear.tools.files import only_writer
 from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
@@ -289,8 +289,7 @@ def compute(
     for k, values in enumerate((parameter.values, parameter.values[::-1])):
         file = folder / f"{DIRECTIONS[k]}.npz"
         work[k] = partial(run_branch, scene, parameter.key, values, cycles, initial_state, file)
-    lock = FolderLock(folder)
-    try:
+    with only_writer(folder, resume=True):
         if (folder / FILE).exists():
             stored = _document(folder)
             for name, value in plain(inputs).items():
@@ -304,8 +303,6 @@ def compute(
                 lambda key, outcome: {},
                 lambda key, done, word, rows: on_progress(DIRECTIONS[key], done),
             )
-    finally:
-        lock.release()
     return load(folder)
 
 

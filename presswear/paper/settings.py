@@ -70,7 +70,7 @@ SENSITIVITIES = {
     name: Case(settings=(WEAR,), **one) for name, one in TABLES["sensitivities"].items()
 }
 CASES = {name: Case(**one) for name, one in TABLES["cases"].items()} | SENSITIVITIES
-BASE, *_, REFINED, LONG = TABLES["cases"]
+BASE, *_, LONG = TABLES["cases"]
 PAPER_STEP = "paper-step"
 JUDGED = tuple(TABLES["cases"])[:-1]  # cases with all settings, in which every claim is judged
 GEOMETRIES = JUDGED[:-1]

@@ -28,7 +28,7 @@ from presswear.sweeps.responses import (
     request,
 )
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import FolderLock, check_ending, digest, inside, is_free, write_bytes
+from presswear.tools.files import check_ending, digest, inside, is_free, only_writer, write_bytes
 from presswear.tools.quantities import Choice
 from presswear.tools.serialize import checked_names, read_json, typed, write_json
 
@@ -194,13 +194,10 @@ def run_sweep(
         # Parts of a sweep share its folder; one process at a time runs each part.
         part = sweep.path / PARTS / "-of-".join(map(str, shard))
         folder = sweep.path if shard[1] == 1 else part
-        lock = FolderLock(folder)
-        try:
+        with only_writer(folder, resume=True):
             sweep.write(folder / FILE)
             os.replace(folder / FILE, sweep.path / FILE)
             runner.run_rows(sweep.path, scenes, requested, executor, slots, keeps, on_progress)
-        finally:
-            lock.release()
     return sweep
 
 

@@ -256,9 +256,9 @@ def holder(path: Path) -> str | None:
 
 
 @contextmanager
-def only_writer(path: Path) -> Iterator[None]:
-    """Hold the lock of a new folder; InputError where it is not new, or locked."""
-    if not is_free(path):
+def only_writer(path: Path, resume: bool = False) -> Iterator[None]:
+    """Hold the lock of a folder; InputError where it is locked, or neither new nor resumed."""
+    if not (resume or is_free(path)):
         raise InputError(f"folder {path}: it exists and is not empty; name a new folder")
     lock = FolderLock(path)
     try:
