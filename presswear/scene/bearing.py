@@ -205,19 +205,12 @@ class Bearing(Checked):
         coefficient, share = self.materials.wear_coefficient, self.materials.bearing_share
         slip, distribution = conventions.slip, conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
+        ends = revolute.name, revolute.first, revolute.second
+        sizes = self.bearing_radius, self.clearance, self.width
+        forces = self.normal(conventions.stiffness), self.friction_parameters
+        law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
         return elements.ClearanceJoint(
-            revolute.name,
-            revolute.first,
-            revolute.second,
-            self.bearing_radius,
-            self.clearance,
-            self.width,
-            self.normal(conventions.stiffness),
-            self.friction_parameters,
-            wear if coefficient > 0.0 else None,
-            conventions.map_frame,
-            conventions.contact,
-            *worn,
+            *ends, *sizes, *forces, law, frame, conventions.contact, *worn
         )
 
 

@@ -3,8 +3,8 @@
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, NamedTuple
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
 
 from presswear.engines import settings
 from presswear.tools.errors import InputError, unknown
@@ -22,21 +22,17 @@ class Numerics:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        for engine in self._engines.values():
+        for engine in vars(self).values():
             check_fields(engine)
-
-    @property
-    def _engines(self) -> dict[str, Any]:
-        return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def resolved(self, purpose: settings.Purpose, error: float = settings.WEAR_ERROR) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
-        return Numerics(**{k: one.resolved(purpose, error) for k, one in self._engines.items()})
+        return Numerics(**{k: one.resolved(purpose, error) for k, one in vars(self).items()})
 
     def of(self, engine: settings.Engine) -> "Numerics":
         """Return a copy with the settings of one engine."""
-        name = next(name for name, one in self._engines.items() if type(one) is type(engine))
-        return Numerics(**{**self._engines, name: engine})
+        name = next(name for name, one in vars(self).items() if type(one) is type(engine))
+        return Numerics(**{**vars(self), name: engine})
 
 
 @dataclass(frozen=True)
