@@ -202,18 +202,18 @@ def run_branch(
     report: Report,
 ) -> None:
     """Run the values that the file of a branch does not hold, in order; write it after each."""
-    rows: NDArray[Any] | None = read_branch(file) if file.exists() else None
-    for k in range(0 if rows is None else len(rows), len(values)):
+    rows = list(read_branch(file)) if file.exists() else []
+    for k in range(len(rows), len(values)):
         report(k / len(values))
         here = changed(scene, {key: values[k]})
         ideal = start = initial_state(here)
-        if rows is not None and not np.isnan(rows[-1]["pins"]).any():
+        if rows and not np.isnan(rows[-1]["pins"]).any():
             previous = changed(scene, {key: values[k - 1]}).linkage()
             start = continued(here.linkage(), previous, Start(*rows[-1]["end"]), ideal)
         row = run_value(here, start, cycles, ideal)
         row["value"] = values[k]
-        rows = row if rows is None else np.concatenate([rows, row])
-        write_arrays(file, {"rows": rows}, np.savez)
+        rows.append(row[0])
+        write_arrays(file, {"rows": np.array(rows)}, np.savez)
 
 
 def read_branch(file: Path) -> Branch:

@@ -7,15 +7,7 @@ import pytest
 
 import presswear as pw
 from presswear.recording.statistics import Estimate
-from presswear.sweeps.improve import (
-    BOTTOM,
-    FORCE,
-    LIFE,
-    Improvement,
-    _effect,
-    changes_of,
-    improve,
-)
+from presswear.sweeps.improve import BOTTOM, FORCE, LIFE, Improvement, _effect, changes_of, improve
 from presswear.tools.errors import InputError
 
 SMALL = {"engine": "dae", "cycles": 3, "replicates": 2, "cycles_per_update": 1e3}
