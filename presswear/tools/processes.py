@@ -27,6 +27,7 @@ from presswear.tools.errors import InputError, RunFailed
 POLL = 0.1  # s between two reports of a worker
 GRACE = 3.0  # s until a worker whose job does not stop is ended, for example while it compiles
 LOST = "a worker process was ended from outside, for example because memory ran out"
+_STOPS = math.inf  # progress of a job that stops; what it stores may take long
 _IDLE, _DROPPED = "idle", "dropped"  # in place of the key of a job
 
 # Called by a job with its progress (nan while it gets ready) and optionally a word and rows, which
@@ -120,7 +121,7 @@ class Workers:
             is_interrupt, due = isinstance(error, KeyboardInterrupt), time.monotonic() + GRACE
             for worker in self._running:
                 worker.send(None)
-            while self._running and time.monotonic() < due:
+            while any(one.progress == _STOPS or time.monotonic() < due for one in self._running):
                 for key, result in self._results():
                     if (is_interrupt or is_stopped()) and not isinstance(result, BaseException):
                         on_result(key, result)
@@ -207,6 +208,7 @@ def _work(pipe: "Connection[Any, Any]", imports: Sequence[str]) -> None:
             due = time.monotonic() + POLL
             pipe.send((False, done))
             if pipe.poll() and pipe.recv() is None:
+                pipe.send((False, _STOPS))
                 raise KeyboardInterrupt
 
     while True:

@@ -18,7 +18,7 @@ import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.processes import Job, Report, Stopped, Workers
+from presswear.tools.processes import GRACE, Job, Report, Stopped, Workers
 
 PATIENCE = 60.0  # s, for a busy machine
 
@@ -73,9 +73,10 @@ def test_results_are_equal_in_workers_and_in_this_process(pool: Workers) -> None
 
 @dataclass(frozen=True)
 class Waits:
-    """Report and wait until stopped, or for a time, s."""
+    """Report and wait until stopped, or for a time, s; then store for another time, s."""
 
     lasts: float = math.inf
+    stores: float = 0.0
 
     def __call__(self, report: Report) -> int:
         started, count = time.monotonic(), 0
@@ -85,6 +86,7 @@ class Waits:
                 report(os.getpid())
                 time.sleep(0.01)
         except KeyboardInterrupt:
+            time.sleep(self.stores)
             raise Stopped(count) from None
         return 0
 
@@ -111,7 +113,8 @@ def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
             raise KeyboardInterrupt
 
     with Workers(count) as workers, pytest.raises(KeyboardInterrupt):
-        workers.run({k: Waits() for k in range(count)}, collects, interrupt)
+        jobs = {k: Waits(stores=(GRACE + 0.5) * k) for k in range(count)}
+        workers.run(jobs, collects, interrupt)
     assert sorted(collects.results) == list(range(count))
     assert all(outcome > 0 for outcome in collects.results.values())
 
