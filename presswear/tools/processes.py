@@ -204,7 +204,7 @@ def _work(pipe: "Connection[Any, Any]", imports: Sequence[str]) -> None:
 
     def report(done: float, word: str = "", rows: Array | None = None) -> None:
         nonlocal due
-        if time.monotonic() >= due:
+        if math.isnan(done) or time.monotonic() >= due:
             due = time.monotonic() + POLL
             pipe.send((False, done))
             if pipe.poll() and pipe.recv() is None:

@@ -91,6 +91,18 @@ class Waits:
         return 0
 
 
+def gets_ready(report: Report) -> None:
+    for done in (0.0, math.nan):
+        report(done)
+    time.sleep(0.5)
+
+
+def test_a_job_that_gets_ready_is_reported_at_once(pool: Workers) -> None:
+    reported: list[float] = []
+    pool.run({0: gets_ready}, nothing, lambda key, done, *_: reported.append(done))
+    assert math.isnan(reported[-1])
+
+
 def test_a_dropped_job_is_stopped(pool: Workers) -> None:
     ended: list[int] = []
 
