@@ -187,7 +187,7 @@ def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
         seeded = replace(
             scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wear_updates=0, purpose="wear"
         )
-        maps = run_stage(seeded, 0, worn, workers=workers)[1].added_by_run()
+        maps = run_stage(seeded, worn, workers=workers)[1].added_by_run()
         share = step * joint.clearance / float(maps[:, 0].mean(axis=0).max())
         worn = worn + share * maps
         jumps += 1

@@ -314,20 +314,15 @@ def run_campaign(
 
 def run_stage(
     scene: Scene,
-    index: int,
     depth: Array | None = None,
     observers: Sequence[Observer] = (),
     workers: Workers | None = None,
 ) -> tuple[StageResult, Ensemble]:
-    """Run one stage without the wear update after it; return its runs as well."""
-    runner = Runner(scene, workers or Workers(), observers)
-    runner.start_stage(index)
+    """Run the first stage without the wear update after it; return its runs as well."""
     depth = initial_depth(scene) if depth is None else depth
-    ensemble = runner.run(depth, stage_spec(scene, index), step_check=StepCheck(scene, depth[0]))
-    stage = stage_result(scene, index, ensemble)
-    for observer in observers:
-        observer.on_stage(stage)
-    return stage, ensemble
+    runner, check = Runner(scene, workers or Workers(), observers), StepCheck(scene, depth[0])
+    ensemble = runner.run(depth, stage_spec(scene, 0), step_check=check)
+    return stage_result(scene, 0, ensemble), ensemble
 
 
 @dataclass

@@ -158,15 +158,13 @@ class Ensemble:
     def diagnostics(self) -> dict[str, float | int | str]:
         """Return diagnostics of the solver: texts of the first run, numbers of all."""
         merged = dict(self.runs[0].diagnostics)
-        for run in self.runs[1:]:
-            for key, value in run.diagnostics.items():
-                before = merged[key]
-                if isinstance(value, str) or isinstance(before, str):
-                    continue
-                merged[key] = max(before, value) if key in _LARGEST else before + value
-        # Signed residuals of several runs would cancel.
-        residuals = [abs(float(run.diagnostics["energy_residual_J"])) for run in self.runs]
-        merged["energy_residual_J"] = sum(residuals)
+        for key, first in self.runs[0].diagnostics.items():
+            if isinstance(first, str):
+                continue
+            values: list[Any] = [run.diagnostics.get(key, 0) for run in self.runs]
+            if key == "energy_residual_J":  # signed residuals of several runs would cancel
+                values = [*map(abs, values)]
+            merged[key] = max(values) if key in _LARGEST else sum(values)
         return merged | ({"replicates": len(self.runs)} if len(self.runs) > 1 else {})
 
 

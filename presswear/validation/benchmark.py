@@ -265,7 +265,7 @@ def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list
     if scene.clearance_joints != ("A", "C"):
         raise InputError(f"scene {scene.name}: --features needs a press with clearance at A and C")
     report("wear of the worn surfaces", 0.0)
-    stage, ensemble = run_stage(replace(scene, cycles=extent.wear_cycles), 0)
+    stage, ensemble = run_stage(replace(scene, cycles=extent.wear_cycles))
     if stage.failed:
         raise RunFailed(stage.message)
     worn = cycles_of_update(scene, ensemble) * mean_map(ensemble.maps)

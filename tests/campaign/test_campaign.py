@@ -30,7 +30,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
     scene, result, _ = campaign
     first, second = result.stages
     assert first.cycles_per_update == scene.cycles_per_update
-    _, ran = run_stage(scene, 0)
+    _, ran = run_stage(scene)
     for k, joint in enumerate(second.joints.values()):
         expected = 1e6 * ran.recorders[0].maps.sampled[k]
         assert expected.max() > 0.0
@@ -148,7 +148,7 @@ def test_depths_of_few_cycles_are_those_of_many_and_worn_stages_stay_fast() -> N
     """Eight campaigns of three cycles after the start-up against 1,600 cycles."""
     settings: dict[str, Any] = {"engine": "dae", "purpose": "wear", "seed": 100}
     long = pw.scenes.wear_times(wear_updates=0, cycles=202, replicates=8, **settings)
-    reference = run_stage(long, 0)[0]
+    reference = run_stage(long)[0]
     settings |= {"wear_updates": 1, "cycles": 5}
     few = [pw.run(pw.scenes.wear_times(**settings | {"seed": seed})) for seed in range(1, 9)]
     for name in ("A", "C"):

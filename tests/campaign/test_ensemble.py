@@ -30,7 +30,7 @@ QUICK = changed(
 
 @pytest.fixture(scope="module")
 def two() -> tuple[StageResult, Ensemble]:
-    return run_stage(replace(QUICK, replicates=2, cycles=6), 0)
+    return run_stage(replace(QUICK, replicates=2, cycles=6))
 
 
 def test_replicates_start_close_together_and_diverge(two: tuple[StageResult, Ensemble]) -> None:
@@ -73,7 +73,7 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
 
 def test_stage_ends_when_all_replicates_together_know_the_maps() -> None:
     scene = replace(QUICK, replicates=3, cycles=None, tolerance=0.12)
-    ensemble = run_stage(scene, 0)[1]
+    ensemble = run_stage(scene)[1]
     maps, weights = map_batches(ensemble.maps)
     assert (len(ensemble.runs), ensemble.status) == (3, "enough")
     assert weights.sum() >= FEWEST
@@ -82,14 +82,14 @@ def test_stage_ends_when_all_replicates_together_know_the_maps() -> None:
     error = np.sqrt(noise.sum(axis=(1, 2)) / (mean**2).sum(axis=(1, 2)))
     assert error.max() <= 0.12
     assert max(len(recorder.cycles) for recorder in ensemble.recorders) < 20
-    ensemble = run_stage(replace(scene, tolerance=1e-3, max_cycles=13), 0)[1]
+    ensemble = run_stage(replace(scene, tolerance=1e-3, max_cycles=13))[1]
     assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
 
 
 def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:
     """Return the deviation of a run whose recorded slider follows the ideal one late."""
-    ensemble = run_stage(replace(scene, cycles=2), 0)[1]
+    ensemble = run_stage(replace(scene, cycles=2))[1]
     rows = ensemble.recorders[0].rows
     rows[:, 1:4] = scene.ideal_slider(rows[:, 0] - delay)
     return deviation(scene, ensemble.recorders[0])

@@ -11,7 +11,7 @@ import pytest
 
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
-from presswear.engines.base import Plan, Run, Start, recorder_of
+from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, bin_centres
@@ -31,11 +31,10 @@ Law = Callable[[int, Array], Array]
 
 @dataclass
 class FakeEngine:
-    """Engine that wears by a law; runs are numbered from 1, and one of them may fail or stop."""
+    """Engine that wears by a law; runs are numbered from 1, and one of them may fail."""
 
     law: Law
     fails: int = 0
-    stopped: int = 0
     runs: int = 0
 
     def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
@@ -44,11 +43,9 @@ class FakeEngine:
         recorder.records.output["now"] = plan.cycle * plan.cycles
         if plan.resume is not None:
             recorder.load(part(plan.resume, "recorder"))
-        is_enough = False
+        status: Status = "completed"
         for cycle in range(len(recorder.cycles), plan.cycles):
             plan.advanced((cycle + 0.5) * plan.cycle, recorder)
-            if self.runs == self.stopped and cycle == 1:
-                raise KeyboardInterrupt
             recorder.records.cycle[:] = 100.0 * self.runs
             worn = recorder.surface_depth
             worn = worn if worn.size else np.zeros(recorder.records.depth.shape)
@@ -57,20 +54,15 @@ class FakeEngine:
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
             state = partial(named, "recorder", recorder.save())
-            is_enough = any(observer.on_cycle(recorder, state) for observer in plan.observers)
-            if is_enough and cycle + 1 < plan.cycles:
+            if any(observer.on_cycle(recorder, state) for observer in plan.observers):
+                status = "enough" if cycle + 1 < plan.cycles else "completed"
                 break
-        else:
-            is_enough = False
-        failed = self.runs == self.fails
-        return Run(
-            "failed" if failed else "enough" if is_enough else "completed",
-            Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
-            recorder,
-            start,
-            plan.cycle * plan.cycles,
-            {"model": "none", "energy_residual_J": 0.0, "drive_exchange_J": 0.0, "steps": 1},
-        )
+        finding = None
+        if self.runs == self.fails:
+            status, finding = "failed", Finding("state", "the solver found no step", 0.1, "", "")
+        solved: dict[str, Any] = {"model": "none", "steps": 1}
+        solved |= {"energy_residual_J": 0.0, "drive_exchange_J": 0.0}
+        return Run(status, finding, recorder, start, plan.cycle * plan.cycles, solved)
 
 
 class Seen(Observer):
@@ -86,14 +78,6 @@ class Seen(Observer):
 
     def on_stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
-
-
-def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run a fake engine in place of any."""
-    for kind in (ExudynTree, ExudynJoints, InHouse):
-        monkeypatch.setattr(kind, "lanes", lambda self, linkage: 1)
-        monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
-        monkeypatch.setattr(kind, "simulate_together", lambda self, cases: [engine(*cases[0])])
 
 
 CLEARANCE = 0.8e-3
@@ -129,15 +113,16 @@ def exponential(run: int, depth: Array) -> Array:
     return RATE * SHAPE + depth / REPRESENTED
 
 
-def both(joint: JointResult, of: Callable[[str], Array]) -> Array:
-    """Return bearing and pin, shape (2, m), m."""
-    return np.stack([of(side) for side in SIDES])
+def depth_of(joint: JointResult) -> Array:
+    return np.stack([joint.depth(side) for side in SIDES])
+
+
+def added_to(joint: JointResult) -> Array:
+    return np.stack([joint.wear(side) for side in SIDES])
 
 
 def half_of(*values: float) -> float:
-    half = half_width(np.array(values))
-    assert half is not None
-    return half
+    return half_width(np.array(values)) or math.nan
 
 
 Campaign = Callable[..., Seen]
@@ -145,10 +130,13 @@ Campaign = Callable[..., Seen]
 
 @pytest.fixture
 def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
-    """Return a function that runs a campaign with a fake engine."""
+    """Return a function that runs a campaign with a fake engine in place of any."""
 
     def run(scene: Scene, engine: FakeEngine, **settings: Any) -> Seen:
-        use(engine, monkeypatch)
+        for kind in (ExudynTree, ExudynJoints, InHouse):
+            monkeypatch.setattr(kind, "lanes", lambda self, linkage: 1)
+            monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
+            monkeypatch.setattr(kind, "simulate_together", lambda self, cases: [engine(*cases[0])])
         seen = Seen()
         seen.status, seen.message, _ = run_campaign(replace(scene, **settings), [seen])
         return seen
@@ -164,12 +152,10 @@ def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycle
         assert len(stage.wear_steps) == cycles
         total = math.fsum(step.cycles_per_update for step in stage.wear_steps)
         assert total == pytest.approx(REPRESENTED, rel=1e-14)
-        for (name, joint), added in zip(
-            stage.joints.items(), REPRESENTED * constant(0, np.zeros(0)), strict=True
-        ):
-            np.testing.assert_allclose(both(joint, joint.wear), added, rtol=1e-12)
-            after = seen.stages[stage.index + 1].joints[name]
-            depth = both(after, after.depth)
+        expected = REPRESENTED * constant(0, np.zeros(0))
+        for (name, joint), added in zip(stage.joints.items(), expected, strict=True):
+            np.testing.assert_allclose(added_to(joint), added, rtol=1e-12)
+            depth = depth_of(seen.stages[stage.index + 1].joints[name])
             np.testing.assert_allclose(depth, (stage.index + 1.0) * added, rtol=1e-12)
             deepest = list(stage.wear_steps[-1].max_depth[name].values())
             np.testing.assert_allclose(deepest, depth.max(axis=1), rtol=1e-12)
@@ -261,9 +247,8 @@ def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> N
     added = np.array([first + 0.3, second + 2.7]) * volume
     assert statistics.wear_volume.mean == pytest.approx(2.45 * volume, abs=0.0)
     # More than ten times the mean would be in the interval.
-    assert (
-        math.hypot(half_of(*added), 2.45 * volume - added.mean()) > math.log(10.0) * 2.45 * volume
-    )
+    half = math.hypot(half_of(*added), 2.45 * volume - added.mean())
+    assert half > math.log(10.0) * 2.45 * volume
     assert statistics.wear_volume.high is None
     force = statistics.peak_force_per_cycle
     assert force.mean == 350.0
@@ -278,12 +263,12 @@ def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
     worn = np.zeros((2, 2, 360))
     for run, stage in enumerate(seen.stages, start=1):
         joints = stage.joints.values()
-        assert np.array_equal([both(joint, joint.depth) for joint in joints], worn)
+        assert np.array_equal([*map(depth_of, joints)], worn)
         assert stage.cycles_per_update == REPRESENTED
         maps = MapBatches((2, 2, 360))
         for _ in range(7):
             maps.add(uneven(run, worn))
-        added = np.stack([both(joint, joint.wear) for joint in joints])
+        added = np.stack([*map(added_to, joints)])
         assert np.array_equal(added, mean_map([maps]) * REPRESENTED)
         worn = worn + added
     assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]

@@ -84,7 +84,7 @@ def test_failed_run_is_the_last(workers: Workers, monkeypatch: pytest.MonkeyPatc
         return states
 
     monkeypatch.setattr(WorkUnit, "__call__", failing)
-    runs = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), 0, workers=workers)[1]
+    runs = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), workers=workers)[1]
     assert [run.status for run in runs.runs] == ["completed", "failed"]
     assert len(runs.recorders[0].cycles) == 3
 
@@ -184,7 +184,7 @@ class Frames(pw.Observer):
 def test_progress_has_frames_for_a_window(jobs: int) -> None:
     observer, scene = Frames(), replace(UNTIL_KNOWN, cycles=6, replicates=2)
     with workers_of(scene, jobs, [observer]) as workers:
-        run_stage(scene, 0, observers=[observer], workers=workers)
+        run_stage(scene, observers=[observer], workers=workers)
     progress = observer.progress
     films = [each.film for each in progress if each.film is not None]
     assert films

@@ -117,8 +117,7 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
 
 
 def test_a_phase_portrait_tells_new_surfaces_from_worn_ones() -> None:
-    worn = made_up(made.BOTH, 2)
-    (portrait,) = drawings(worn, ["phase"])
+    (portrait,) = drawings(made_up(made.BOTH, 2), ["phase"])
     lines = [x for axes in portrait.sheet.axes for x in axes.lines if x.get_linestyle() == "--"]
     assert len(lines) == 4  # of two joints in two stages, one of them on worn surfaces
     assert "touches new surfaces; worn surfaces touch farther out." in portrait.caption
@@ -318,25 +317,20 @@ def words_of(axes: Axes) -> set[str]:
     return {text.get_text() for text in axes.texts}
 
 
-def test_labels_of_a_mechanism_do_not_overlap() -> None:
-    crank = pw.SliderCrank(0.03, 0.45, slide_angle=-0.5 * math.pi)
-    press, six = pw.Scene(crank, joints="AB"), pw.Scene(pw.SixBar(), joints="B")
-    for scene in (wear_times(), press_blanking(), slider_crank(), pw.Scene(FOUR_BAR), press, six):
-        (axes,) = (sheet := labelled(scene).sheet).axes
-        canvas: Any = FigureCanvasAgg(sheet)
-        canvas.draw()
-        assert {body.name for body in scene.mechanism.linkage().bodies} <= words_of(axes)
-        boxes = [text.get_window_extent(canvas.get_renderer()) for text in axes.texts]
-        assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
+CRANK = pw.SliderCrank(0.03, 0.45, slide_angle=-0.5 * math.pi)
+LABELLED = [wear_times(), press_blanking(), slider_crank(), pw.Scene(FOUR_BAR)]
+LABELLED += [pw.Scene(CRANK, joints="AB"), pw.Scene(pw.SixBar(), joints="B")]
 
 
-def test_labels_of_an_upright_mechanism_are_inside_the_axes() -> None:
-    (axes,) = (sheet := labelled(pw.Scene(pw.SixBar(), joints="B")).sheet).axes
+@pytest.mark.parametrize("scene", LABELLED)
+def test_labels_of_a_mechanism_are_apart_and_inside_the_axes(scene: pw.Scene) -> None:
+    (axes,) = (sheet := labelled(scene).sheet).axes
     sheet.draw_without_rendering()
+    assert {body.name for body in scene.mechanism.linkage().bodies} <= words_of(axes)
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
     outer = axes.get_window_extent()
-    for box in (text.get_window_extent() for text in axes.texts):
-        assert outer.x0 - 1.0 <= box.x0
-        assert box.x1 <= outer.x1 + 1.0
+    assert all(outer.x0 - 1.0 <= box.x0 and box.x1 <= outer.x1 + 1.0 for box in boxes)
 
 
 def test_a_mechanism_is_labelled_at_its_position() -> None:

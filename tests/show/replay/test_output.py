@@ -45,26 +45,25 @@ def test_no_peak_between_two_pictures_is_missed(previous: int) -> None:
     assert [len(CLIP.snapshot(k, k).positions) for k in (0, 100)] == [1, 61]
 
 
+PLAYED = [  # keys, and the time after another second
+    ([], 0.3),
+    ([output.SPACE], 0.3),
+    ([output.RIGHT, output.RIGHT, output.LEFT], 0.31),
+    ([output.SPACE, output.UP], 0.31 + 0.15),
+    ([output.DOWN, output.END], 0.0),
+    ([output.RIGHT, output.HOME, output.LEFT], 0.0),
+]
+
+
 def test_player_keys() -> None:
     player = output.Player(0.0, 1.0, 0.2, slow=10.0, step=0.01)
-    player.advance(1.0)
-    assert player.time == pytest.approx(0.3)
-    assert player.press(output.SPACE)
-    player.advance(1.0)
-    assert all(map(player.press, (output.RIGHT, output.RIGHT, output.LEFT)))
-    assert player.time == pytest.approx(0.31)
-    assert player.press(output.SPACE)
-    assert player.press(output.UP)
-    player.advance(1.0)
-    assert player.time == pytest.approx(0.31 + 0.15)
-    assert player.press(output.DOWN)
-    assert player.slow == pytest.approx(10.0)
-    assert player.press(output.END)
+    for keys, time in PLAYED:
+        assert all(map(player.press, keys))
+        player.advance(1.0)
+        assert player.time == pytest.approx(time)
+    player.press(output.END)
     assert player.part == 1.0
-    player.advance(1.0)
-    assert player.time == 0.0
-    assert all(map(player.press, (output.RIGHT, output.HOME, output.LEFT)))
-    assert player.time == 0.0
+    assert player.slow == pytest.approx(10.0)
     assert not player.press(ord("X"))
 
 
