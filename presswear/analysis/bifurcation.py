@@ -19,7 +19,7 @@ from presswear.analysis.contact_modes import resonance_frequency
 from presswear.analysis.lyapunov import largest_exponent
 from presswear.analysis.periods import TOLERANCE, Periodicity, periodicity
 from presswear.analysis.spectra import MAX_ORDER, power_spectrum
-from presswear.engines.base import Plan, Start
+from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
@@ -116,8 +116,7 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
         phi[pins] -= target.ravel()
         position -= np.linalg.lstsq(jacobian, phi, rcond=None)[0]
     velocity = end.velocity * (linkage.drives[0].speed / previous.drives[0].speed)
-    _, error, _, jacobian = constraints_of(linkage).evaluate(0.0, position, velocity)
-    return Start(position, velocity - np.linalg.pinv(jacobian) @ error)
+    return with_velocity(linkage, position, velocity)
 
 
 def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArray[Any]:

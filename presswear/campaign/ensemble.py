@@ -217,28 +217,27 @@ class Runner:
             observer.on_progress(progress)
 
 
+@dataclass
 class _Rounds:
     """Rounds of an ensemble: the next jobs, and the progress."""
 
-    def __init__(
-        self,
-        runner: Runner,
-        depth: Array,
-        spec: RunSpec,
-        state: EnsembleState,
-        keep: Callable[[EnsembleState], None],
-        step_check: Job | None,
-    ) -> None:
-        self._runner, self._depth, self._spec, self._keep = runner, depth, spec, keep
-        self._step_check, self._started = step_check, clock.perf_counter() - state.wall
-        self._size = size = runner.scene.replicate_count
-        first = (spec.cycles,) * size
-        if spec.tolerance is not None:
+    runner: Runner
+    depth: Array
+    spec: RunSpec
+    state: EnsembleState
+    keep: Callable[[EnsembleState], None]
+    step_check: Job | None
+
+    def __post_init__(self) -> None:
+        self._started = clock.perf_counter() - self.state.wall
+        self._size = size = self.runner.scene.replicate_count
+        first = (self.spec.cycles,) * size
+        if self.spec.tolerance is not None:
             first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
-        sets = len(depth) // size
-        runs, until = state.runs or (None,) * len(depth), state.until or first * sets
-        self.state = replace(state, runs=runs, until=until)
-        self._linkages = [linkage_on(runner.scene, surfaces) for surfaces in depth]
+        sets = len(self.depth) // size
+        runs, until = self.state.runs or (None,) * len(self.depth), self.state.until or first * sets
+        self.state = replace(self.state, runs=runs, until=until)
+        self._linkages = [linkage_on(self.runner.scene, surfaces) for surfaces in self.depth]
         self._groups: dict[int, Sequence[int]] = {}  # runs of each work unit
         self._done = [0.0 if run is None else float(run.cycles) for run in runs]
         # Most often the first round is enough, which shows only at its end.
@@ -247,7 +246,7 @@ class _Rounds:
     def _deal(self, total: int) -> tuple[int, ...]:
         """Return cycles for the runs of a set, with a total, as equal as possible."""
         each = ((total + self._size - 1 - k) // self._size for k in range(self._size))
-        return tuple(min(cycles, self._spec.cycles) for cycles in each)
+        return tuple(min(cycles, self.spec.cycles) for cycles in each)
 
     def _last(self) -> int:
         """Return the index of the last run that counts: the first that failed."""
@@ -263,14 +262,14 @@ class _Rounds:
 
     def check(self) -> dict[int, Job]:
         """Start the step check once the runs are long enough."""
-        if self._step_check is None or sum(self.state.until) < STEP_CHECK_CYCLES:
+        if self.step_check is None or sum(self.state.until) < STEP_CHECK_CYCLES:
             return {}
-        job, self._step_check = self._step_check, None
+        job, self.step_check = self.step_check, None
         return {STEP_CHECK: job}
 
     def units(self, indices: Iterable[int]) -> dict[int, Job]:
         """Return the work units that runs lack in their round, by the first run in each."""
-        runner, runs, last = self._runner, self.state.runs, self._last()
+        runner, runs, last = self.runner, self.state.runs, self._last()
         frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)
         unfinished = [k for k in indices if k <= last and not self._is_over(k)]
@@ -282,11 +281,11 @@ class _Rounds:
         for first in range(0, len(unfinished), max(size, 1)):
             group, parts = unfinished[first : first + size], {}
             for k in group:
-                run, number = runs[k], k + self._size * self._spec.number
+                run, number = runs[k], k + self._size * self.spec.number
                 arrays = None if run is None else run.arrays
-                parts[k] = Part(self._depth[k], number, self.state.until[k], arrays)
+                parts[k] = Part(self.depth[k], number, self.state.until[k], arrays)
             duration = runner.workers.lasts
-            unit = WorkUnit(runner.scene, self._spec, parts, duration, frames, observers)
+            unit = WorkUnit(runner.scene, self.spec, parts, duration, frames, observers)
             units[group[0]], self._groups[group[0]] = unit, group
         return units
 
@@ -308,12 +307,12 @@ class _Rounds:
             for number in {k // self._size for k in ended}:
                 following |= self.units(self._next_round(number))
             following |= self.check()
-        self._keep(self.state)
+        self.keep(self.state)
         return following
 
     def _next_round(self, number: int) -> Sequence[int]:
         """Return the runs of a set if another round of it starts."""
-        spec, members = self._spec, range(number * self._size, (number + 1) * self._size)
+        spec, members = self.spec, range(number * self._size, (number + 1) * self._size)
         if spec.tolerance is None or self._last() < members[-1]:
             return ()
         if not all(map(self._is_over, members)):
@@ -345,10 +344,10 @@ class _Rounds:
         needed, cycles = np.repeat(self._needed, size), self._done[number * size :][:size]
         where = f"cycle {int(min(cycles))} of {math.ceil(self._needed[number])}"
         where += ", second set" if number else ""
-        word = ", ".join(filter(None, (self._spec.label, where + self._reached[number])))
+        word = ", ".join(filter(None, (self.spec.label, where + self._reached[number])))
         linkage, film = self._linkages[index], None
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(linkage.clearances))
         part, whole = (float(sum(each)) / size for each in (np.minimum(self._done, needed), needed))
-        self._runner.report(part, whole, COMPILING if is_compiling else word, linkage, film)
+        self.runner.report(part, whole, COMPILING if is_compiling else word, linkage, film)

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from presswear.engines.base import Plan, Run, Start, Status, recorder_of
+from presswear.engines.base import Plan, Run, Start, Status, recorder_of, with_velocity
 from presswear.engines.settings import Engine
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
@@ -65,8 +65,7 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     for _ in range(NEWTON_STEPS):
         gap, _, _, jacobian = constraints.evaluate(0.0, position, moved.velocity)
         position = position - np.linalg.pinv(jacobian) @ gap
-    _, error, _, jacobian = constraints.evaluate(0.0, position, moved.velocity)
-    return Start(position, moved.velocity - np.linalg.pinv(jacobian) @ error)
+    return with_velocity(linkage, position, moved.velocity)
 
 
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
@@ -75,8 +74,7 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     The coordinate that changes most changes by the distance, m or rad. None where the joints leave
     no direction free.
     """
-    constraints = constraints_of(linkage)
-    jacobian = constraints.evaluate(0.0, start.position, start.velocity)[3]
+    jacobian = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3]
     from scipy.linalg import null_space  # slow to import
 
     free = null_space(jacobian)
@@ -89,8 +87,7 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     position = start.position + distance * moved / np.abs(moved).max()
     # The step along the tangent leaves the constraints by the square of the distance;
     # velocities have to follow the turned tangent.
-    _, error, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
-    return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)
+    return with_velocity(linkage, position, start.velocity)
 
 
 def linkage_on(scene: Scene, depth: Array) -> Linkage:

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
+from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.forces import LEDGER, SETTLED
@@ -106,6 +107,12 @@ class Run:
     def message(self) -> str:
         """A line on what went wrong, or nothing."""
         return self.finding.words if self.finding else ""
+
+
+def with_velocity(linkage: Linkage, position: Array, velocity: Array) -> Start:
+    """Return an initial state whose velocity is the nearest that joints and drives allow."""
+    _, error, _, jacobian = constraints_of(linkage).evaluate(0.0, position, velocity)
+    return Start(position, velocity - np.linalg.pinv(jacobian) @ error)
 
 
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
