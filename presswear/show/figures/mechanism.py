@@ -28,8 +28,21 @@ _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _SLIMMEST = 0.6  # width over height, at least
-_SIDES = (90, 0, 180, 270, 45, 135, 315, 225)  # of a place, at which a label may be, degrees
-_SAMPLES = 1000  # points of a drawn line that a label may cover
+_SIDES = (
+    90,
+    0,
+    180,
+    270,
+    45,
+    135,
+    315,
+    225,
+    20,
+    160,
+    340,
+    200,
+)  # of a place, for its label, degrees
+_SAMPLING = 3.0  # points between samples of drawn lines, which labels may cover
 _OVERLAP = 100.0  # cost of a label on another one, in lines that it covers
 
 
@@ -102,8 +115,10 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
     artists: list[Any] = [*axes.lines, *axes.patches]
     lines, weights = [], []
     for artist in artists:
-        path = artist.get_path()
-        lines.append(scale * path.interpolated(_SAMPLES // len(path.vertices) + 1).vertices)
+        corners = scale * artist.get_path().vertices
+        along = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
+        at = np.arange(0.0, along[-1] + _SAMPLING, _SAMPLING)
+        lines.append(np.column_stack([np.interp(at, along, column) for column in corners.T]))
         weights.append(0.3 if artist.zorder < 2 else 1.0)  # paths and guides may be covered
     starts = np.cumsum([0, *map(len, lines[:-1])])
     points, sides = np.vstack(lines), np.array([direction_at(math.radians(a)) for a in _SIDES])
