@@ -35,9 +35,9 @@ MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
     scene, joints = result.scene, result.scene.clearance_joints
-    share = "row" if len(shown) > 1 else False  # both stages of a joint have the same scale
-    sharing = {"sharex": share, "sharey": share}
-    sheet, places, _ = style.joint_panels(["", *joints], shown, 2.4, **sharing)
+    share: Any = "row" if len(shown) > 1 else False  # both stages of a joint have the same scale
+    names = ["", *joints]
+    sheet, places, _ = style.joint_panels(names, shown, 2.4, sharex=share, sharey=share)
     factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
     for axes, joint, stage in places:
         data = style.between(stage.data, *press.settled_span(scene, stage.data))
@@ -83,19 +83,17 @@ def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     impacts = {(j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown}
     if not any(speed.any() for _, speed in impacts.values()):
         return []
-    sheet, places, lowest = style.joint_panels(joints, shown, 1.6, sharex=True, sharey=True)
+    label, sharing = "closing speed (m/s)", {"sharex": True, "sharey": True}
+    sheet, places, lowest = style.joint_panels(joints, shown, 1.6, label, **sharing)
     counts = []
-    for k, (axes, joint, stage) in enumerate(places):
+    for axes, joint, stage in places:
         when, speed = impacts[joint, stage.data.index]
         counts.append(len(speed))
         axes.scatter(360.0 * when, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
         # Most touchdowns of a resting pin are far slower than those that end a flight.
         axes.set_yscale("log", subs=style.SUBTICKS)
-        if k % len(lowest) == 0:
-            axes.set_ylabel("closing speed (m/s)")
     _label_phase(lowest, result)
-    fewest = min(counts)
-    return style.finished("impacts", sheet, scene=scene, fewest=fewest)
+    return style.finished("impacts", sheet, scene=scene, fewest=min(counts))
 
 
 def _label_phase(lowest: list[Axes], result: Result) -> None:
@@ -109,8 +107,9 @@ def _label_phase(lowest: list[Axes], result: Result) -> None:
 def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
     scene, joints = result.scene, result.scene.clearance_joints
-    sheet, places, lowest = style.joint_panels(joints, shown, 1.7, sharex=True, sharey=True)
-    for k, (axes, joint, stage) in enumerate(places):
+    label, sharing = "part of the time (%)", {"sharex": True, "sharey": True}
+    sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)
+    for axes, joint, stage in places:
         line = timeline_of(scene, stage.data, joint)
         parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
         parts = np.column_stack([parts, parts[:, -1]])
@@ -122,8 +121,6 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
         text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
         title = f"joint {joint}, {stage.pen.label}\n{text} %"
         axes.set_title(title, loc="left", fontsize=7.0)
-        if k % len(lowest) == 0:
-            axes.set_ylabel("part of the time (%)")
     _label_phase(lowest, result)
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
     return style.finished("modes", sheet, pens)

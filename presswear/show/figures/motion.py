@@ -103,10 +103,8 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
                 look = {"color": stage.pen.colour, "markersize": 6.0}
                 axes.plot(when[inside], factor * height[inside], mark, **look)
     time = np.linspace(window.start, window.end, 1001)
-    offset = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0]
-    IDEAL.draw(
-        axes, time, factor * (offset + scene.ideal_slider(time, closed=False)[:, 0] - scene.bottom)
-    )
+    height = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0] - scene.bottom
+    IDEAL.draw(axes, time, factor * (height + scene.ideal_slider(time, closed=False)[:, 0]))
     axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
     content = {"scene": scene, "window": window, "marks": marks.values()}
@@ -261,18 +259,17 @@ def pin_panels(
     widest = max(gaps.values())
     factor, unit = unit_scale("m", widest)
     height = 3.1 if len(gaps) <= _FEW_JOINTS else 2.3
-    sheet, places, lowest = style.joint_panels(gaps, shown, height, sharex=True, sharey=True)
+    label, sharing = f"$e_y$ ({unit})", {"sharex": True, "sharey": True}
+    sheet, places, lowest = style.joint_panels(gaps, shown, height, label, **sharing)
     around = np.linspace(0.0, 2.0 * math.pi, 361)
     circle = np.array([np.cos(around), np.sin(around)])
-    for k, (axes, joint, stage) in enumerate(places):
+    for axes, joint, stage in places:
         positions = draw(axes, stage, joint, factor)
         widest = max(widest, float(np.hypot(*positions).max(initial=0.0)))
         _ROUND_GAP.draw(axes, *(factor * gaps[joint] * circle))
         axes.set_aspect("equal")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(4, symmetric=True))
-        if k % len(lowest) == 0:
-            axes.set_ylabel(f"$e_y$ ({unit})")
     edge = 1.06 * factor * widest
     places[0][0].set(xlim=(-edge, edge), ylim=(-edge, edge))
     for axes in lowest:
@@ -333,14 +330,10 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         return []
     shown, window = settled(result, moving)
     sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
-    curves = [
-        (
-            stage.pen,
-            stage.data.time,
-            press.curves_of(scene, stage.data.time, stage.data.arrays["drive_torque"]),
-        )
-        for stage in shown
-    ]
+    curves = []
+    for stage in shown:
+        time, torque = stage.data.time, stage.data.arrays["drive_torque"]
+        curves.append((stage.pen, time, press.curves_of(scene, time, torque)))
     ideal, _ = press.ideal_curves(scene)
     cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):
@@ -378,8 +371,7 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
         phase = 360.0 * (film.time - film.time[0]) / scene.mechanism.period
         _FILM.draw(axes, phase, film.thickness * style.MICRONS)
         for pen, factor in ((_FULL, FULL_FILM), (_DRY, 1.0)):
-            level = factor * film.roughness * style.MICRONS
-            axes.axhline(level, **pen.look)
+            axes.axhline(factor * film.roughness * style.MICRONS, **pen.look)
         axes.set_yscale("log")
         title = f"joint {name}: full film for {100.0 * film.shares[FULL]:.3g} % of the cycle"
         title += f",\n{film.under_load} at the greatest force"

@@ -174,17 +174,19 @@ def panel_list(
 
 
 def joint_panels(
-    joints: Iterable[str], stages: Shown, height: float, **sharing: Any
+    joints: Iterable[str], stages: Shown, height: float, label: str = "", **sharing: Any
 ) -> tuple[Sheet, list[tuple[Axes, str, ShownStage]], list[Axes]]:
     """Return a sheet with a panel for each joint in the first and in the last stage.
 
-    ``height`` is that of a row, inches. The panels come with their joint and stage, and the lowest
-    ones of both columns once more.
+    ``height`` is that of a row, inches, and the label is that of the vertical axes at the left. The
+    panels come with their joint and stage, and the lowest ones of both columns once more.
     """
     places = list(product(joints, [*stages[:1], *stages[1:][-1:]]))
     sheet, shown, lowest = panel_list(len(places), height, **sharing)
     for axes, (joint, stage) in zip(shown, places, strict=True):
         axes.set_title(f"joint {joint}, {stage.pen.label}", loc="left", fontweight="bold")
+    for axes in shown[:: len(lowest)]:
+        axes.set_ylabel(label)
     return sheet, [(axes, *place) for axes, place in zip(shown, places, strict=True)], lowest
 
 
