@@ -124,8 +124,8 @@ def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
         if not missing:
             raise KeyboardInterrupt
 
+    jobs = {k: Waits(stores=(GRACE + 0.5) * k) for k in range(count)}
     with Workers(count) as workers, pytest.raises(KeyboardInterrupt):
-        jobs = {k: Waits(stores=(GRACE + 0.5) * k) for k in range(count)}
         workers.run(jobs, collects, interrupt)
     assert sorted(collects.results) == list(range(count))
     assert all(outcome > 0 for outcome in collects.results.values())
