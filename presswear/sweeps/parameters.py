@@ -287,8 +287,6 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
     if kind == "sobol":
         return points
     first, second = points[:, :dimension], points[:, dimension:]
-    blocks = np.repeat(first[:, None], dimension + 2, axis=1)
-    for k in range(dimension):
-        blocks[:, k + 1, k] = second[:, k]
-    blocks[:, -1] = second
+    blocks, k = np.repeat(first[:, None], dimension + 2, axis=1), np.arange(dimension)
+    blocks[:, k + 1, k] = blocks[:, -1] = second
     return blocks.reshape(-1, dimension)

@@ -242,8 +242,7 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     if count == 0:
         return None
     least, most = np.sort(values), np.sort(np.where(censored, np.inf, values))
-    first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
-    last = stats.binom.ppf(ENDS[1], count, PROBABILITIES).astype(int)
+    first, last = (stats.binom.ppf(end, count, PROBABILITIES).astype(int) for end in ENDS)
     place = np.ceil(count * PROBABILITIES).astype(int) - 1
     low = np.where(first > 0, least[first - 1], np.nan)
     high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
