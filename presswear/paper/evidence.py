@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,7 +80,6 @@ class Evidence:
     """Results of the study by the names of their folders."""
 
     results: Mapping[str, pw.Result]
-    _cache: dict[tuple[str, Place, str], Measured | None] = field(default_factory=dict)
 
     def run_at(self, case: str, setting: str, stage: int, joint: str = "") -> pw.Result | None:
         """Return the run of a case if it completed a stage, with clearance at the joint."""
@@ -94,19 +94,10 @@ class Evidence:
 
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """Return a quantity under a case from all its replicates; None if it was not computed."""
-        key = (case, place, quantity)
-        if key not in self._cache:
-            is_map = quantity in OF_MAPS
-            stage = place.wear_updates - 1 if is_map else place.wear_updates
-            result = self.run_at(case, place.setting, stage, place.joint)
-            if result is None:
-                self._cache[key] = None
-            elif is_map:
-                every = _from_maps(result, place, _stages_added(place, quantity))
-                self._cache.update({(case, place, name): one for name, one in every.items()})
-            else:
-                self._cache[key] = _from_cycles(result, place, quantity)
-        return self._cache[key]
+        if quantity in OF_MAPS:
+            return _from_maps(self, case, place, _stages_added(place, quantity))[quantity]
+        result = self.run_at(case, place.setting, place.wear_updates, place.joint)
+        return None if result is None else _from_cycles(result, place, quantity)
 
     def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
         """Return the estimate of a quantity under a case; None if it was not computed."""
@@ -147,11 +138,17 @@ def _stages_added(place: Place, quantity: str) -> range:
     return range(first, place.wear_updates)
 
 
-def _from_maps(result: pw.Result, place: Place, stages: range) -> dict[str, Measured | None]:
+@cache
+def _from_maps(
+    evidence: Evidence, case: str, place: Place, stages: range
+) -> dict[str, Measured | None]:
     """Return all quantities of the sum of some wears at once, because resampling is slow."""
     names = [name for name in OF_MAPS if _stages_added(place, name) == stages]
+    result = evidence.worn_run(case, place)
     # The wear that the last stage would cause is one jump, which says nothing of wear in steps.
-    if result.scene.wears_in_steps and place.wear_updates > result.scene.wear_updates:
+    if result is None or (
+        result.scene.wears_in_steps and place.wear_updates > result.scene.wear_updates
+    ):
         return dict.fromkeys(names)
     mean, centre, draws, count = _wear_draws(result, place.joint, stages)
     last = Place(place.setting, place.wear_updates - 1, place.joint)
