@@ -175,9 +175,7 @@ class Bearing(Checked):
         stiffness = self.hertz(reading)
         return laws.NormalLaw(stiffness, self.exponent, *factors, self.elasticity, function)
 
-    @property
-    def friction_parameters(self) -> laws.FrictionLaw:
-        """Friction law with its parameters."""
+    def _friction(self) -> laws.FrictionLaw:
         function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if function else str(self.friction_law)
         static = self.friction if self.static_friction is None else self.static_friction
@@ -207,7 +205,7 @@ class Bearing(Checked):
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.width
-        forces = self.normal(conventions.stiffness), self.friction_parameters
+        forces = self.normal(conventions.stiffness), self._friction()
         law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
         return elements.ClearanceJoint(
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn

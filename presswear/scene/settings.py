@@ -303,19 +303,14 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     for joint in scene.joint_bearings:
         for key in [item.key for item in settings_in(scene.bearings)]:
             was.setdefault(f"{joint}.{key}", was[key])
-    changes = [
-        _change(one, was[one.key])
-        for one in settings
-        if one.key in was and one.value != was[one.key]
-    ]
+    changes = []
+    for one in settings:
+        if one.value != was.get(one.key, one.value):
+            values = [NONE if value is None else value for value in (one.value, was[one.key])]
+            quantity = one.meaning if isinstance(one.meaning, Quantity) else Quantity()
+            (value, before), unit = quantity.texts(*values)
+            changes.append(Change(one.key, value, before, unit, one.meaning.text))
     return (*changes, *_part_changes(base, scene, {one.key for one in settings}))
-
-
-def _change(setting: Setting, was: Any) -> Change:
-    values = [NONE if one is None else one for one in (setting.value, was)]
-    quantity = setting.meaning if isinstance(setting.meaning, Quantity) else Quantity()
-    (value, before), unit = quantity.texts(*values)
-    return Change(setting.key, value, before, unit, setting.meaning.text)
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
