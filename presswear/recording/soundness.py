@@ -135,4 +135,5 @@ def _check_constraints(linkage: Linkage, now: Condition) -> Finding | None:
     if error[worst] <= limit:
         return None
     what = f"the joint has drifted apart by {error[worst]:.3g} m or rad, limit {limit:.3g}"
-    return Finding("constraints", what, now.time, constraints.names[worst], now.remedy)
+    remedy = "engine = dae with projection = on prevents it"
+    return Finding("constraints", what, now.time, constraints.names[worst], remedy)
