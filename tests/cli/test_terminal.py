@@ -39,6 +39,11 @@ def console_of(width: int, clock: Clock, is_terminal: bool = True) -> Console:
     return Console(width=width, file=io.StringIO(), get_time=clock.perf_counter, **look)
 
 
+def stage_of(statistics: StageStatistics, simulated: float, wall: float) -> StageResult:
+    model: Any = {"model": "an open tree", "solver": "DOPRI5"}
+    return StageResult(0, "completed", "", None, 1e6, (), simulated, wall, model, statistics)
+
+
 def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
     console = console_of(width, clock)
     console.print(bar.make_tasks_table(bar.tasks))
@@ -72,15 +77,7 @@ def test_steps_are_described() -> None:
 
 
 def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
-    diagnostics: dict[str, str | int | float | None] = {
-        "model": "an open tree",
-        "solver": "DOPRI5",
-        "steps": 10,
-        "wall_prepare_s": 0.0,
-    }
-    stage = StageResult(
-        0, "completed", "", None, 1.0, (), 2.0, 30.0, diagnostics, StageStatistics(cycles=1)
-    )
+    stage = stage_of(StageStatistics(cycles=1), 2.0, 30.0)
     console = console_of(120, clock)
     bar = progress_bar(console)
     observer = RunObserver(bar, SCENE)
@@ -121,10 +118,8 @@ def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
         joints[name] = JointStatistics(
             *(1.0, force, 1, some, 0, None, 0.0, some, volume), None, None, (), {}
         )
-    statistics = StageStatistics(cycles=5, joints=joints)
-    diagnostics: dict[str, str | int | float | None] = {"model": "", "solver": ""}
     console = console_of(80, clock)
-    stage = StageResult(0, "completed", "", None, 1e6, (), 1.0, 1.0, diagnostics, statistics)
+    stage = stage_of(StageStatistics(cycles=5, joints=joints), 1.0, 1.0)
     RunObserver(progress_bar(console), SCENE).on_stage(stage)
     lines = console.export_text().splitlines()
     assert len(lines) == 3
