@@ -173,9 +173,8 @@ def print_table(
     """Print a table of texts, which wrap, and of numbers: their headings begin with ``>``."""
     table = Table(box=SIMPLE, pad_edge=False, title=title or None, title_justify="left")
     for head in heads:
-        is_number = head.startswith(">")
-        justify: Any = "right" if is_number else "left"
-        table.add_column(head.lstrip(">"), justify=justify, no_wrap=is_number, overflow="fold")
+        number: Any = {"justify": "right", "no_wrap": True}
+        table.add_column(head.lstrip(">"), **(number if head[:1] == ">" else {"overflow": "fold"}))
     for row in rows:
         table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
     console.print(table, highlight=False)
