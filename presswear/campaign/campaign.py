@@ -356,11 +356,9 @@ class _Campaign:
 
     def _run(self, depth: Array, spec: RunSpec, step_check: Job | None = None) -> Ensemble:
         """Run an ensemble, or resume it, and keep its state."""
-
-        def keep(state: EnsembleState) -> None:
-            self._keep(running=state)
-
-        return self.runner.run(depth, spec, self.at.running, keep, step_check)
+        return self.runner.run(
+            depth, spec, self.at.running, lambda state: self._keep(running=state), step_check
+        )
 
     def _run_life(self) -> None:
         runner, scene = self.runner, self.runner.scene
@@ -446,8 +444,7 @@ class _Campaign:
         if self.at.life is None:
             self.unconverged += unknown_wear(self.runner.scene, stage)
         steps = {key: value for key, value in stage.diagnostics.items() if key.startswith("steps")}
-        how = stage.message or stage.status
-        cycles = stage.statistics.cycles
+        how, cycles = stage.message or stage.status, stage.statistics.cycles
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)
         for observer in self.runner.observers:
             observer.on_stage(stage)
