@@ -96,7 +96,7 @@ class Quantity:
         numbers = [abs(value) for value in values if isinstance(value, int | float)]
         shown = self.in_unit_of(max(numbers, default=0.0))
         size = shown.size
-        texts = (f"{x}" if isinstance(x, str) else short_number(x / size) for x in values)
+        texts = (short_number(x / size) if isinstance(x, float | int) else f"{x}" for x in values)
         return [*texts], shown.unit.replace("^2", "²").replace("^3", "³")
 
     def in_unit_of(self, value: float) -> "Quantity":
