@@ -13,7 +13,6 @@ from presswear.paper.settings import BASE, GEOMETRIES, JUDGED
 
 SAME = 0.02  # relative change below which a quantity is considered unchanged
 
-
 Verdict = Literal["holds", "holds in part", "does not hold", "undecided", "not computed"]
 # Position of a printed number relative to ours.
 Position = Literal[
