@@ -91,7 +91,12 @@ def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
 @lru_cache(maxsize=16)  # a report has the films in sentences and in a figure
 def oil_films(scene: Scene) -> dict[str, OilFilm]:
     """Return the films over a cycle after the run-up, of clearance joints in which one carries."""
-    oiled = {name for name in scene.clearance_joints if _can_carry(scene.bearing(name))}
+    bearings = {name: scene.bearing(name) for name in scene.clearance_joints}
+    oiled = {
+        name: one
+        for name, one in bearings.items()
+        if one.viscosity is not None and _relative(one) <= WIDEST
+    }
     if not oiled:
         return {}
     linkage, (time, forces) = scene.loaded, ideal_forces(scene)
@@ -99,7 +104,7 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
     for pin in linkage.revolutes:
         if pin.name not in oiled:
             continue
-        bearing, force = scene.bearing(pin.name), forces[pin.name]
+        bearing, force = oiled[pin.name], forces[pin.name]
         first, second = (
             0.0 if end.body == GROUND else velocity[:, 3 * linkage.index(end.body) + 2]
             for end in (pin.first, pin.second)
@@ -110,10 +115,6 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
         film, roughness = thickness(bearing, size, speed), math.sqrt(2.0) * bearing.roughness
         films[pin.name] = OilFilm(time, size, speed, film, roughness, swings)
     return films
-
-
-def _can_carry(bearing: Bearing) -> bool:
-    return bearing.viscosity is not None and _relative(bearing) <= WIDEST
 
 
 def _relative(bearing: Bearing) -> float:
