@@ -402,9 +402,8 @@ def setting_tables(result: Result) -> dict[str, Table]:
 
 def _engineers(meaning: Quantity, value: float) -> str:
     """Return a value in the unit in which engineers write it."""
-    shown = meaning.in_unit_of(value)
-    text = shown.with_unit(numbers.short_number(value / shown.size))
-    return text.replace("^2", "²").replace("^3", "³")
+    (text,), unit = meaning.texts(value)
+    return f"{text} {unit}".rstrip()
 
 
 def mechanism_tables(result: Result) -> dict[str, Table]:
