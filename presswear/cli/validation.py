@@ -170,9 +170,10 @@ def _print_methods(console: Console, points: Any) -> None:
         ]
         heads = ("method", ">CPU ms", f">error of {quantity}")
         print_table(console, heads, rows, problem.name)
-    failed = (point for point in points if point.failure)
-    lines = (f"{one.problem.name}: {one.method.label} failed: {one.failure}" for one in failed)
-    print_lines(console, *lines)
+    for point in points:
+        if point.failure:
+            words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
+            console.print(words, highlight=False, markup=False)
 
 
 def _print_features(console: Console, table: Any) -> None:
@@ -184,4 +185,4 @@ def _print_features(console: Console, table: Any) -> None:
     heads = ("feature", "engine", ">s/s", ">us/step", ">ratio/step", ">ratio/s")
     print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"
-    print_lines(console, meaning)
+    console.print(meaning, highlight=False)
