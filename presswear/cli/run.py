@@ -4,9 +4,10 @@ import argparse
 import logging
 import time as clock
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext, suppress
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -106,6 +107,8 @@ def run_scene(
             ):
                 observers = [RunObserver(bar, scene), *([live] if live else [])]
                 with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
+                    if workers.count > 1 and not arguments.no_report:
+                        Thread(target=_prepare_report, args=(scene,), daemon=True).start()
                     run_into(store, scene, observers, workers)
         except InputError as error:
             raise InputError(f"{arguments.scene}: {error}") from None
@@ -124,6 +127,14 @@ def run_scene(
     if result.status == "unconverged":
         terminal.print_lines(console, f"not converged: {result.message}")
     return 0
+
+
+def _prepare_report(scene: Scene) -> None:
+    """Import and compile what the report needs, while other processes run the scene."""
+    with suppress(Exception):  # the report itself tells of a problem
+        from presswear.show.report import prepare
+
+        prepare(scene)
 
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:

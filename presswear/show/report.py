@@ -7,7 +7,7 @@ A table has a column per stage, or a line per record; a record holds the values 
 import math
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -20,7 +20,7 @@ from presswear.analysis.periods import period_of
 from presswear.analysis.spectra import spectra_of
 from presswear.linkage.elements import GROUND, INERTIA, MASS, Attachment
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
-from presswear.linkage.surface import SIDES
+from presswear.linkage.surface import SIDES, Surface
 from presswear.physics import statics
 from presswear.physics.ideal import bottom_of
 from presswear.recording.soundness import RESIDUAL
@@ -52,6 +52,14 @@ _TABLES = TEMPLATES.from_string((files(__package__) / "templates/tables.toml").r
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _TOGETHER = 8  # most frequent modes of all joints together that are listed
 _MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
+
+
+def prepare(scene: Scene) -> None:
+    """Compile the kernels of a report, and compute what does not depend on the run."""
+    if not scene.has_untrusted_loads:
+        press.ideal_drives(scene)
+        press.ideal_forces(scene)
+    _heights_at_rest(scene)
 
 
 def write_report(result: Result, notify: Callable[[int], None] = lambda count: None) -> Path:
@@ -216,7 +224,7 @@ def _stage_records(result: Result) -> list[Record]:
                 "bdc": bdc,
                 "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
                 "rise": press.rise(stage, result.stages[0]) if bdc and records else None,
-                "rest": _heights_at_rest(result, stage),
+                "rest": None if stage.failed else _heights_at_rest(scene, stage.surfaces),
                 "angles": {
                     joint: {side: _direction(peak.angle) for side, peak in one.wear_peaks.items()}
                     for joint, one in stage.statistics.joints.items()
@@ -236,17 +244,17 @@ def _factor_range(steps: Sequence[WearStep]) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def _heights_at_rest(result: Result, stage: StageResult) -> Record | None:
+def _heights_at_rest(
+    scene: Scene, surfaces: Mapping[str, tuple[Surface, Surface]] | None = None
+) -> Record | None:
     """Return total clearance and rise under a static force at bottom dead centre, m."""
-    scene = result.scene
-    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
-    if stage.failed or not scene.clearance_joints or not is_trusted:
+    if not scene.clearance_joints or not all(law.is_trusted for law in scene.user_laws.values()):
         return None
-    linkage = scene.linkage(stage.surfaces)
+    linkage = scene.linkage(surfaces)
     pull = statics.pull_of(linkage)
     try:
         up, down, rest = map(float, statics.heights_at_bottom(linkage, (pull, -pull, 0.0)))
-    except RunFailed:
+    except (InputError, RunFailed):  # the output stands still, or no equilibrium is found
         return None
     return {"clearance": up - down, "rise": up - rest}
 

@@ -20,7 +20,7 @@ from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import render_report, stage_tables, write_report
+from presswear.show.report import prepare, render_report, stage_tables, write_report
 
 
 def page_of(result: pw.Result) -> Page:
@@ -287,3 +287,8 @@ def test_a_limit_that_may_be_the_first_is_named(strokes: float, is_named: bool) 
     rival = replace(life.limits[0], strokes=strokes, sampling=0.05, step=0.0)
     text = page_of(lived(LIVED, replace(life, limits=(rival, *life.limits[1:])))).text
     assert ("its interval overlaps that of the life: depth of A." in text) == is_named
+
+
+def test_an_output_point_that_stands_still_has_no_heights_at_rest() -> None:
+    still = FOUR_BAR.changed(output="rocker.tail")
+    prepare(pw.Scene(still, joints="B"))  # heights at rest would be refused
