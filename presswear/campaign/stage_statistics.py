@@ -54,6 +54,7 @@ _OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"
 
 COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")  # of ``deviation``: m, m/s, s, m
 SHARP = 0.01  # of the scatter of bottom dead centre, over which its instant is sharp
+BOOTSTRAP_SAMPLES = 10  # of a raw wear map, from which a bootstrap gives its interval
 STILL = 1e-9  # of the stroke, by which an ideal slider at rest moves
 
 
@@ -230,12 +231,13 @@ def _wear_peaks(
     """Return the deepest places of the wear map of one joint by side.
 
     The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed map has no
-    such bias: the interval is that of the samples at the deepest place.
+    such bias, and a few maps are too few for a bootstrap: the interval is that of the samples at
+    the deepest place.
     """
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
-    peaks = {}
+    is_at_place, peaks = wear.is_smoothed or len(maps) < BOOTSTRAP_SAMPLES, {}
     for name, rows in sides.items():
         depth, samples = added[rows].sum(axis=0), maps[:, rows].sum(axis=1)
         place, value, error = int(depth.argmax()), float(depth.max()), None
@@ -246,12 +248,12 @@ def _wear_peaks(
             centre = np.average(samples, axis=0, weights=wear.weights)
             draws = resampled(samples, wear.weights)
             deepest, angle = peak_of(depth, draws, len(maps), centre)
-            if wear.is_smoothed:
+            if is_at_place:
                 half = half_width(samples[:, place])
                 deepest = Estimate.symmetric(value, half, len(maps))
                 deepest = widened(deepest, value - float(centre[place]))
             deepest = widened(deepest, error or 0.0)
-            deepest = deepest.positive if wear.is_smoothed else deepest
+            deepest = deepest.positive if is_at_place else deepest
         peaks[name] = WearPeak(deepest, angle, error)
     return peaks
 

@@ -1,18 +1,20 @@
 """Several replicates: they diverge, are pooled and end early together."""
 # mypy: disable-error-code="operator"
 
+import math
 from dataclasses import replace
 from statistics import median
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import stats
 
 from presswear.campaign import replicates
 from presswear.campaign.campaign import run, run_stage
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, StepCheck, start_of
-from presswear.campaign.stage_statistics import COLUMNS, deviation
+from presswear.campaign.stage_statistics import COLUMNS, StageWear, _wear_peaks, deviation
 from presswear.campaign.wear_update import initial_depth
 from presswear.linkage.surface import SIDES
 from presswear.physics.constraints import constraints_of
@@ -69,6 +71,20 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
     assert batches.mean(axis=0).sum(axis=-1) == pytest.approx(added.sum(axis=-1), rel=1e-12)
     depth = force.wear_peaks["both"].depth
     assert depth.low < depth.mean < depth.high
+
+
+def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
+    """A bootstrap of four maps held in 45 of 60 campaigns with the paper's conventions."""
+    (joint, *_), random = QUICK.linkage().clearances, np.random.default_rng(3)
+    groove = np.exp(-((np.arange(joint.bins) - 90.0) ** 2) / 200.0)
+    maps = 1e-5 * (groove + 0.1 * random.random((4, 1, 2, joint.bins)))
+    wear = StageWear(maps.mean(axis=0), maps, np.ones(4), None, maps, False, False)
+    depth = _wear_peaks(joint, wear.added[0], maps[:, 0], None, wear)["bearing"].depth
+    samples = maps[:, 0, 0, int(wear.added[0, 0].argmax())]
+    mean, error = samples.mean(), stats.sem(samples)
+    half = stats.t.interval(0.95, 3, mean, error)[1] - mean
+    expected = mean, mean * math.exp(-half / mean), mean * math.exp(half / mean)
+    assert (depth.mean, depth.low, depth.high) == pytest.approx(expected)
 
 
 def test_stage_ends_when_all_replicates_together_know_the_maps() -> None:
