@@ -10,9 +10,9 @@ from branches import branching, placed, tree, without
 from runs import run_scene
 
 from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan, Run, Start
+from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.exudyn_tree import engine
-from presswear.engines.settings import ExudynTree, InHouse
+from presswear.engines.settings import FINEST, ExudynTree, InHouse
 from presswear.linkage.elements import Attachment, Slip
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Load, Spring
@@ -48,6 +48,21 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
         for row in run.recorder.stored_contacts(k)
     ]
     return sorted(rows)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "remedy"),
+    [
+        (1e-6, "set a smaller tree_tolerance, for example 1e-07"),
+        (FINEST, "engine = dae may help"),
+    ],
+)
+def test_advice_is_a_tolerance_that_is_allowed(tolerance: float, remedy: str) -> None:
+    scene, plan = wear_times(), Plan(END, 1)
+    linkage, start = scene.linkage(), start_of(scene)
+    recorder = recorder_of(linkage, start, plan)
+    running = engine.prepare(linkage, start, accuracy(tolerance).resolved(), plan, recorder)
+    assert running.remedy == remedy
 
 
 def test_errors_fall_with_the_tolerance() -> None:
