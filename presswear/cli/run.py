@@ -97,6 +97,10 @@ def run_scene(
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
         warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
         terminal.print_lines(console, title_of(scene), *warnings, *store.remarks)
+        before = None if arguments.out else terminal.unfinished_before(folder, name)
+        if before:
+            command = terminal.resume_command(arguments, before, scene)
+            terminal.print_lines(console, f"{before} holds an unfinished run; {command}")
         if store.is_finished:
             terminal.print_lines(console, f"the run in {folder} is already complete")
         command = terminal.resume_command(arguments, folder, scene)

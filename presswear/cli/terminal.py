@@ -97,6 +97,20 @@ def free_folder(name: str) -> Path:
     return next(path for path in map(Path("results").joinpath, names) if not path.exists())
 
 
+def unfinished_before(folder: Path, name: str) -> Path | None:
+    """Return the folder before a free one, if it holds an unfinished run."""
+    from presswear.results.folder import FINISHED, read_stored
+
+    number = folder.name.removeprefix(f"{name}-")
+    if number == folder.name:
+        return None
+    before = folder.with_name(name if number == "2" else f"{name}-{int(number) - 1}")
+    try:
+        return None if read_stored(before).status in FINISHED else before
+    except InputError:  # it holds something else
+        return None
+
+
 def check_resume(resume: bool, path: Path | None) -> None:
     """Raise InputError if ``--resume`` has no folder, or one that does not exist."""
     if not resume:

@@ -238,6 +238,19 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
     assert "mine.toml: there is no such file" in command(f"{line} --cycles 3", 2)
 
 
+def test_a_new_run_names_the_unfinished_one_before_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = "run ideal --engine dae --cycles 1 --no-report"
+    with ResultFolder(Path("results/ideal"), pw.scenes.ideal()) as folder:
+        folder.interrupt()
+    words = "results/ideal holds an unfinished run; continue with: presswear run ideal --resume"
+    assert f"{words} --out results/ideal\n" in command(line)
+    assert "unfinished" not in command(line)  # results/ideal-2 is complete
+    assert Path("results/ideal-3").is_dir()
+
+
 @pytest.mark.parametrize("line", ["list ideal", "--help", "--version"])
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
 def test_a_full_standard_output_is_named_in_one_line(line: str, tmp_path: Path) -> None:
