@@ -237,7 +237,8 @@ def _wear_peaks(
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
-    is_at_place, peaks = wear.is_smoothed or len(maps) < BOOTSTRAP_SAMPLES, {}
+    is_at_place = wear.is_smoothed or len(maps) < BOOTSTRAP_SAMPLES
+    peaks = {}
     for name, rows in sides.items():
         depth, samples = added[rows].sum(axis=0), maps[:, rows].sum(axis=1)
         place, value, error = int(depth.argmax()), float(depth.max()), None

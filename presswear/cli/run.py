@@ -83,6 +83,7 @@ def run_scene(
         scene = scene if change is None else change(scene)
     name = f"{scene.name}-life" if scene.life else scene.name
     folder = arguments.out or terminal.free_folder(name)
+    unfinished = None if arguments.out else terminal.unfinished_folder(name)
     from presswear.campaign.campaign import run_into, workers_of
     from presswear.results.folder import ResultFolder
     from presswear.results.press_analysis import deep_contacts
@@ -97,10 +98,9 @@ def run_scene(
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
         warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
         terminal.print_lines(console, title_of(scene), *warnings, *store.remarks)
-        before = None if arguments.out else terminal.unfinished_before(folder, name)
-        if before:
-            command = terminal.resume_command(arguments, before, scene)
-            terminal.print_lines(console, f"{before} holds an unfinished run; {command}")
+        if unfinished:
+            advice = terminal.resume_command(arguments, unfinished, scene)
+            terminal.print_lines(console, f"{unfinished} holds an unfinished run; {advice}")
         if store.is_finished:
             terminal.print_lines(console, f"the run in {folder} is already complete")
         command = terminal.resume_command(arguments, folder, scene)
@@ -111,7 +111,7 @@ def run_scene(
             ):
                 observers = [RunObserver(bar, scene), *([live] if live else [])]
                 with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
-                    if workers.count > 1 and not arguments.no_report:
+                    if workers.count > 1 and not (arguments.no_report or store.is_finished):
                         Thread(target=_prepare_report, args=(scene,), daemon=True).start()
                     run_into(store, scene, observers, workers)
         except InputError as error:

@@ -6,8 +6,8 @@ import sys
 import textwrap
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from itertools import chain, count
+from contextlib import contextmanager, suppress
+from itertools import chain, count, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,24 +91,26 @@ def merge_options(settings: Mapping[str, str], options: Mapping[str, Any]) -> di
     return merged
 
 
-def free_folder(name: str) -> Path:
-    """Return results/NAME, or the first of results/NAME-2, -3, ... that does not exist."""
+def _folders(name: str) -> Iterator[Path]:
+    """Yield results/NAME, results/NAME-2, -3, ... in which runs of a name are stored."""
     names = chain([name], (f"{name}-{number}" for number in count(2)))
-    return next(path for path in map(Path("results").joinpath, names) if not path.exists())
+    return map(Path("results").joinpath, names)
 
 
-def unfinished_before(folder: Path, name: str) -> Path | None:
-    """Return the folder before a free one, if it holds an unfinished run."""
+def free_folder(name: str) -> Path:
+    """Return the first folder of a name that does not exist."""
+    return next(path for path in _folders(name) if not path.exists())
+
+
+def unfinished_folder(name: str) -> Path | None:
+    """Return the last folder of a name, if it holds an unfinished run."""
     from presswear.results.folder import FINISHED, read_stored
 
-    number = folder.name.removeprefix(f"{name}-")
-    if number == folder.name:
-        return None
-    before = folder.with_name(name if number == "2" else f"{name}-{int(number) - 1}")
-    try:
-        return None if read_stored(before).status in FINISHED else before
-    except InputError:  # it holds something else
-        return None
+    for path in [*takewhile(Path.exists, _folders(name))][-1:]:
+        with suppress(InputError):  # it holds something else
+            if read_stored(path).status not in FINISHED:
+                return path
+    return None
 
 
 def check_resume(resume: bool, path: Path | None) -> None:

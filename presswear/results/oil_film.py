@@ -88,9 +88,16 @@ def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
     return np.asarray(clearance * np.where(high <= math.log(2.0 * _LEAST_GAP), 0.0, np.exp(high)))
 
 
-@lru_cache(maxsize=16)  # a report has the films in sentences and in a figure
 def oil_films(scene: Scene) -> dict[str, OilFilm]:
-    """Return the films over a cycle after the run-up, of clearance joints in which one carries."""
+    """Return the films over a cycle after the run-up, of clearance joints in which one carries.
+
+    None if the forces need user laws that are not trusted.
+    """
+    return {} if scene.has_untrusted_loads else _films(scene)
+
+
+@lru_cache(maxsize=16)  # a report has the films in sentences, in a number and in a figure
+def _films(scene: Scene) -> dict[str, OilFilm]:
     bearings = {name: scene.bearing(name) for name in scene.clearance_joints}
     oiled = {
         name: one

@@ -7,7 +7,7 @@ from typing import Any
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.life import LifeResult, digits_of, span_of, words_of
-from presswear.results.oil_film import OilFilm, oil_films
+from presswear.results.oil_film import oil_films
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.plausible import doubts, unusual
@@ -150,16 +150,12 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 if joint != name and (depths := [wear[key].mean for key in wear if key[0] == joint])
             ]
             text += f" Other joints: {', '.join(rest)}." if rest else ""
-            if films := _films(scene):
+            if films := oil_films(scene):
                 kinds = ", ".join(f"{film.under_load} at {at}" for at, film in films.items())
                 text += " The wear is that of dry contact: an upper bound where oil carries. Oil "
                 text += f"film at the greatest force: {kinds}."
             return [measured("Wear per million strokes", wear[place], "m", text)]
     return []
-
-
-def _films(scene: Scene) -> dict[str, OilFilm]:
-    return {} if scene.has_untrusted_loads else oil_films(scene)
 
 
 def _greatest(values: Mapping[Any, Estimate]) -> Any:
@@ -231,7 +227,7 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
         if total > 0.0:
             share = 100.0 * volumes[joint].mean / total
             reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
-            if _films(scene):
+            if oil_films(scene):
                 reason += " This is for dry contact; see the oil films."
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}

@@ -232,7 +232,7 @@ def end_with_parent() -> None:
     """Leave Ctrl-C to the parent; end this process when the parent has ended or was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
-    assert parent is not None, "a process of an executor has a parent"
+    assert parent is not None, "a worker has a parent"
 
     def watch() -> None:
         wait_for([parent.sentinel])
@@ -266,8 +266,8 @@ def starting_processes(hides_main: bool = True) -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
     With the main module they would run a script a second time that lacks
-    ``if __name__ == "__main__":``. A signal is delivered at the end: an executor that is abandoned
-    while it starts a worker leaves one that fails with a traceback.
+    ``if __name__ == "__main__":``. A signal is delivered at the end: a start that is interrupted
+    leaves a worker that fails with a traceback.
     """
     main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
     blocked = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None

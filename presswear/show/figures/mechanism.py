@@ -28,20 +28,8 @@ _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _SLIMMEST = 0.6  # width over height, at least
-_SIDES = (
-    90,
-    0,
-    180,
-    270,
-    45,
-    135,
-    315,
-    225,
-    20,
-    160,
-    340,
-    200,
-)  # of a place, for its label, degrees
+# Of a place, for its label, degrees
+_SIDES = 90, 0, 180, 270, 45, 135, 315, 225, 20, 160, 340, 200
 _SAMPLING = 3.0  # points between samples of drawn lines, which labels may cover
 _OVERLAP = 100.0  # cost of a label on another one, in lines that it covers
 

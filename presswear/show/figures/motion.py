@@ -363,7 +363,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
 def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the oil film that each joint with a viscosity would have over the phase of the cycle."""
     scene = result.scene
-    films = {} if scene.has_untrusted_loads else oil_films(scene)
+    films = oil_films(scene)
     if not films:
         return []
     sheet, panels, lowest = style.panel_list(len(films), 1.9, sharex=True)
