@@ -3,7 +3,6 @@
 import os
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import fields, is_dataclass
 from importlib.metadata import version as version_of
 from pathlib import Path
 
@@ -20,8 +19,6 @@ import lines  # noqa: E402
 import readme  # noqa: E402
 
 from presswear.results.folder import program_digest  # noqa: E402
-from presswear.scene.scene import Scene  # noqa: E402
-from presswear.tools.quantities import Quantity, meaning_of  # noqa: E402
 
 # Pages call ``presswear`` and ``python`` of the environment of the build.
 os.environ["PATH"] = lines.PATH
@@ -109,33 +106,9 @@ def _draw(app: Sphinx) -> None:
         draw.save(name, folder)
 
 
-def _document_fields(
-    app: Sphinx, what: str, name: str, owner: object, options: object, lines: list[str]
-) -> None:
-    """Write the fields of a data class that have a range as its parameters, with units.
-
-    Fields that the docstring describes are left out.
-    """
-    if not (isinstance(owner, type) and is_dataclass(owner)):
-        return
-    text: list[str] = []
-    described = {line.partition(" : ")[0] for line in lines}
-    for item in fields(owner):
-        if item.name in described:
-            continue
-        meaning = meaning_of(item, owner() if owner is Scene else None)
-        if isinstance(meaning, Quantity):
-            text += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
-        elif meaning is not None:
-            text += [f"{item.name} : {', '.join(meaning.allowed())}", f"    {meaning.text}"]
-    if text:
-        lines += ["", "Parameters", "----------", *(line.replace("|", "\\|") for line in text)]
-
-
 def setup(app: Sphinx) -> None:
-    """Register MathML formulas, pictures, tables, command lines and fields of data classes."""
+    """Register MathML formulas, pictures, tables and command lines."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
     app.connect("builder-inited", _run_commands)
     app.connect("builder-inited", _draw)
     app.connect("build-finished", _check_lines)
-    app.connect("autodoc-process-docstring", _document_fields, priority=1)  # before numpydoc

@@ -8,6 +8,7 @@ The public names are listed in ``__init__.pyi``; each is imported when it is fir
 """
 
 import re
+from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,12 @@ def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         hint = import_module("presswear.tools.errors").nearest(name, __all__)
         raise AttributeError(f"module 'presswear' has no attribute {name!r}{hint}")
-    return getattr(import_module(_MODULES[name]), name)
+    value = getattr(import_module(_MODULES[name]), name)
+    if is_dataclass(value):
+        document = import_module("presswear.tools.serialize").documented
+        document(value, value() if name == "Scene" else None)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -157,9 +157,9 @@ class InHouse(_Engine):
     """In-house solver with located touchdowns, for an open tree or with Lagrange multipliers.
 
     The tolerance is per step, times 1 mm or mrad in positions and times ``1 m/s + |v|`` in
-    velocities.  The open tree serves where clearance cuts every loop that has a freedom, all
-    coordinates everywhere else.  ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s
-    (equation 19).
+    velocities.  Minimal coordinates are used if clearance cuts every loop with a degree of freedom,
+    otherwise all coordinates with multipliers.  ``alpha`` and ``beta`` are Baumgarte's
+    coefficients, 1/s (equation 19).
     """
 
     word: ClassVar[str] = "dae"

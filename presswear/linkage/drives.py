@@ -292,9 +292,10 @@ class Drive(_Motion):
     Attributes
     ----------
     table : tuple of (float, float)
-        Phase, rad, and f there, rad, nodes of a periodic cubic spline. A last row one turn behind
-        the first gives the turn of the body in a cycle; without one it comes back. Rows of four
-        have the first and second derivative by the phase as well; then pieces are of degree 5.
+        Phase, rad, and f there, rad, nodes of a periodic cubic spline. If the last row lies one
+        period after the first, it gives the net rotation of the body in a cycle; otherwise the body
+        returns to its initial angle. Rows of four have the first and second derivative by the phase
+        as well; then pieces are of degree 5.
     follow : Follow or None
         Motion of a point in place of that of the body; ``angle`` is the body's at the start,
         ``speed`` its mean speed.

@@ -44,7 +44,7 @@ Joint = Revolute | Guide
 
 
 # Fields of data classes; without a cycle its time follows from the drives.
-run_up = partial(count, 0, 0, 1000, "chosen", "cycles through which it runs up from rest")
+run_up = partial(count, 0, 0, 1000, "chosen", "number of cycles of the run-up from rest")
 cycle = partial(
     quantity, None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
 )

@@ -149,11 +149,11 @@ class Press(Mechanism):
     mass_5: float = _p_mass(0.1272, "mass of rod 5")
     mass_6: float = _p_mass(0.0288, "mass of slider 6")
     mass_7: float = _p_mass(0.0243, "mass of crank 7")
-    inertia_2: float = _p_inertia(5.396e-4, "inertia of crank 2 (too large for it; torque only)")
+    inertia_2: float = _p_inertia(5.396e-4, "inertia of crank 2 (affects the drive torque only)")
     inertia_3: float = _p_inertia(1.1e-3, "inertia of rod 3")
     inertia_4: float = _p_inertia(3.779e-3, "inertia of plate 4")
     inertia_5: float = _p_inertia(1.771e-3, "inertia of rod 5")
-    inertia_7: float = _p_inertia(5.396e-4, "inertia of crank 7 (too large for it; torque only)")
+    inertia_7: float = _p_inertia(5.396e-4, "inertia of crank 7 (affects the drive torque only)")
     gravity: float = gravity()
     speed: float = quantity(
         3.5 * math.pi,

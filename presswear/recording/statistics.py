@@ -1,11 +1,11 @@
 """Statistics of cycles, which are samples of a chaotic motion: means, wear maps, intervals.
 
 Cycles after the start-up are the samples: in the first cycle the pins fall on their bearings all at
-once, and the second knocks less than any later one.  Many cycles are averaged in batches of
-neighbours, so that what one cycle passes on to the next is counted once: the method of batch means
-(Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are of
-95 %.  In this module ``runs`` are arrays of one number per cycle, start-up included, one for each
-run; ``count`` is the number of maps that bootstrap samples are from.
+once, and the second cycle has weaker impacts than later ones.  Many cycles are averaged in batches
+of neighbours, so that correlation between cycles does not narrow an interval: the method of batch
+means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are
+of 95 %.  In this module ``runs`` are arrays of one number per cycle, start-up included, one for
+each run; ``count`` is the number of maps that bootstrap samples are from.
 """
 
 import math

@@ -125,11 +125,12 @@ class Result:
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.
 
-        Names are those of ``presswear.show.figures.NAMES``, such as ``wear``, ``force``, ``path``;
-        without a name all figures that have data are drawn. ``stage`` is the only stage to draw.
+        Names are life, mechanism, stroke, tonnage, wear, growth, surfaces, response, bottom, force,
+        path, phase, poincare, impacts, modes, spectrum, drives and oil; without a name all figures
+        that have data are drawn. ``stage`` is the only stage to draw.
         InputError for an unknown name or stage, and for a figure without data.
         """
-        # Imported here, because results are on a lower floor.
+        # Imported here, because results are in a lower layer.
         return import_module("presswear.show.figures").plot(self, names, stage)
 
     def report(self) -> Path:

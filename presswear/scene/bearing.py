@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import choice, count, named_set, quantity, written
-from presswear.tools.serialize import Checked, documented
+from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
@@ -52,7 +52,6 @@ CONVENTIONS: dict[str, Conventions] = {
 Law = str | UserFunction | Callable[..., float]
 
 
-@documented
 @dataclass(frozen=True)
 class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
@@ -105,7 +104,7 @@ class Bearing(Checked):
         "viscosity of a lubricant: its film is reported, not simulated; default: dry",
     )
     roughness: float = quantity(
-        *(0.3e-6, "m", 1e-9, 1e-4, "assumed"), "R_q of pin and bearing, beside an oil film"
+        *(0.3e-6, "m", 1e-9, 1e-4, "assumed"), "R_q of each surface, compared with the oil film"
     )
     pressure_limit: float | None = quantity(
         None, "Pa", 1e3, 1e10, "chosen", "largest pin pressure p = F / (2 R_i b); default: none"

@@ -37,7 +37,7 @@ class Numerics:
 
 @dataclass(frozen=True)
 class Recording(Checked):
-    """Recording plan of each stage; see the texts of the fields for units and ranges."""
+    """Series and sections that are stored of each stage."""
 
     recorded_cycles: int | None = count(
         None, 1, 1000, "chosen", "first cycles that are stored; default: 5, or as the process needs"
@@ -74,9 +74,10 @@ class Followed(NamedTuple):
     text: str
 
 
-_BDC, _BDC_ERROR = "bottom dead centre", "height of bottom dead centre above its ideal height"
+_BDC = "bottom dead centre"
+_BDC_ERROR = f"magnitude of the error of the height of {_BDC}"
 _CLEARANCE = "travel of the output point between an upward and a downward pull"
-_DRIFT = f"change of the mean height of {_BDC} since new"
+_DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
 _FORCE = "peak normal force of a stroke, mean over strokes"
 FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
     "depth": Followed("m", True, "depth", "largest wear depth of bearing or pin"),

@@ -92,7 +92,7 @@ class Scene(Checked):
         0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps over their rms"
     )
     max_cycles: int = count(
-        200, 1, 100_000, "paper", "most cycles of all replicates, if cycles = none"
+        200, 1, 100_000, "paper", "most cycles of all replicates together, if cycles = none"
     )
     cycles_per_update: float | None = quantity(
         *(None, "", 1.0, 1e12, "chosen"),

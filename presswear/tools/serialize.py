@@ -9,7 +9,7 @@ import inspect
 import json
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import wraps
 from numbers import Real
 from pathlib import Path
@@ -91,18 +91,25 @@ class Checked(Named):
         check_fields(self)
 
 
-def documented(owner: type[T]) -> type[T]:
-    """Add the fields of a data class to its docstring, with range, default and text."""
-    lines = [inspect.cleandoc(owner.__doc__ or ""), "\nAttributes\n----------"]
+def documented(owner: type[T], example: T | None = None) -> type[T]:
+    """Add the fields of a data class that have a range to its docstring, if it does not tell them.
+
+    ``example`` is an instance, where the words of a choice depend on it.
+    """
+    text = inspect.cleandoc(owner.__doc__ or "")
+    described, lines = {line.partition(" : ")[0] for line in text.splitlines()}, []
     for item in fields(cast(Any, owner)):
-        meaning, default = meaning_of(item), item.default
+        meaning, default = meaning_of(item, example), item.default
+        if item.name in described or meaning is None:
+            continue
         if isinstance(meaning, Choice):
             allowed, default = ", ".join(meaning.allowed()), meaning.shown(default)
-        elif meaning is not None:
+        else:
             allowed = meaning.range_text()
-        if meaning is not None:
-            lines.append(f"{item.name} : {allowed}, default {default}\n    {meaning.text}")
-    owner.__doc__ = "\n".join(lines)
+        ending = "" if default is MISSING else f", default {default}"
+        lines.append(f"{item.name} : {allowed}{ending}\n    {meaning.text}")
+    if lines:
+        owner.__doc__ = "\n".join([text, "", "Parameters", "----------", *lines])
     return owner
 
 
