@@ -71,6 +71,7 @@ class StageWear:
     # noise of few cycles hides its deepest places.
     is_frozen: bool
     is_smoothed: bool  # True if ``added`` is smoothed
+    flattening: Array | None  # by which smoothing lowers ``added`` and the samples alike
 
 
 def stage_result(
@@ -125,8 +126,10 @@ def _stage_wear(
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
     is_frozen = update is None and index > 0 and scene.wears_in_steps
-    is_smoothed = bool(ensemble.bins)
-    return StageWear(added, samples, weights, coarser, by_replicate, is_frozen, is_smoothed)
+    is_smoothed, flattening = bool(ensemble.bins), None if update is None else update.flattening
+    return StageWear(
+        added, samples, weights, coarser, by_replicate, is_frozen, is_smoothed, flattening
+    )
 
 
 def _statistics(
@@ -221,13 +224,11 @@ def _joint_statistics(
         wear_depth_max_by_replicate=tuple(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
         ),
-        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, added, maps, coarser, wear),
+        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, k, wear),
     )
 
 
-def _wear_peaks(
-    joint: ClearanceJoint, added: Array, maps: Array, coarser: Array | None, wear: StageWear
-) -> dict[str, WearPeak]:
+def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, WearPeak]:
     """Return the deepest places of the wear map of one joint by side.
 
     The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed map has no
@@ -237,22 +238,28 @@ def _wear_peaks(
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
-    is_at_place = wear.is_smoothed or len(maps) < BOOTSTRAP_SAMPLES
+    is_at_place = wear.is_smoothed or len(wear.maps) < BOOTSTRAP_SAMPLES
     peaks = {}
+
+    def of_sides(maps: Array, rows: list[int]) -> Array:
+        return np.asarray(maps[..., k, rows, : joint.bins].sum(axis=-2))
+
     for name, rows in sides.items():
-        depth, samples = added[rows].sum(axis=0), maps[:, rows].sum(axis=1)
+        depth, samples = of_sides(wear.added, rows), of_sides(wear.maps, rows)
         place, value, error = int(depth.argmax()), float(depth.max()), None
-        if coarser is not None:
-            error = abs(value - float(coarser[rows].sum(axis=0).max()))
+        if wear.coarser is not None:
+            error = abs(value - float(of_sides(wear.coarser, rows).max()))
         deepest, angle = Estimate(value), Estimate(float(bin_centres(joint.bins)[place]))
-        if len(maps):
+        if len(samples):
             centre = np.average(samples, axis=0, weights=wear.weights)
             draws = resampled(samples, wear.weights)
-            deepest, angle = peak_of(depth, draws, len(maps), centre)
+            deepest, angle = peak_of(depth, draws, len(samples), centre)
             if is_at_place:
                 half = half_width(samples[:, place])
-                deepest = Estimate.symmetric(value, half, len(maps))
+                deepest = Estimate.symmetric(value, half, len(samples))
                 deepest = widened(deepest, value - float(centre[place]))
+            if wear.flattening is not None:
+                deepest = widened(deepest, float(of_sides(wear.flattening, rows)[place]))
             deepest = widened(deepest, error or 0.0)
             deepest = deepest.positive if is_at_place else deepest
         peaks[name] = WearPeak(deepest, angle, error)

@@ -48,6 +48,7 @@ class WearUpdate:
     added: Array  # depth that it added, m
     steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
     coarser: Array | None = None  # depth added in half as many steps, m
+    flattening: Array | None = None  # by which smoothing lowers the mean of ``added``, m
 
 
 def initial_depth(scene: Scene) -> Array:
@@ -152,8 +153,10 @@ def cycle_by_cycle(
     runs, bins = len(added), ensemble.bins
     widths = smoothing_widths(added.mean(axis=0), runs, added, np.ones(runs), bins)
     added = smoothed(added, widths, bins)
-    depth = ensemble.depth + added
-    return WearUpdate(depth, added, steps, None if coarser is None else coarser.added)
+    depth, mean = ensemble.depth + added, added.mean(axis=0)
+    # Smoothed once more, a map loses about as much again, without the noise of the raw map.
+    flattening = mean - smoothed(mean, widths, bins)
+    return WearUpdate(depth, added, steps, None if coarser is None else coarser.added, flattening)
 
 
 def by_joint(joints: Sequence[ClearanceJoint], values: Iterable[float]) -> dict[str, float]:

@@ -18,7 +18,7 @@ from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
-from presswear.recording.statistics import MapBatches, half_width, mean_map
+from presswear.recording.statistics import MapBatches, half_width, mean_map, smoothing_widths
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
@@ -221,6 +221,24 @@ def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(campaign: Campaig
     noise = math.sqrt(1.0 / 3.0)
     assert jumped.std() / depth == pytest.approx(noise / math.sqrt(38.0), rel=0.15)
     assert steps.std() / depth == pytest.approx(noise / 40.0 / math.sqrt(1.0 - 0.75**2), rel=0.15)
+
+
+def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(campaign: Campaign) -> None:
+    """Replicates that are smoothed alike do not show it. Variances of Gaussians add up."""
+    generator, size = np.random.default_rng(4), 4.0
+    groove = np.exp(-0.5 * ((np.arange(360) - 60.0) / size) ** 2)
+    depths = np.repeat(groove[np.newaxis], 16, axis=0).reshape(4, 2, 2, 360)
+    depths[..., 150:300] += generator.gamma(1.0, 0.2, (4, 2, 2, 150))  # far from the groove
+    settings = {"replicates": 4, "wear_updates": 1, "cycles": 8}
+    engine = FakeEngine(lambda run, worn: RATE * depths[run % 4])
+    joint = campaign(SCENE, engine, **settings).stages[0].joints["A"]
+    peak = joint.statistics.wear_peaks["bearing"].depth
+    width = smoothing_widths(depths.mean(axis=0), 4, depths, np.ones(4), [360, 360])[0, 0]
+    once, twice = (size / math.hypot(size, math.sqrt(n) * width) for n in (1, 2))
+    assert peak.mean == pytest.approx(once * RATE * REPRESENTED, rel=1e-3)
+    # The interval is that of the logarithm.
+    lost = math.log((peak.high or 0.0) / peak.mean)
+    assert lost == pytest.approx(1.0 - twice / once, rel=0.01)
 
 
 def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> None:
