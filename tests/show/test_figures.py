@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
+from matplotlib.path import Path as Curve
 
 import presswear as pw
 from presswear.campaign.campaign import run
@@ -323,12 +324,18 @@ LABELLED += [pw.Scene(CRANK, joints="AB"), pw.Scene(pw.SixBar(), joints="B")]
 
 
 @pytest.mark.parametrize("scene", LABELLED)
-def test_labels_of_a_mechanism_are_apart_and_inside_the_axes(scene: pw.Scene) -> None:
+def test_labels_of_a_mechanism_are_apart_cover_no_line_and_are_inside_the_axes(
+    scene: pw.Scene,
+) -> None:
     (axes,) = (sheet := labelled(scene).sheet).axes
     sheet.draw_without_rendering()
     assert {body.name for body in scene.mechanism.linkage().bodies} <= words_of(axes)
     boxes = [text.get_window_extent() for text in axes.texts]
     assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
+    drawn: list[Any] = [*axes.patches, *(line for line in axes.lines if line.zorder >= 2)]
+    paths = [one.get_transform().transform_path(one.get_path()) for one in drawn]
+    lines = [Curve(part) for path in paths for part in path.to_polygons(closed_only=False)]
+    assert not [box for box in boxes if any(line.intersects_bbox(box, False) for line in lines)]
     outer = axes.get_window_extent()
     assert all(outer.x0 - 1.0 <= box.x0 and box.x1 <= outer.x1 + 1.0 for box in boxes)
 

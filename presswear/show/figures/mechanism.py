@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import matplotlib
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
+from matplotlib.patheffects import withStroke
 
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
@@ -30,8 +31,11 @@ _MANY_LABELS = 3  # joints with the same clearance, above which it is in the cap
 _SLIMMEST = 0.6  # width over height, at least
 # Of a place, for its label, degrees
 _SIDES = 90, 0, 180, 270, 45, 135, 315, 225, 20, 160, 340, 200
-_SAMPLING = 3.0  # points between samples of drawn lines, which labels may cover
-_OVERLAP = 100.0  # cost of a label on another one, in lines that it covers
+_STEPS = np.array([0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0])  # that a label may be farther, points
+_SAMPLING = 3.0  # points between samples of drawn lines
+_FREE = 2.0  # points around a label that are free of lines, too
+# Costs in lines that a label covers: of a point farther, of a path or guide, of another label
+_FARTHER, _PATH, _OVERLAP = 0.04, 0.6, 100.0
 
 
 class _Label(NamedTuple):
@@ -101,28 +105,35 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
     The scale is in points per metre. Boxes are lower left and upper right corners.
     """
     artists: list[Any] = [*axes.lines, *axes.patches]
-    lines, weights = [], []
+    lines, weights, sides = [], [], np.array([direction_at(math.radians(a)) for a in _SIDES])
     for artist in artists:
-        corners = scale * artist.get_path().vertices
+        # The vertices of an arrow contain one without meaning, which closes its head.
+        corners = scale * np.vstack(artist.get_path().to_polygons(closed_only=False))
+        if len(corners) == 1:  # a mark
+            corners = corners + 0.5 * artist.get_markersize() * sides
         along = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
         at = np.arange(0.0, along[-1] + _SAMPLING, _SAMPLING)
         lines.append(np.column_stack([np.interp(at, along, column) for column in corners.T]))
-        weights.append(0.3 if artist.zorder < 2 else 1.0)  # paths and guides may be covered
+        weights.append(_PATH if artist.zorder < 2 else 1.0)
     starts = np.cumsum([0, *map(len, lines[:-1])])
-    points, sides = np.vstack(lines), np.array([direction_at(math.radians(a)) for a in _SIDES])
+    points = np.vstack(lines)
     boxes: list[Array] = []
     for text, places, gap, look in labels:
         note = axes.annotate(text, places[0], (0, 0), textcoords="offset points", zorder=9, **look)
         note.set(ha="center", va="center", multialignment="center")
+        note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         half = 36.0 / axes.figure.dpi * np.array(note.get_window_extent().size)
-        offsets = gap * sides + half * np.round(sides)
+        gaps = (gap + _STEPS)[:, np.newaxis, np.newaxis]
+        offsets = (gaps * sides + half * np.round(sides)).reshape(-1, 2)
         middles = (scale * places[:, np.newaxis] + offsets).reshape(-1, 2)
         boxed = np.stack([middles - half, middles + half], axis=1)
-        inside = [((points > box[0]) & (points < box[1])).all(axis=1) for box in boxed]
+        ends = boxed + [[-_FREE], [_FREE]]
+        inside = [((points > low) & (points < high)).all(axis=1) for low, high in ends]
         costs = np.logical_or.reduceat(inside, starts, axis=1) @ weights
+        costs += _FARTHER * np.tile(np.repeat(_STEPS, len(sides)), len(places))
         for placed in boxes:
             costs += _OVERLAP * ((boxed[:, 0] < placed[1]) & (boxed[:, 1] > placed[0])).all(axis=1)
-        place, side = divmod(int(costs.argmin()), len(sides))
+        place, side = divmod(int(costs.argmin()), len(offsets))
         note.xy, note.xyann = tuple(places[place]), tuple(offsets[side])
         boxes.append(boxed[costs.argmin()])
     return np.array(boxes)
