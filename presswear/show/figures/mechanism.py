@@ -127,8 +127,8 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
         offsets = (gaps * sides + half * np.round(sides)).reshape(-1, 2)
         middles = (scale * places[:, np.newaxis] + offsets).reshape(-1, 2)
         boxed = np.stack([middles - half, middles + half], axis=1)
-        ends = boxed + [[-_FREE], [_FREE]]
-        inside = [((points > low) & (points < high)).all(axis=1) for low, high in ends]
+        free = boxed[:, 0] - _FREE, boxed[:, 1] + _FREE
+        inside = [((points > a) & (points < b)).all(axis=1) for a, b in zip(*free, strict=True)]
         costs = np.logical_or.reduceat(inside, starts, axis=1) @ weights
         costs += _FARTHER * np.tile(np.repeat(_STEPS, len(sides)), len(places))
         for placed in boxes:
