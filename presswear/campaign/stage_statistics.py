@@ -154,12 +154,14 @@ def _statistics(
     output: dict[str, Any] = {name: _largest(recorders, name) for name in _OUTPUTS}
     output["velocity_min"] = -_largest(recorders, "velocity_min", sign=-1.0)
     output |= {f"{name}_per_cycle": _mean(recorders, alone, name) for name in _OUTPUTS}
+    magnitude = "acceleration_max_per_cycle"
+    output[magnitude] = output[magnitude].positive
     made = float(diagnostics.get("contact_made_J", 0.0))
     dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + made
     dissipated += float(diagnostics.get("friction_loss_J", 0.0))
     statistics = StageStatistics(
         cycles=count,
-        energy_made_per_cycle=_mean(recorders, alone, "contact_made"),
+        energy_made_per_cycle=_mean(recorders, alone, "contact_made").positive,
         drive_work_per_cycle=_mean(recorders, alone, "drive_work"),
         output=OutputStatistics(**output),
         joints={

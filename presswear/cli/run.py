@@ -329,7 +329,8 @@ def improve(arguments: argparse.Namespace, console: Console) -> int:
     with _several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as show:
         improvement = improve(scene, folder, arguments.jobs, show)
     for key, items in improvement.effects.items():
-        terminal.print_lines(console, f"{key}, factor:", *(f"  {item}" for item in items))
+        lines = (f"  {item}" for item in items)
+        terminal.print_lines(console, f"{improvement.heading(key)}:", *lines)
     for change, reason in improvement.failures.items():
         terminal.print_lines(console, f"{change}: the run fails: {reason}")
     terminal.print_lines(console, *improvement.sentences)

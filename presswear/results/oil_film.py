@@ -144,15 +144,19 @@ def dry_contact(scene: Scene) -> list[str]:
             reason = "It is too wide for a film" if is_wide else "No viscosity is specified"
             sentences.append(f"{text} {reason}: the contact is dry.")
             continue
-        low, high = (readable(1e6 * float(value)) for value in np.quantile(film.thickness, (0, 1)))
+        thick, loaded = film.thickness, int(film.force.argmax())
+        median, at_force, least = (
+            readable(1e6 * float(value)) for value in (np.median(thick), thick[loaded], thick.min())
+        )
         shares = ", ".join(
             f"{kind} for {readable(100.0 * share)} %"
             for kind, share in film.shares.items()
             if share > 0.0
         )
         text += (
-            f" With {bearing.viscosity:g} Pa s a steady film would be {low} to {high} µm thick, "
-            f"beside a roughness of {readable(1e6 * film.roughness)} µm: {shares} of the cycle, "
+            f" With {bearing.viscosity:g} Pa s a steady film would be {median} µm thick (median of "
+            f"the cycle), {at_force} µm at the greatest force and {least} µm at least, beside a "
+            f"roughness of {readable(1e6 * film.roughness)} µm: {shares} of the cycle, "
             f"{film.under_load} at the greatest force."
         )
         if film.swings:

@@ -508,11 +508,12 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
             continue
         arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
         text = (
-            f"joint {name}: the penetration of {readable(1e6 * deepest)} µm is "
-            f"{readable(ratio)} of the clearance, and the contact extends over {arc:.0f} degrees, "
-            "too wide for a stiffness of small contacts: penetrations and bottom dead centre under "
-            "load are uncertain, forces less so"
+            f"Joint {name}: the pin penetrates its bearing by {readable(1e6 * deepest)} µm, "
+            f"{readable(ratio)} of the clearance, and touches it over {arc:.0f} degrees. The "
+            "contact stiffness holds for small contacts: bottom dead centre under load is "
+            "uncertain, forces less so."
         )
+        advice = "A measured contact_stiffness removes this doubt."
         if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
             law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
             on_foundation = scene.conventions.contact == "foundation" and is_worn
@@ -523,10 +524,10 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
             if bearing.elasticity in forces and not on_foundation:
                 law_name, force = forces[bearing.elasticity]
                 times = force / foundation_force(ratio, *law)
-                text += f"; {law_name} gives {times:.2f} times the force of an elastic foundation"
+                text += f" {law_name} gives {times:.2f} times the force of an elastic foundation."
                 if bearing.elasticity == "power":
-                    text += ": use elasticity = liu or foundation"
-        sentences.append(text)
+                    advice = "Use elasticity = liu or foundation."
+        sentences.append(f"{text} {advice}")
     return sentences
 
 

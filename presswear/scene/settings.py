@@ -171,7 +171,13 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     for key in named:
         if key not in allowed:
             raise _unknown_key(result, key, allowed)
-    return result
+    if IN_FILE not in scene.origins.values():
+        return result
+    # What a file says already, is in the file.
+    before = _by_key(scene)
+    same = {key for key in named if key in before and before[key].value == allowed[key].value}
+    kept = {key: value for key, value in scene.origins.items() if key in same and value == IN_FILE}
+    return replace(result, origins={**origins, **kept})
 
 
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:

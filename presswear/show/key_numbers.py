@@ -21,6 +21,7 @@ from presswear.tools.user_function import UserFunction
 ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
 _WIDE = 2.0  # end of an interval over its mean, above which fewer strokes give no number
 _MADE = 0.02  # energy that contacts make, relative to what they dissipate
+_CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
 
 
@@ -138,9 +139,9 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         }
         if wear:
             name, side = place = _greatest(wear)
-            strokes = numbers.large(stage.cycles_per_update)
+            represented = numbers.large(stage.cycles_per_update)
             surfaces = "worn" if stage.is_worn else "new"
-            text = f"Deepest place, on the {side} of joint {name}, as a mean over {strokes} "
+            text = f"Deepest place, on the {side} of joint {name}, as a mean over {represented} "
             bearing = scene.bearing(name)
             coefficient = written(bearing.materials.wear_coefficient, "1/Pa").replace("^3", "³")
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
@@ -154,7 +155,8 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 kinds = ", ".join(f"{film.under_load} at {at}" for at, film in films.items())
                 text += " The wear is that of dry contact: an upper bound where oil carries. Oil "
                 text += f"film at the greatest force: {kinds}."
-            return [measured("Wear per million strokes", wear[place], "m", text)]
+            strokes = stage.statistics.cycles
+            return [measured("Wear per million strokes", wear[place], "m", text, strokes)]
     return []
 
 
@@ -183,33 +185,42 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
 
 def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return torque and power of the drives with the largest; ideal ones if none were stored."""
-    if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
+    if scene.has_untrusted_loads or not (listed := scene.mechanism.linkage().drives):
         return []
-    drives = press.drives_of(scene, stages[-1])
+    drives, ideal = press.drives_of(scene, stages[-1]), press.ideal_drives(scene)
     new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
-    duties = {body: drive.duty for body, drive in drives.items()} or press.ideal_drives(scene)
+    duties = {body: drive.duty for body, drive in drives.items()} or ideal
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):
         each = {body: getattr(duty, name) for body, duty in duties.items()}
-        body = max(each, key=lambda one: abs(each[one].peak))
-        typical, value = ("rms", each[body].rms) if name == "torque" else ("mean", each[body].mean)
-        if abs(value) < 1e-9 * abs(each[body].peak):
-            value = 0.0  # round-off of a cycle without net work
-        text = f"Largest in a stroke at {body}; {typical} {numbers.quantity_text(value, unit)}."
-        drive = next(one for one in scene.mechanism.linkage().drives if one.body == body)
-        if name == "power" and not drive.repeats:
-            text += " With a flywheel the motor delivers the mean."
-        if drives:
-            peak, closed = getattr(drives[body], f"peak_{name}"), getattr(drives[body].ideal, name)
-            text += f" Without clearance: {numbers.quantity_text(abs(closed.peak), unit)}."
-            before = getattr(new[body], f"peak_{name}") if body in new else None
-            if before is not None:
-                text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
-            result.append(measured(f"Peak drive {name}", peak, unit, text))
+        closed = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in ideal.items()}
+        peaks = {
+            body: getattr(drive, f"peak_{name}") or Estimate(abs(each[body].peak))
+            for body, drive in drives.items()
+        } or closed
+        body, largest = _greatest(peaks), _greatest(closed)
+        text = f"Largest in a stroke at {body}"
+        if name == "torque":
+            text += f"; rms {numbers.quantity_text(each[body].rms, unit)}."
         else:
-            largest = numbers.quantity_text(abs(each[body].peak), unit)
+            total = sum(duty.mean for duty in each.values())  # one may brake while another drives
+            if abs(total) < 1e-9 * peaks[body].mean:
+                total = 0.0  # round-off of a cycle without net work
+            together = " of all drives together" if len(each) > 1 else ""
+            text += f"; mean{together} {numbers.quantity_text(total, unit)}."
+            is_even = not any(drive.repeats for drive in listed)
+            text += " A motor with a flywheel delivers this mean." if drives and is_even else ""
+        if drives:
+            text += f" Without clearance: {numbers.quantity_text(closed[largest].mean, unit)}"
+            text += f" at {largest}." if len(ideal) > 1 else "."
+            if body in new:
+                before = getattr(new[body], f"peak_{name}").mean
+                text += f" Before the wear: {numbers.quantity_text(before, unit)}."
+            result.append(measured(f"Peak drive {name}", peaks[body], unit, text))
+        else:
+            value = numbers.quantity_text(closed[largest].mean, unit)
             text += " Computed without clearance and friction; drive_torque = on includes both."
-            result.append(KeyNumber(f"Peak drive {name}", largest, "", text))
+            result.append(KeyNumber(f"Peak drive {name}", value, "", text))
     return result
 
 
@@ -222,17 +233,26 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
         joint, reason = life.first.key.partition(".")[0], "It ends the service life."
     else:
         volumes = {name: one.wear_volume for name, one in joints.items()}
-        joint = _greatest(volumes)
         total = sum(one.mean for one in volumes.values())
         if total > 0.0:
-            share = 100.0 * volumes[joint].mean / total
+            first = _rivals(volumes)
+            joint = " or ".join(first)
+            share = 100.0 * sum(volumes[name].mean for name in first) / total
             reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
             if oil_films(scene):
                 reason += " This is for dry contact; see the oil films."
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
-            joint, reason = _greatest(forces), "It carries the largest force."
+            joint, reason = " or ".join(_rivals(forces)), "The largest force is there."
+        reason += " presswear improve compares changes of each joint."
     return [KeyNumber("Improve first", f"joint {joint}", "", reason)]
+
+
+def _rivals(values: Mapping[str, Estimate]) -> list[str]:
+    """Return the name of the greatest value, and of those that are hardly smaller."""
+    greatest = values[_greatest(values)]
+    lowest = min(greatest.low or math.inf, _CLOSE * greatest.mean)
+    return [name for name, one in values.items() if max(one.mean, one.high or 0.0) >= lowest]
 
 
 def warnings(result: Result) -> list[str]:
@@ -263,7 +283,7 @@ def warnings(result: Result) -> list[str]:
     if strokes < ENOUGH:
         cycles = STARTUP_CYCLES + math.ceil(ENOUGH / scene.replicate_count)
         lines.append(
-            f"Few strokes: peak forces are means of {strokes}, so their intervals are wide. "
+            f"Few strokes: peak forces are means of {strokes}, so their intervals are uncertain. "
             f"Run at least {ENOUGH}: cycles = {cycles} or more."
         )
     for stage in stages[-1:]:

@@ -5,12 +5,13 @@ Each joint is changed in one way at a time, and every change is run like the mec
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.patches import Patch
 
 from presswear.campaign.campaign import run_scenes
 from presswear.linkage.laws import MATERIALS, Materials
@@ -22,6 +23,7 @@ from presswear.show.figures import style
 from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
+from presswear.tools.numbers import quantity_text
 
 CLEARANCE, SIZE = 0.5, 1.25  # factors on the clearance, and on radius and width of a bearing
 LIFE, FORCE, BOTTOM = "life", "peak force", "error of bottom dead centre"
@@ -50,6 +52,11 @@ class Improvement:
 
     effects: dict[str, list[Effect]]
     failures: dict[str, str]
+    present: dict[str, str] = field(default_factory=dict)  # values as it is, in words
+
+    def heading(self, key: str) -> str:
+        """Return the name of a quantity with its present value."""
+        return f"factor on the {key}{self.present.get(key, '')}"
 
     @property
     def sentences(self) -> list[str]:
@@ -61,6 +68,9 @@ class Improvement:
                 lines.append(f"{key}: no change of a single joint is certain to improve it")
             else:
                 lines.append(f"{key}: best is {best} times the present value")
+        tried = [item.change for items in self.effects.values() for item in items]
+        if not any("materials" in change for change in [*tried, *self.failures]):
+            lines.append("materials: no listed pair wears less than the present one")
         return lines
 
     def draw(self) -> Drawing:
@@ -79,7 +89,10 @@ class Improvement:
                 axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
                 axes.set_yticks(range(len(shown)), [one.change for one in shown])
                 axes.invert_yaxis()
-                axes.set_xlabel(f"{key}, factor")
+                axes.set_xlabel(self.heading(key))
+            kinds = (style.LINES[2][0], "certain improvement"), (style.MUTED, "not certain")
+            handles = [Patch(color=colour, label=words) for colour, words in kinds]
+            sheet.legend(handles=handles, loc="outside upper center", ncols=2)
             return style.finished("improve", sheet)[0]
 
 
@@ -141,7 +154,13 @@ def improve(
         # Factors without an interval are the last.
         sign = -1.0 if key == LIFE else 1.0
         items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
-    return Improvement(effects, failures)
+    units = {FORCE: "N", BOTTOM: "m"}
+    present = {
+        key: f", now {quantity_text(before[key].mean, unit)}"
+        for key, unit in units.items()
+        if key in before
+    }
+    return Improvement(effects, failures, present)
 
 
 def _quantities(result: Result) -> dict[str, Estimate]:

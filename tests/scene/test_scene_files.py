@@ -35,6 +35,10 @@ def test_an_example_is_a_scene_with_the_default_mechanism(kind: str, tmp_path: P
     assert pw.Scene.from_dict(scene.as_dict()) == scene
     assert scene.origins["clearance"] == "set by the user, in the file"
     assert scene.origins["exponent"] == "default"
+    # A value that the file says already is no change of it.
+    again = changed(scene, {"clearance": scene.bearings.clearance, "restitution": 0.7})
+    assert again.origins["clearance"] == "set by the user, in the file"
+    assert again.origins["restitution"] == "set by the user"
     if kind != "points":
         assert isinstance(scene.mechanism, MECHANISMS[kind])
         default = MECHANISMS[kind]()

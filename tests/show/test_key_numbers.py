@@ -75,7 +75,16 @@ def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
 def test_round_off_is_no_mean_power() -> None:
     numbers = {one.name: one for one in key_numbers(made_up(pw.scenes.slider_crank(), 2))}
     meaning = numbers["Peak drive power"].meaning
-    assert "mean 0 W. With a flywheel the motor delivers the mean." in meaning
+    assert "at crank; mean 0 W. Computed without" in meaning
+
+
+def test_powers_of_drives_are_added() -> None:
+    """A drive may brake while the other one drives, and a motor with a flywheel turns both."""
+    result = made_up(replace(made.BOTH, drive_torque="on"), 2)
+    meanings = {one.name: one.meaning for one in key_numbers(result)}
+    total = sum(drive.duty.power.mean for drive in result.drives(1).values())
+    expected = f"mean of all drives together {quantity_text(total, 'W')}. A motor with a flywheel"
+    assert expected in meanings["Peak drive power"]
 
 
 def test_a_drive_stands_beside_its_peak_before_the_wear() -> None:

@@ -1,6 +1,7 @@
 """Which joint to improve first."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -53,10 +54,16 @@ def test_sentences_name_the_best_certain_change() -> None:
     found = Improvement(
         {LIFE: [_effect(CHANGE, LIFE, one, two)], FORCE: [_effect(CHANGE, FORCE, one, one)]}, {}
     )
-    first, second = found.sentences
+    first, second, third = found.sentences
     assert first.startswith("life: best is joint B, clearance times 0.5: 2.00 (")
     assert second == "peak force: no change of a single joint is certain to improve it"
+    assert third == "materials: no listed pair wears less than the present one"
     assert len(found.draw().sheet.axes) == 2
+    now = replace(found, present={FORCE: ", now 241 N"})
+    assert [axes.get_xlabel() for axes in now.draw().sheet.axes] == [
+        "factor on the life",
+        "factor on the peak force, now 241 N",
+    ]
 
 
 def test_a_mechanism_is_improved(tmp_path: Path) -> None:

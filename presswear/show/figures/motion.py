@@ -190,7 +190,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
         style.label_values(axes, "normal force", "N")
     for axes in lowest:
         window.label(axes)
-    return style.finished("force", sheet, window=window)
+    return style.finished("force", sheet, window=window, stages=shown)
 
 
 def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
