@@ -239,6 +239,8 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
             joint = " or ".join(first)
             share = 100.0 * sum(volumes[name].mean for name in first) / total
             reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
+            if len(first) == len(volumes):
+                reason = "All joints lose about as much material in a stroke."
             if oil_films(scene):
                 reason += " This is for dry contact; see the oil films."
         else:

@@ -110,6 +110,20 @@ def test_a_life_comes_first_and_names_its_joint() -> None:
     assert (last.value, last.meaning) == ("joint C", "It ends the service life.")
 
 
+@pytest.mark.parametrize(
+    ("volume", "half", "first"), [(0.5, 0.1, "C"), (0.5, 0.6, "A or C"), (0.95, 0.01, "A or C")]
+)
+def test_joints_that_hardly_differ_are_both_named(volume: float, half: float, first: str) -> None:
+    result = made_up(made.BOTH, 2)
+    statistics = result.stages[1].statistics
+    volumes = {"A": Estimate.symmetric(volume, half), "C": Estimate.symmetric(1.0, 0.02)}
+    joints = {
+        name: replace(one, wear_volume=volumes[name]) for name, one in statistics.joints.items()
+    }
+    found = key_numbers(altered(result, 1, statistics=replace(statistics, joints=joints)))[-1]
+    assert (found.name, found.value) == ("Improve first", f"joint {first}")
+
+
 def test_energy_made_by_contacts_is_a_warning() -> None:
     result = made_up(made.BOTH, 2)
     statistics = replace(result.stages[1].statistics, energy_made_fraction=0.12)
