@@ -176,8 +176,8 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     # What a file says already, is in the file.
     before = _by_key(scene)
     same = {key for key in named if key in before and before[key].value == allowed[key].value}
-    kept = {key: value for key, value in scene.origins.items() if key in same and value == IN_FILE}
-    return replace(result, origins={**origins, **kept})
+    in_file = {key for key, value in scene.origins.items() if value == IN_FILE}
+    return replace(result, origins={**origins, **dict.fromkeys(same & in_file, IN_FILE)})
 
 
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
