@@ -148,6 +148,24 @@ def test_a_misspelt_argument_is_answered_with_the_nearest(
         getattr(pw, name)(**{argument: 1})
 
 
+@pytest.mark.parametrize(
+    ("name", "symbol", "meant"),
+    [
+        ("Bearing", "c_f", "friction"),
+        ("Bearing", "K_d", "wear_coefficient of materials"),
+        ("Materials", "E", "youngs_modulus"),
+        ("Drive", "omega", "speed"),
+    ],
+)
+def test_a_symbol_as_an_argument_is_answered_with_its_name(
+    name: str, symbol: str, meant: str
+) -> None:
+    with pytest.raises(pw.InputError, match=f"argument of {name} '{symbol}': .* is {meant}$"):
+        getattr(pw, name)(**{symbol: 1})
+    with pytest.raises(pw.InputError, match="argument of Guide 'c_f'; known are"):
+        cast(Any, pw.Guide)(c_f=0.1)
+
+
 def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
     slider = pw.assemble(
         bodies=[

@@ -22,7 +22,7 @@ from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array, read_numbers
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, shown
 from presswear.tools.files import check_folder, holder, read_checked
 from presswear.tools.numbers import large, readable
 
@@ -32,13 +32,14 @@ if TYPE_CHECKING:
 
 
 class _Stages(tuple[StageResult, ...]):
-    """Stages of a result; IndexError tells which there are."""
+    """Stages of a result; an error tells which there are."""
 
     def __getitem__(self, index: Any) -> Any:
         try:
             return super().__getitem__(index)
-        except IndexError:
-            raise IndexError(f"there is no stage {index}; it has {_range_of(self)}") from None
+        except (IndexError, TypeError) as error:
+            fault = f"there is no stage {index!r}; it has {_range_of(self)}"
+            raise type(error)(fault) from None
 
 
 def _range_of(stages: tuple[StageResult, ...]) -> str:
@@ -61,12 +62,20 @@ class Result:
     def __post_init__(self) -> None:
         object.__setattr__(self, "stages", _Stages(self.stages))
 
-    def stage(self, index: int) -> StageResult:
-        """Return the stage after a number of wear updates; InputError lists the stored stages."""
-        if 0 <= index < len(self.stages):
-            return self.stages[index]
-        where = self.path or self.scene.name
-        raise InputError(f"{where} has no stage {index}; it has {_range_of(self.stages)}")
+    def stage(self, index: int | str) -> StageResult:
+        """Return the stage after a number of wear updates, or of a name.
+
+        InputError lists the stored stages.
+        """
+        names = {self.stage_name(stage.index): stage for stage in self.stages}
+        for name, stage in names.items():
+            if index in (stage.index, name):
+                return stage
+        words = f" ({', '.join(names)})" if names else ""
+        stored = f"{_range_of(self.stages)}{words}"
+        raise InputError(
+            f"{self.path or self.scene.name} has no stage {shown(index)}; it has {stored}"
+        )
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage: its wear updates, or its strokes in a service life."""

@@ -13,6 +13,7 @@ _MASS = attrgetter("mass")
 STEEL = 7850.0  # density, kg/m^3
 # Lowest and highest usual value of each quantity, and its SI unit
 USUAL = {
+    "length": (0.0, 10.0, "m"),
     "mass ratio": (0.0, 1e3, ""),
     "gyration": (0.03, 30.0, ""),  # 0.29 of a bar; a flywheel on a small eccentric is far above
     "relative clearance": (1e-5, 0.1, ""),  # 1e-3 of a new bearing; 0.053 in the paper
@@ -38,7 +39,9 @@ def doubts(scene: Scene) -> list[str]:
     words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, divided by that of {light.name}"
     lines += unusual("mass ratio", heavy.mass / light.mass, words)
     for body in linkage.bodies:
-        if (length := _length(linkage, body)) and body.inertia:
+        length = _length(linkage, body)
+        lines += unusual("length", length, f"the distance of the joints of {body.name}")
+        if length and body.inertia:
             ratio = math.sqrt(body.inertia / body.mass) / length
             words = f"the radius of gyration of {body.name}, divided by the distance of its joints,"
             lines += unusual("gyration", ratio, words)

@@ -17,20 +17,20 @@ from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
-from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, parse_quantity
+from presswear.tools.quantities import (
+    NONE,
+    SYMBOLS,
+    Choice,
+    Quantity,
+    meaning_of,
+    parse_quantity,
+)
 from presswear.tools.user_function import UserFunction, is_stored_function
 
 SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
 TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
 DEFAULT = "default"  # origin of a value that a file leaves out
-SYMBOLS = {  # of the paper and of the contact laws, accepted as names of settings
-    **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
-    **{"E": "youngs_modulus", "nu": "poisson_ratio", "K_d": "wear_coefficient"},
-    **{"K": "contact_stiffness", "n": "exponent", "c_e": "restitution", "D": "viscous_damping"},
-    **{"c_f": "friction", "c_s": "static_friction", "v_0": "lower_speed", "v_1": "upper_speed"},
-    **{"v_s": "stribeck_speed", "sigma_0": "bristle_stiffness", "sigma_1": "bristle_damping"},
-}
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 _MAX_VALUES = 1_000_000  # of a range
 _DIGITS = 12  # of the values of a range: those of a finer range meet them

@@ -18,11 +18,18 @@ from presswear.tools.numbers import short_number
 from presswear.tools.user_function import UserFunction
 
 NONE = "none"  # word for an optional part that is absent
+SYMBOLS = {  # of the paper and of the contact laws, by which settings are named, too
+    **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
+    **{"E": "youngs_modulus", "nu": "poisson_ratio", "K_d": "wear_coefficient"},
+    **{"K": "contact_stiffness", "n": "exponent", "c_e": "restitution", "D": "viscous_damping"},
+    **{"c_f": "friction", "c_s": "static_friction", "v_0": "lower_speed", "v_1": "upper_speed"},
+    **{"v_s": "stribeck_speed", "sigma_0": "bristle_stiffness", "sigma_1": "bristle_damping"},
+}
 
 _DEGREE = math.pi / 180.0
 _PER_MINUTE = dict.fromkeys(("rpm", "spm", "1/min", "/min"), math.pi / 30.0)
 _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
-    "": {"": 1.0, "%": 0.01},
+    "": {"": 1.0, "%": 0.01, "percent": 0.01},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
     "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, "Hz": 2.0 * math.pi},
     "rad": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
@@ -56,6 +63,13 @@ _WRITTEN_IN = {  # units of engineers, the largest first
 }
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
 _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
+_SEPARATED = {  # forms of numbers that are refused, and what becomes of their signs
+    "use no separator of thousands": (
+        r"\d{1,3}([,'’]\d{3})+(\.\d*)?",
+        str.maketrans("", "", ",'’"),
+    ),
+    "use a decimal point": (r"(\d{1,3}(\.\d{3})+|\d*),\d+", str.maketrans(",", ".", ".")),
+}
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
 
 
@@ -169,23 +183,25 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
         units |= _UNITS.get(unit, {unit: 1.0})
     label = f"{name} = {text!r}"
     allowed = f"allowed is {meaning.in_unit_of(meaning.low).range_text()}"
+    advice = [
+        f"{words}, {digits[0].translate(signs) + text[digits.end() :]!r}"
+        for words, (form, signs) in _SEPARATED.items()
+        if (digits := re.match(rf"\s*[+-]?{form}(?![\d.,'’])", text, re.ASCII))
+    ]
+    if advice:
+        raise InputError(f"{label}: {'; or '.join(advice)}")
     match = _NUMBER.match(text)
     if match is None:
         raise InputError(f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}")
     value, symbol = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
     symbol = re.sub(r"\s+", " ", symbol).strip()
-    if separated := re.match(r"([,'’])\s*([0-9]*)", symbol):
-        sign, digits = separated.groups()
-        point = [f"use a decimal point, {text.replace(sign, '.')!r}"] * (sign == ",")
-        whole = f"use no separator of thousands, {text.replace(sign, '')!r}"
-        advice = [*[whole] * (len(digits) == len("000")), *point]
-        raise InputError(f"{label}: {'; or '.join(advice)}")
     if symbol.startswith("pi") and "rad" in meaning.unit:
         value, symbol = value * math.pi, symbol[2:].strip()
     if meaning.unit and not symbol:
         raise InputError(f"{label} has no unit; known are {', '.join(units)}; {allowed}")
     if symbol not in units:
-        fault = unknown("unit", symbol, units) if meaning.unit else "a pure number is expected"
+        pure = f"a pure number{', or one in %,' * (not meaning.whole)} is expected"
+        fault = unknown("unit", symbol, units) if meaning.unit else pure
         raise InputError(f"{label}: {fault}")
     value *= units[symbol]
     number: float | int = int(value) if meaning.whole and value.is_integer() else value

@@ -20,7 +20,7 @@ import numpy as np
 
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_checked, write_bytes
-from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, plain_number
+from presswear.tools.quantities import NONE, SYMBOLS, Choice, Quantity, meaning_of, plain_number
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
@@ -56,11 +56,17 @@ def check_fields(owner: Any) -> None:
             object.__setattr__(owner, item.name, result)
 
 
-def check_names(what: str, names: Iterable[str], allowed: Collection[str]) -> None:
-    """Raise InputError for a name that is not allowed, with the nearest that is."""
+def check_names(what: str, names: Iterable[str], allowed: Mapping[str, Any]) -> None:
+    """Raise InputError for a name that no field or parameter has, with the one that is meant."""
     for name in names:
-        if name not in allowed:
-            raise unknown(what, name, allowed)
+        if name in allowed:
+            continue
+        meant = SYMBOLS.get(name, "")
+        parts = (f" of {key}" for key, one in allowed.items() if hasattr(one.default, meant))
+        part = next(parts, "")
+        if part or meant in allowed:
+            raise InputError(f"unknown {what} {name!r}: the symbol {name} is {meant}{part}")
+        raise unknown(what, name, allowed)
 
 
 def checked_names(function: F) -> F:
@@ -80,7 +86,7 @@ class Named:
 
     def __new__(cls, *_values: Any, **named: Any) -> Self:
         """Create an instance; raise InputError for an argument that is not a field."""
-        check_names(f"argument of {cls.__name__}", named, getattr(cls, "__dataclass_fields__", ()))
+        check_names(f"argument of {cls.__name__}", named, getattr(cls, "__dataclass_fields__", {}))
         return super().__new__(cls)
 
 

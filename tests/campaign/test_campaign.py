@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -56,8 +56,13 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
     assert [line[:10].strip() for line in table[1:]] == ["no wear", "", "first wear", ""]
     peak = disk.stages[1].joints["A"].statistics.peak_force
     assert disk.table().loc["first wear", "joints.A.peak_force"] == peak
-    with pytest.raises(pw.InputError, match="no stage 7; it has 0 to 1"):
-        disk.stage(7)
+    assert disk.stage("first wear") is disk.stages[1]
+    for index in (7, "x"):
+        stored = r"it has 0 to 1 \(no wear, first wear\)"
+        with pytest.raises(pw.InputError, match=f"has no stage {index!r}; {stored}$"):
+            disk.stage(index)
+    with pytest.raises(TypeError, match="there is no stage 'x'; it has 0 to 1"):
+        cast(Any, disk.stages)["x"]
 
 
 def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign) -> None:

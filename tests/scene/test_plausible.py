@@ -27,6 +27,11 @@ def test_scenes_of_the_catalog_are_plausible(name: str) -> None:
             -3e3,
             ["the speed of crank is 3\u202f000 rad/s (usual: up to 2\u202f000 rad/s)"],
         ),
+        (
+            {"mass": 0.5, "length": 50.0},
+            30.0,
+            ["the distance of the joints of rod is 50.0 m (usual: up to 10.0 m)"],
+        ),
         ({"mass": 0.5}, 30.0, []),
     ],
 )
@@ -34,7 +39,7 @@ def test_masses_inertias_and_speeds(body: dict[str, Any], speed: float, words: l
     linkage = pw.assemble(
         bodies=[
             pw.Bar("crank", length=0.05, mass=0.025),
-            pw.Bar("rod", length=0.06, **body),
+            pw.Bar("rod", **{"length": 0.06} | body),
             pw.Body("slider", mass=0.5),
         ],
         joints=[

@@ -17,9 +17,9 @@ from presswear.linkage.mechanisms import GEOMETRIES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.files import example_file, scene_from
-from presswear.scene.settings import SYMBOLS, changed, setting_of, settings_of, values_of
+from presswear.scene.settings import changed, setting_of, settings_of, values_of
 from presswear.tools.errors import AssemblyError
-from presswear.tools.quantities import Quantity, parse_quantity
+from presswear.tools.quantities import SYMBOLS, Quantity, parse_quantity
 
 PRESS = pw.Scene(name="base", title="a scene")
 CRANK = pw.Scene(mechanism=pw.SliderCrank(), joints="B")
