@@ -201,7 +201,8 @@ class RunObserver(Observer):
         LOGGER.info("%s: %s. %s", stage.name, model, solver)
         wall = stage.wall_s - self._compile_time
         speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
-        cycles = f"{stage.statistics.cycles} cycles of all replicates"
+        count = stage.statistics.cycles
+        cycles = f"{count} cycle{'s' * (count != 1)} of all replicates"
         lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}

@@ -179,7 +179,7 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     return (
         f"{model}; clearance: {', '.join(joint.name for joint in joints)}; "
         f"friction {'on' if friction else 'off'}; "
-        f"surfaces {'worn' if worn else 'round'}; wear account {'on' if wear else 'off'}"
+        f"surfaces {'worn' if worn else 'round'}; wear {'computed' if wear else 'not computed'}"
     )
 
 

@@ -202,7 +202,7 @@ class ClearanceJoint:
     width: float  # axial width b, m
     normal: NormalLaw
     friction: FrictionLaw = field(default_factory=FrictionLaw)
-    wear: WearLaw | None = None  # None: no wear account
+    wear: WearLaw | None = None  # None: no wear is computed
     map_frame: MapFrame = "body"
     contact: SurfaceContact = "radial"
     bearing_surface: Surface = field(default_factory=Surface)

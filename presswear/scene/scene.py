@@ -376,9 +376,10 @@ class Scene(Checked):
 
     @property
     def output(self) -> str:
-        """Name of the body of the output point."""
+        """Name of the body of the output point in a sentence: ``the slider``, ``link 7``."""
         body = self.mechanism.linkage().output.body
-        return "slider" if body.startswith("slider") else body
+        name = "slider" if body.startswith("slider") else body
+        return f"the {name}" if name[-1].islower() else name
 
     def ideal_slider(self, time: Array, closed: bool = True) -> Array:
         """Return displacement from the start, velocity and acceleration of the ideal output.

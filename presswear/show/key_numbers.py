@@ -99,8 +99,9 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     forces = {name: joint.peak_force_per_cycle for name, joint in joints.items()}
     at = _greatest(forces)
     largest = numbers.quantity_text(joints[at].peak_force, "N")
-    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all: {largest}. "
-    text += "Impacts are included; a real frame bends and makes them smaller."
+    where = "" if last is first else " of the last stage"
+    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all strokes{where}: "
+    text += f"{largest}. Impacts are included; a real frame bends and makes them smaller."
     if not scene.has_untrusted_loads:
         ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
         text += f" Without clearance: {numbers.quantity_text(ideal, 'N')}."
@@ -172,11 +173,11 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the force of the work, and accuracy and repeatability of bottom dead centre."""
     tonnage, bdc, result = press.tonnage_of(scene, stage), stage.statistics.bdc, []
     if tonnage is not None and tonnage.peak_force is not None:
-        text = f"Greatest force of the work on the {scene.output} in a stroke."
+        text = f"Greatest force of the work on {scene.output} in a stroke."
         result.append(measured("Working force", tonnage.peak_force, "N", text))
     if bdc is None or not scene.clearance_joints:
         return result
-    text = f"Lowest position of the {scene.output} compared with joints without clearance; "
+    text = f"Lowest position of {scene.output} compared with joints without clearance; "
     text += "negative is deeper."
     result.append(measured("Bottom dead centre error", bdc.error, "m", text))
     text = "Standard deviation of bottom dead centre from stroke to stroke."
@@ -272,7 +273,8 @@ def warnings(result: Result) -> list[str]:
             lines.append(
                 f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
                 "joints dissipate. Forces and wear may be wrong by as much."
-                + (" Use contact = foundation." if can_change else "")
+                + can_change
+                * ' Use --set contact=foundation, or contact = "foundation" in [settings].'
             )
     errors = [stage.statistics.peak_force_step_error or 0.0 for stage in stages]
     if (error := max(errors, default=0.0)) > _STEP_ERROR:

@@ -9,7 +9,7 @@ import gc
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from PIL.Image import Image
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, rendered, write
 from presswear.show.figures.style import TEMPLATES
-from presswear.tools.numbers import readable, unit_factor, whole
+from presswear.tools.numbers import readable, unit_factor, unit_scale, whole
 
 NOTHING = "–"
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")  # a space is never part of a figure's data
@@ -100,13 +100,22 @@ def column_table(
     ``corner`` is the title of the column of labels; ``groups`` are rows by heading. Rows without
     a value in any record are left out.
     """
+    scaled = {heading: [_scaled(row, records) for row in rows] for heading, rows in groups.items()}
     filled = {}
-    for heading, rows in groups.items():
+    for heading, rows in scaled.items():
         lines = [(row.head, *(row.text(record) for record in records)) for row in rows]
         if lines := [line for line in lines if set(line[1:]) - {NOTHING}]:
             filled[heading] = tuple(lines)
-    meanings = {row.head: row.meaning for rows in groups.values() for row in rows if row.meaning}
+    meanings = {row.head: row.meaning for rows in scaled.values() for row in rows if row.meaning}
     return Table((corner, *names), tuple(filled.items()), numeric, meanings) if filled else None
+
+
+def _scaled(row: Row, records: Iterable[Any]) -> Row:
+    """Return a row of an SI unit in the unit in which its largest value reads well."""
+    values = [value_at(record, row.path) for record in records]
+    numbers = (one.mean if isinstance(one, Estimate) else one for one in values)
+    sizes = [abs(one) for one in numbers if isinstance(one, float)]
+    return replace(row, unit=unit_scale(row.unit, max(sizes, default=0.0) or 1.0)[1])
 
 
 def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = True) -> Table:

@@ -348,7 +348,7 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     cycles = (end - start) / scene.mechanism.period
     lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
     together = combine(list(lines.values()))
-    labels = [f"acceleration of the {scene.output} (m/s²)"]
+    labels = [f"acceleration of {scene.output} (m/s²)"]
     labels += [f"force at {joint} (N)" for joint in joints]
     spectra = dict(zip(labels, spectra_of(scene, stage).values(), strict=True))
 

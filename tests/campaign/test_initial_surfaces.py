@@ -65,7 +65,7 @@ def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path: Path) ->
     (stage,) = result.stages
     np.testing.assert_allclose(stage.joints["C"].depth("pin"), 2e-6, rtol=1e-12)
     assert not stage.joints["A"].depth("pin").any()
-    assert "surfaces worn; wear account off" in str(stage.diagnostics["model"])
+    assert "surfaces worn; wear not computed" in str(stage.diagnostics["model"])
 
 
 @pytest.mark.parametrize(("contact", "frame"), [("radial", "fixed"), ("foundation", "body")])

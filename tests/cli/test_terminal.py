@@ -89,7 +89,7 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
     observer.on_progress(Progress(0, 0.1, 0.1, "", linkage))
     assert lines_of(bar, 80, clock)[0].startswith("no wear")
     observer.on_stage(stage)
-    assert "3.00 s per simulated second" in console.export_text()
+    assert "1 cycle of all replicates, 3.00 s per simulated second" in console.export_text()
     observer.on_progress(Progress(0, 0.0, 0.0, COMPILING, linkage))
     clock.now += 8.0
     observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps", linkage))

@@ -9,7 +9,10 @@ import pytest
 from four_bar_linkage import FOUR_BAR
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.laws import hertz_stiffness
+from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import SCENES, scene_named
@@ -184,6 +187,16 @@ def test_purpose_sets_the_default_tolerance(settings: dict[str, Any], tolerance:
     solver = changed(scene, {"tree_tolerance": 1e-8}).solver
     assert isinstance(solver, ExudynTree)
     assert solver.tree_tolerance == 1e-8
+
+
+@pytest.mark.parametrize(
+    ("body", "words"), [("ram", "the ram"), ("link 7", "link 7"), ("slider 6", "the slider")]
+)
+def test_the_body_of_the_output_point_has_an_article_unless_it_has_a_number(
+    body: str, words: str
+) -> None:
+    bars, pins = [Bar(body, 0.1, 1.0)], [Pin("O", (0.0, 0.0), f"{body}.tail")]
+    assert Scene(assemble(bars, pins, [Drive(body, 10.0)])).output == words
 
 
 @pytest.mark.parametrize(("degrees", "bottom"), [(0, 0.07), (-90, -0.17), (90, 0.07), (-30, -0.17)])

@@ -35,7 +35,7 @@ from presswear.show.figures.wear import seam
 from presswear.tools.numbers import readable
 
 UNIT = re.compile(
-    r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
+    r"^strokes |\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
 )
 NOT_MADE_UP = ("life", "tonnage", "oil")  # figures that need what made-up results lack
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
@@ -224,7 +224,7 @@ def test_an_axis_of_large_forces_is_in_kilonewtons() -> None:
 def test_depth_is_the_cumulative_total_in_microns() -> None:
     result = made_up(made.BOTH, 3)
     sheet = sheet_of("wear", result)
-    assert legend_of(sheet) == ["first wear", "second wear", "third wear, not run"]
+    assert legend_of(sheet) == ["first wear", "second wear", "third wear, not simulated"]
     expected = 2e6 * result.stages[1].arrays["A_depth_bearing"]
     for k, line in enumerate(sheet.axes[0].get_lines(), start=1):
         np.testing.assert_allclose(np.asarray(line.get_ydata()), k * expected)
@@ -342,7 +342,9 @@ def test_labels_of_a_mechanism_are_apart_cover_no_line_and_are_inside_the_axes(
 
 def test_a_mechanism_is_labelled_at_its_position() -> None:
     scene = changed(wear_times(), {"A.clearance": "0.25mm"})
-    (axes,) = labelled(scene, 0.1).sheet.axes
+    (axes,) = (drawing := labelled(scene, 0.1)).sheet.axes
+    assert "closed, 100 ms after the start; one" in drawing.caption
+    assert "closed, at the start; one" in labelled(scene).caption
     joints = {"B", "D", "E", "O2", "O7", "A\nc = 0.25 mm", "C\nc = 0.8 mm"}
     assert {*joints, "105 rpm"} <= words_of(axes)
     position = scene.ideal.at(np.array([0.1])).position[0].reshape(-1, 3)[:, :2]

@@ -44,6 +44,7 @@ def test_loads_stand_beside_their_limits() -> None:
     result = made_up(scene, 2)
     numbers = {number.name: number for number in key_numbers(result)}
     assert 6 <= len(numbers) <= 10
+    assert "Largest of all strokes of the last stage: 101 N." in numbers["Peak joint force"].meaning
     force = result.stages[1].statistics.joints["C"].peak_force_per_cycle.mean
     assert numbers["Pin pressure p"].value == f"{1e-6 * force / 4e-4:.2f} MPa"
     assert "Limit: 0.100 MPa." in numbers["Pin pressure p"].meaning
@@ -130,6 +131,7 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
     lines = warnings(altered(result, 1, statistics=statistics))
     expected = "First wear: contact forces create 12 % of the energy"
     assert any(line.startswith(expected) for line in lines)
+    assert any("--set contact=foundation, or contact = " in line for line in lines)
     assert not any("create" in line for line in warnings(result))
     (few,) = [line for line in lines if line.startswith("Few strokes: peak forces are means of 2")]
     assert few.endswith("Run at least 20: cycles = 7 or more.")  # of one replicate

@@ -97,7 +97,10 @@ def test_values_are_shown_in_the_unit_of_their_row(value: object, unit: str, tex
 def test_units_read_naturally() -> None:
     assert unit_scale("m", 1.2e-5) == (1e6, "µm")
     assert unit_scale("m", 0.0)[1] == "pm"
-    assert (unit_scale("N", 2e4), unit_scale("J", 2e4)) == ((1e-3, "kN"), (1.0, "J"))
+    assert (unit_scale("N", 2e4), unit_scale("Hz", 2e4)) == ((1e-3, "kN"), (1.0, "Hz"))
+
+
+ENERGY = Row("energy", "made", "J")
 
 
 def test_tables_of_rows() -> None:
@@ -108,6 +111,9 @@ def test_tables_of_rows() -> None:
     assert table.groups == (("", (("force of A (N)", "1\u202f230", "1\u202f230"),)),)
     assert table.meanings == {"force of A (N)": "peak"}
     assert column_table("", ["first"], [WHEEL], {"": rows[1:]}) is None
+    energies = column_table("", ["a", "b"], [{"made": 911e-6}, {"made": 2e-5}], {"": [ENERGY]})
+    assert energies is not None
+    assert energies.groups == (("", (("energy (µJ)", "911", "20.0"),)),)
     lines = row_table([Row("depth", "depth", "µm"), Row("end", "ends.0")], [WHEEL])
     assert lines.head == ("depth (µm)", "end")
     assert lines.groups == (("", (("20.0", "1.00"),)),)

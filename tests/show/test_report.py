@@ -135,6 +135,7 @@ ZERO = "counterclockwise from the x axis of the frame"
     ("scene", "stages", "present", "absent"),
     [
         (made.BOTH, 2, f"{SAMPLE} & {RADIAL} & {OWN} & {ZERO}", "presses on work"),
+        (made.ONE, 1, "restitution is 0.9; in a single impact the law of Lankarani", RADIAL),
         (made.BOTH, 1, f"{SAMPLE} & samples are the settled cycles of 4 replicates. In", RADIAL),
         (made.BODY, 2, f"{SAMPLE} & axis of the body (thin arrow & {PAIRS}", RADIAL),
         (made.IDEAL, 1, "chosen, not the paper's & No joint has clearance", SAMPLE),
@@ -143,7 +144,7 @@ ZERO = "counterclockwise from the x axis of the frame"
         (
             OWN_FOUR_BAR,
             1,
-            "The rocker moves between its lowest & 111 mm apart & 300 µm at B & "
+            "positions of the rocker are 111 mm apart & 300 µm at B & "
             "guides (O, A, P) have no friction, so torque",
             "slider",
         ),
@@ -218,7 +219,7 @@ def test_every_number_of_a_solver_has_a_name_and_a_unit(engine: str) -> None:
     ((_, lines),) = diagnostics.groups
     names = [line[0] for line in lines]
     assert len(names) == len(result.stages[0].diagnostics) - 1  # the model is a sentence
-    assert "energy residual (J)" in names
+    assert any(re.fullmatch(r"energy residual \([µm]?J\)", name) for name in names)
     assert not any(re.search(r" (J|m|s|m/s)$", name) for name in names)
     packages = page_of(result).row("packages")[1]
     assert re.search("; exudyn [0-9.]+, module (fast|safe); numpy", packages)

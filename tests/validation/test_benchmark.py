@@ -220,9 +220,9 @@ def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
             assert row["cpu_s_per_step"] == row["cpu_s"] / (row["steps"] + row["rejected_steps"])
             assert row["ratio_per_step"] == row["cpu_s_per_step"] / off["cpu_s_per_step"]
     tree = {(r["feature"], r["state"]): r["steps"] for r in costs if r["engine"] == "exudyn-tree"}
-    # Neither wear account nor stored torques change the motion.
+    # Neither computed wear nor stored torques change the motion.
     for feature in benchmark.ENGINES["exudyn-tree"]:
-        is_equal = feature in ("wear account", "torques stored")
+        is_equal = feature in ("wear", "torques stored")
         assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
 
 

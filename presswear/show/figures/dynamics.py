@@ -214,7 +214,7 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
 def draw_orders(diagram: "Diagram") -> Drawing:
     """Return the amplitudes at the orders of the crank, one column for each branch."""
     joints, branches = diagram.scene.clearance_joints, diagram.branches
-    names = [f"acceleration of the\n{diagram.scene.output} (m/s²)"]
+    names = [f"acceleration of\n{diagram.scene.output} (m/s²)"]
     names += [f"force at {joint} (N)" for joint in joints]
     height = 0.9 + 2.2 * len(names)
     sheet, grid = style.panels(len(names), len(branches), height, sharex=True, sharey=True)

@@ -105,7 +105,7 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     time = np.linspace(window.start, window.end, 1001)
     height = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0] - scene.bottom
     IDEAL.draw(axes, time, factor * (height + scene.ideal_slider(time, closed=False)[:, 0]))
-    axes.set_ylabel(f"height of the {scene.output}\nover bottom dead centre ({unit})")
+    axes.set_ylabel(f"height of {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
     content = {"scene": scene, "window": window, "marks": marks.values()}
     return style.finished("stroke", sheet, _pens(shown), **content)
@@ -214,8 +214,8 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
         last = max(float(number[-1]) for number, _ in replicates if number.size)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        axes.set_xlabel("since the start (strokes)")
-    row[0].set_ylabel(f"lowest position of the {scene.output}\nminus ideal ({unit})")
+        axes.set_xlabel("strokes since the start")
+    row[0].set_ylabel(f"lowest position of {scene.output}\nminus ideal ({unit})")
     return style.finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
 
 

@@ -68,7 +68,7 @@ def _depth_curves(
     worn = [(stage.pen, stage.data, ["depth"]) for stage in shown if stage.data.is_worn]
     last = shown[-1].data
     if last is result.stages[-1] and not last.failed and result.life is None:
-        name = f"{result.stage_name(last.index + 1)}, not run"
+        name = f"{result.stage_name(last.index + 1)}, not simulated"
         worn.append((Pen(name, style.MUTED, (0.0, (2.0, 2.0)), 0.9), last, ["depth", "wear"]))
     curves = []
     for pen, stage, kinds in worn:
