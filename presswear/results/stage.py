@@ -240,7 +240,8 @@ class StageResult:
     def __repr__(self) -> str:
         """Return the cycles, and peak force and wear of each joint."""
         statistics = self.statistics
-        lines = [f"{self.name}: {self.message or self.status}, {statistics.cycles} cycles"]
+        cycles = f"{statistics.cycles} cycle{'s' * (statistics.cycles != 1)}"
+        lines = [f"{self.name}: {self.message or self.status}, {cycles}"]
         for name, joint in statistics.joints.items():
             volume = joint.wear_volume.scaled(1e15 / self.cycles_per_update)
             force = f"mean peak force {joint.peak_force_per_cycle} N"
