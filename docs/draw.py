@@ -165,13 +165,13 @@ def life(axes: Axes) -> None:
 
 def _steps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
     """Return the cycles of a replicate and the life of each, with one update per cycle."""
-    histories = WearHistories(Runner(scene, workers), initial_depth(scene), ())
     # Where the mean has crossed this limit, each replicate has crossed the one that is asked for.
     beyond = replace(UNTIL, value=1.5 * UNTIL.value)
     problem = LifeProblem((beyond,), (), 1e12, 1.0, 1_000_000)
+    histories = WearHistories(Runner(scene, workers), initial_depth(scene), problem)
     level = Refinement(step, 1)
     while isinstance(plan := next_block(problem, level), BlockPlan):
-        level = replace(level, blocks=(*level.blocks, histories.advance(1, level.blocks, plan)))
+        level = replace(level, blocks=(*level.blocks, histories.advance((level,), plan)))
         lives = [level.crossing([UNTIL], np.array([k])) for k in range(REPLICATES)]
         if np.all(np.isfinite(lives)):
             break

@@ -37,6 +37,7 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
+from presswear.tools.numbers import large
 from presswear.tools.processes import Job, Report, Workers, cores
 from presswear.tools.serialize import checked_names
 
@@ -250,7 +251,8 @@ class Checkpoint:
         if self.life is not None and self.life.running.runs:
             blocks = self.life.refinements[-1].blocks if self.life.refinements else ()
             strokes = blocks[-1].strokes if blocks else 0.0
-            return f"refinement {self.life.place[0]} of the life, {strokes:.3g} strokes"
+            number = self.life.place[0]
+            return f"refinement {number} of the life, {large(strokes, digits=2)} strokes"
         wear = "" if self.stage is None else ", the wear after it"
         return f"stage {self.index}{wear}, cycle {self.running.cycles}"
 

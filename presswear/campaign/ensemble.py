@@ -49,8 +49,11 @@ from presswear.tools.processes import Job, Workers
 
 _LOG = logging.getLogger(__name__)
 
+Shares = tuple[float, float]  # one that never falls, and the latest estimate
+
 FEWEST = 20  # samples of all replicates before a stage may end early: fewer agree by luck
 ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
+MAX_SHARE = 0.99  # of a stage, before it ends: another round may follow
 STEP_CHECK = -1  # key of the step check among the jobs, whose other keys are indices of runs
 _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")  # not summed
 
@@ -178,14 +181,18 @@ class Runner:
     scene: Scene
     workers: Workers = field(default_factory=Workers)
     observers: Sequence[Observer] = ()
-    index: int = 0  # of the stage that runs
+    index: int | None = None  # of the stage that runs; None: the service life before them
     done: float = 0.0  # cycles of the ensembles before this one
     later: float = 0.0  # cycles expected after it
-    shown: float = 0.0  # part of the stage that was reported: progress never falls
+    reported: float = 0.0  # cycles that were reported
+    shares: Shares = (0.0, 0.0)  # completed part of the stage
+    life: Shares = (0.0, 0.0)  # part of the campaign that the service life was
 
     def start_stage(self, index: int) -> None:
         """Start the progress of another stage."""
-        self.index, self.done, self.later, self.shown = index, 0.0, 0.0, 0.0
+        self.life = self.shares if self.index is None else self.life
+        self.index, self.shares = index, (0.0, 0.0)
+        self.done = self.later = self.reported = 0.0
 
     def run(
         self,
@@ -208,11 +215,24 @@ class Runner:
         return ensemble
 
     def report(self, part: float, whole: float, word: str, linkage: Linkage, film: Any) -> None:
-        """Report cycles of each replicate in the present ensemble, and as many as are needed."""
-        share = (self.done + part) / (self.done + whole + self.later)
-        self.shown = max(self.shown, min(share, 1.0))
-        campaign = (self.index + self.shown) / (self.scene.wear_updates + 1)
-        progress = Progress(self.index, self.shown, campaign, word, linkage, film)
+        """Report cycles of each replicate in the present ensemble, and as many as are needed.
+
+        Each cycle completes an equal part of what is left, so that progress never falls.
+        """
+        done, left = self.done + part, whole - part + self.later
+        step, self.reported = max(done - self.reported, 0.0), max(done, self.reported)
+        shown = self.shares[0]
+        if step > 0.0:
+            shown = min(shown + (1.0 - shown) * step / (step + left), MAX_SHARE)
+        self.shares = shown, done / (done + left)
+        whole, estimate = self.shares
+        if self.index is not None:
+            stages, index = self.scene.wear_updates + 1, self.index
+            whole, estimate = (
+                life + (1.0 - life) * (index + share) / stages
+                for life, share in zip(self.life, self.shares, strict=True)
+            )
+        progress = Progress(self.index or 0, shown, whole, word, linkage, film, estimate)
         for observer in self.observers:
             observer.on_progress(progress)
 
@@ -241,7 +261,7 @@ class _Rounds:
         self._groups: dict[int, Sequence[int]] = {}  # runs of each work unit
         self._done = [0.0 if run is None else float(run.cycles) for run in runs]
         # Most often the first round is enough, which shows only at its end.
-        self._needed, self._reached = [float(max(until))] * sets, [""] * sets
+        self._needed = [float(max(until))] * sets
 
     def _deal(self, total: int) -> tuple[int, ...]:
         """Return cycles for the runs of a set, with a total, as equal as possible."""
@@ -321,7 +341,6 @@ class _Rounds:
         error = float(map_errors(*map_batches(maps)).max())
         cycles = [run.cycles for run in maps]
         _LOG.info("wear maps known to %.2g after %d cycles", error, sum(cycles))
-        self._reached[number] = f", wear maps known to {100.0 * error:.0f} %"
         samples = sum(run.samples for run in maps)
         lacking = max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
         if lacking == 0.0 or min(cycles) >= spec.cycles:
@@ -340,11 +359,9 @@ class _Rounds:
         if index != STEP_CHECK and not is_compiling:
             for k in self._groups[index]:
                 self._done[k] = done
-        number = max(index, 0) // size
-        needed, cycles = np.repeat(self._needed, size), self._done[number * size :][:size]
-        where = f"cycle {int(min(cycles))} of {math.ceil(self._needed[number])}"
-        where += ", second set" if number else ""
-        word = ", ".join(filter(None, (self.spec.label, where + self._reached[number])))
+        needed = np.repeat(self._needed, size)
+        cycle = f"cycle {int(min(self._done))} of {math.ceil(max(self._needed))}"
+        word = self.spec.label or cycle
         linkage, film = self._linkages[index], None
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):

@@ -22,7 +22,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.statistics import half_width
+from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.options import Limit, Service
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
@@ -82,10 +82,6 @@ class BlockPlan:
     cycles: int  # of each history
     share: float  # strokes that each stands for
     extra: Array | float = 0.0  # depth that each takes off besides, (joints, 2, bins), m
-
-
-Advance = Callable[[int, Blocks, BlockPlan | Service], LoadBlock]
-"""Runs the next block, or the maintenance, in the refinement of a number, after some blocks."""
 
 
 @dataclass(frozen=True)
@@ -188,6 +184,8 @@ class Refinement:
 
 
 Refinements = Sequence[Refinement]
+Advance = Callable[[Refinements, BlockPlan | Service], LoadBlock]
+"""Runs the next block, or the maintenance, in the last of some refinements."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +247,7 @@ def run_refinements(
                 return tuple(done)
             done.append(further)
             continue
-        done[-1] = replace(last, blocks=(*last.blocks, advance(len(done), last.blocks, plan)))
+        done[-1] = replace(last, blocks=(*last.blocks, advance(done, plan)))
         for limit in () if last.blocks else problem.limits:
             each = [done[-1].curve(limit.key, np.array([k])) for k in range(done[-1].histories)]
             # The lower end of the interval of the new value.
@@ -313,11 +311,7 @@ def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinemen
     if has_coarser and (life.error <= problem.tolerance or math.isinf(life.strokes)):
         return None
     finished = last.cycles_until(min(life.strokes, last.blocks[-1].strokes))
-    growth = MAX_STEP_GROWTH
-    if math.isfinite(life.sampling):
-        needed = (life.sampling / (SCATTER_FRACTION * problem.tolerance)) ** 2
-        growth = min(max(needed, growth), MAX_CYCLE_GROWTH)
-    cycles = max(growth * finished, MIN_CYCLES)
+    cycles = _next_cycles(problem, life.sampling, finished)
     if has_coarser and cycles * last.histories > problem.max_cycles:
         return None
     block = max(round(BLOCK_GROWTH * math.sqrt(cycles)), MIN_BLOCK)
@@ -326,6 +320,83 @@ def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinemen
     change = float(rates @ np.diff(np.minimum(last.strokes, life.strokes)))
     scaled = min(max(change / last.change, 1.0), max(finished, 1.0))
     return Refinement(last.change * scaled / (cycles - finished + scaled), block)
+
+
+def _next_cycles(problem: LifeProblem, sampling: float, finished: float) -> float:
+    """Return the cycles of the refinement after one with a sampling error and finished cycles."""
+    growth = MAX_STEP_GROWTH
+    if math.isfinite(sampling):
+        needed = (sampling / (SCATTER_FRACTION * problem.tolerance)) ** 2
+        growth = min(max(needed, growth), MAX_CYCLE_GROWTH)
+    return max(growth * finished, MIN_CYCLES)
+
+
+def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
+    """Return the cycles of each history that are expected until the life is known.
+
+    After the last refinement others follow by the rule of ``next_refinement``. The error of the
+    scatter falls with the root of the cycles. That of the step follows from the distance of the
+    first life and the last one; with a single one, from its scatter.
+    """
+    *coarser, last = refinements
+    limits, sampling, distance = problem.limits, problem.tolerance, problem.tolerance
+    ends = [max(each.cycles_until(each.crossing(limits)), 1.0) for each in coarser]
+    histories = refinements[0].histories if refinements[0].blocks else 1
+    ran = sum(block.cycles for block in last.blocks[1:])
+    left = _left_in_last(problem, refinements, ran)
+    ends.append(max(ran + left, 1.0))
+    left += last.block + (0 if last.blocks else STARTUP_CYCLES + MIN_BLOCK)
+    if coarser:
+        sampling = coarser[-1].sampling_error(limits)
+        if math.isinf(sampling):
+            return left
+        change = abs(math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits)))
+        distance = change if 0.0 < change < math.inf else sampling
+        sampling *= math.sqrt(ends[-2] / ends[-1])
+    while True:
+        ratio = max(ends[-1] / ends[0], MIN_REFINEMENT)
+        step = distance / (ratio - 1.0) * (1.0 if ratio >= SAFE_REFINEMENT else STEP_SAFETY)
+        cycles = _next_cycles(problem, sampling, ends[-1])
+        is_known = math.hypot(sampling, step) <= problem.tolerance
+        is_used_up = cycles * histories > problem.max_cycles
+        if len(ends) > 1 and (is_known or is_used_up):
+            return left
+        left += STARTUP_CYCLES + MIN_BLOCK + cycles
+        sampling *= math.sqrt(ends[-1] / cycles)
+        ends.append(cycles)
+
+
+def _left_in_last(problem: LifeProblem, refinements: Refinements, ran: int) -> float:
+    """Return the cycles of each history up to the life that the last refinement lacks.
+
+    They are spread evenly over the depth that wears off: a limit on a quantity of the surfaces
+    tells the completed part, and the refinement before tells it for one of a stroke.
+    """
+    *coarser, last = refinements
+    blocks, limits, lefts = last.blocks, problem.limits, []
+    whole = float(MIN_CYCLES)
+    if coarser:
+        before, life = coarser[-1], coarser[-1].crossing(limits)
+        finished = before.cycles_until(life)
+        whole = _next_cycles(problem, before.sampling_error(limits), finished)
+    if not blocks:
+        return whole
+    strokes, first = blocks[-1].strokes, blocks[0]
+    for limit in limits:
+        if limit.key in first.levels:
+            values = last.curve(limit.key)
+            each = float(np.diff(values).clip(0.0).sum()) / max(ran, 1)
+            if not ran and first.rate > 0.0:
+                each = float(values[0]) / first.strokes * last.change / first.rate
+            if each > 0.0:
+                lefts.append(float(limit.value - values[-1]) / each)
+        elif coarser and before.crossing([limit]) == life:
+            part = before.cycles_until(strokes) / max(finished, 1.0)
+            lefts.append((1.0 + MARGIN) * whole * (1.0 - part))
+    if ran and strokes > blocks[-2].strokes:
+        stood_for = (strokes - blocks[-2].strokes) / blocks[-1].cycles
+        lefts.append((problem.at_most - strokes) / stood_for)
+    return max(min(lefts, default=whole - ran), 0.0)
 
 
 def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEstimate:

@@ -12,14 +12,12 @@ from presswear.campaign import wear_update
 from presswear.campaign.ensemble import EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
 from presswear.campaign.service_life import (
-    MIN_BLOCK,
-    MIN_CYCLES,
     BlockPlan,
-    Blocks,
     LifeProblem,
     LoadBlock,
     Refinement,
     Refinements,
+    cycles_left,
     estimate_life,
     run_refinements,
 )
@@ -31,13 +29,14 @@ from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.results.stage import WearStep
-from presswear.scene.options import Limit, Service
+from presswear.scene.options import Service
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
+STAGE_CYCLES = 12  # of each history, in whose time a stage runs until its wear maps are known
 _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
 MAX_PHASES = 3
 REACH = 4.0  # factor that the wear rate may change by from that when new
@@ -93,7 +92,7 @@ class WearHistories:
 
     runner: Runner
     initial: Array  # depth of the surfaces at the start, (replicates, joints, 2, bins), m
-    limits: tuple[Limit, ...]
+    problem: LifeProblem
     state: LifeState = field(default_factory=LifeState)
     keep: Callable[[LifeState], None] = lambda state: None  # called whenever it has changed
 
@@ -102,8 +101,9 @@ class WearHistories:
         self.state = replace(self.state, **changes)
         self.keep(self.state)
 
-    def advance(self, number: int, before: Blocks, plan: BlockPlan | Service) -> LoadBlock:
+    def advance(self, refinements: Refinements, plan: BlockPlan | Service) -> LoadBlock:
         """Run the next block, or replace or turn a bushing; see ``Advance``."""
+        number, before = len(refinements), refinements[-1].blocks
         if isinstance(plan, Service):
             return self._maintain(before[-1], plan)
         runner, scene = self.runner, self.runner.scene
@@ -120,12 +120,12 @@ class WearHistories:
             runner.done -= running.cycles / count
         running = replace(running, until=(finished + plan.cycles,) * count)
         self.state = replace(self.state, place=(number, interval), running=running)
-        left = max(MIN_CYCLES - sum(block.cycles for block in before), MIN_BLOCK)
-        runner.later = left + (2 * MIN_CYCLES if number == 1 else 0)
-        runner.later += scene.wear_updates * wear_update.FIRST_REFINEMENT
+        start = 0 if before else STARTUP_CYCLES
+        runner.later = max(cycles_left(self.problem, refinements) - plan.cycles - start, 0.0)
+        runner.later += (scene.wear_updates + 1) * (scene.cycles or STAGE_CYCLES)
 
         wear = wear_update.wear_per_cycle(plan.share, plan.extra)
-        label = f"life, refinement {number}, {strokes:.3g} strokes"
+        label = f"life, refinement {number}, {large(strokes, digits=2)} strokes"
         place = number + _MAX_INTERVALS * interval
         spec = RunSpec(_MAX_CYCLES, wear=wear, number=place, label=label)
         ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
@@ -170,18 +170,19 @@ class WearHistories:
         )
 
     def _levels(self, depth: Array) -> dict[str, Array]:
-        return levels_of(self.runner.scene, depth, [limit.name for limit in self.limits])
+        return levels_of(self.runner.scene, depth, [limit.name for limit in self.problem.limits])
 
     def _check_reach(self, depth: Array, strokes: float) -> None:
         """Raise InputError if, at the rate when new, a joint wears through long before a limit."""
         scene = self.runner.scene
         joints, life, levels = scene.linkage().clearances, scene.life, self._levels(depth)
         assert life is not None
-        is_of_depth = all(limit.name in ("depth", "wear_volume") for limit in self.limits)
-        if not is_of_depth or self.initial.any() or life.services(scene.clearance_joints):
+        limits = self.problem.limits
+        is_of_depth = all(limit.name in ("depth", "wear_volume") for limit in limits)
+        if not is_of_depth or self.initial.any() or self.problem.services:
             return
         worn = depth.mean(axis=0).max(axis=(1, 2)) / [joint.clearance for joint in joints]
-        reached = max(float(levels[limit.key].mean()) / limit.value for limit in self.limits)
+        reached = max(float(levels[limit.key].mean()) / limit.value for limit in limits)
         deepest = int(np.argmax(worn))
         is_before = worn[deepest] > REACH * reached > 0.0
         if is_before and life.at_most > (through := strokes / float(worn[deepest])):
@@ -205,7 +206,7 @@ def run_life(
     assert life is not None
     limits, services = life.limits(joints), life.services(joints)
     problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
-    histories = WearHistories(runner, initial, limits, state, keep)
+    histories = WearHistories(runner, initial, problem, state, keep)
     done = run_refinements(
         problem, histories.advance, state.refinements, lambda r: histories.store(refinements=r)
     )

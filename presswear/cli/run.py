@@ -160,8 +160,9 @@ class RunObserver(Observer):
     def __init__(self, bar: ProgressBar, scene: Scene) -> None:
         self._bar, self._scene = bar, scene
         self._compile_time = 0.0  # within this stage, s
-        self._compiled = 0.0  # of all stages, s
+        self._compiled = 0.0  # of all stages, s, with the time before the first report
         self._compile_start: float | None = None
+        self._start: float | None = None  # completed part at the first report, of a resumed run
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
         self._printed = clock.perf_counter()
 
@@ -183,8 +184,11 @@ class RunObserver(Observer):
             if not text.startswith("applying"):
                 self._compile_time += took
             self._compile_start = None
-        done = progress.whole
-        self._bar.update(self._task, description=text, completed=done, idle=self._compiled)
+        done, share = progress.whole, progress.estimate or progress.whole
+        if self._start is None:
+            self._start, self._compiled = share, clock.perf_counter() - self._printed
+        fields: Any = {"idle": self._compiled, "share": share, "start": self._start}
+        self._bar.update(self._task, description=text, completed=done, **fields)
         if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
             self._printed = clock.perf_counter()
             left = terminal.time_left(self._bar.tasks[self._task])
@@ -310,7 +314,8 @@ def _several_runs(
         def show(run: str, share: float, words: str) -> None:
             check_stopped()
             shares[run] = share
-            report(f"{run}: {words}", sum(shares.values()) / count)
+            finished = sum(share == 1.0 for share in shares.values())
+            report(f"{name}: {finished} of {count} finished", sum(shares.values()) / count)
             if share == 1.0:
                 terminal.print_lines(console, f"finished {run}: {words}")
 

@@ -202,7 +202,11 @@ def verdict(passed: bool) -> Text:
 
 
 class _TimeLeft(ProgressColumn):
-    """Time left at the mean speed so far, without the time of compilation (field ``idle``)."""
+    """Time left at the mean speed so far.
+
+    Fields of the task: ``idle`` is the time of compilation, ``share`` the completed part by the
+    latest estimate, and ``start`` the part that a resumed run started with.
+    """
 
     def render(self, task: Task) -> Text:
         """Return the time in words."""
@@ -211,10 +215,10 @@ class _TimeLeft(ProgressColumn):
 
 def time_left(task: Task) -> str:
     """Return the time left in words; nothing while little is done."""
-    share = task.percentage / 100.0
-    if not MIN_SHARE <= share < 1.0 or task.elapsed is None:
+    share, start = task.fields.get("share", task.percentage / 100.0), task.fields.get("start", 0.0)
+    if not share - start >= MIN_SHARE or share >= 1.0 or task.elapsed is None:
         return ""
-    seconds = (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 / share - 1.0)
+    seconds = (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 - share) / (share - start)
     return f"{lasting(round(max(seconds, 0.0)))} left"
 
 

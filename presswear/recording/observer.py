@@ -24,6 +24,7 @@ class Progress:
     word: str  # short description of the present step, or nothing
     linkage: Linkage  # that runs, on its worn surfaces
     film: "Film | None" = None  # last frames of one of the runs, if an observer needs frames
+    estimate: float | None = None  # ``whole`` by the latest estimate alone, which may fall
 
 
 class Observer:

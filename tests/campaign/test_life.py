@@ -65,15 +65,16 @@ class KnownWear:
         return self.bedded * top / self.rate
 
     def __call__(
-        self, number: int, before: service_life.Blocks, plan: service_life.BlockPlan | Service
+        self, refinements: service_life.Refinements, plan: service_life.BlockPlan | Service
     ) -> service_life.LoadBlock:
+        before = refinements[-1].blocks
         if isinstance(plan, Service):
             self.depth = np.zeros(8)
             levels, interval = {"A.depth": self.depth}, before[-1].interval + 1
             return replace(before[-1], cycles=0, interval=interval, levels=levels, rate=0.0)
         if not before:
             self.depth = np.full(8, self.initial)
-        draw = np.random.default_rng([self.seed, number, len(before)])
+        draw = np.random.default_rng([self.seed, len(refinements), len(before)])
         start, bottoms = self.depth, []
         for _ in range(plan.cycles):
             law = self.rate * (1.0 + self.fresh * np.exp(-self.depth / self.bedded))
@@ -171,6 +172,29 @@ def test_cycles_are_limited() -> None:
     assert max(each.cycles for each in refinements) <= 2 * limited.max_cycles
     assert service_life.next_refinement(limited, refinements) is None
     assert life.error > limited.tolerance
+
+
+@pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
+def test_cycles_left_are_estimated(limit: Limit) -> None:
+    """From a fifth of a life on most estimates are right within a factor of 1.5."""
+    right = []
+    for seed in range(12):
+        wear, life, moments = KnownWear(seed), problem(limit), []
+
+        def advance(
+            refinements: service_life.Refinements, plan: Any, wear: KnownWear = wear
+        ) -> Any:
+            blocks = [block for each in refinements for block in each.blocks]
+            done = sum(block.cycles for block in blocks) + 2 * len(refinements)  # and the start-up
+            moments.append((done, service_life.cycles_left(life, refinements)))
+            return wear(refinements, plan)
+
+        refinements = service_life.run_refinements(life, advance)
+        blocks = [block for each in refinements for block in each.blocks]
+        whole = sum(block.cycles for block in blocks) + 2 * len(refinements)
+        ratios = [left / (whole - done) for done, left in moments if done >= 0.2 * whole]
+        right += [1.0 / 1.5 <= ratio <= 1.5 for ratio in ratios]
+    assert np.mean(right) > 0.5
 
 
 RATES = {"running-in": (3.0, 4), "steady": (1.0, 8), "accelerated": (2.0, 4)}

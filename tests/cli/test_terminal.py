@@ -1,14 +1,22 @@
 """Progress and summaries on the terminal."""
 
 import io
+import os
+import pty
 import re
+import subprocess
+import sys
+import termios
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
+from presswear.campaign.wear_update import refinement_spec
 from presswear.cli import run
 from presswear.cli.run import RunObserver, step_text
 from presswear.cli.terminal import print_lines, progress_bar
@@ -53,7 +61,7 @@ def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
 @pytest.mark.parametrize("width", [48, 80, 120, 200])
 def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> None:
     bar = progress_bar(console_of(width, clock))
-    long = "applying the first wear in 200 steps, cycle 151 of 163"
+    long = "applying the seventh wear in 200 steps, cycle 151 of 163"
     tasks = [bar.add_task(words, total=1.0) for words in (long, long.upper(), "short")]
     for _ in range(4):
         clock.now += 10.0
@@ -66,14 +74,54 @@ def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> No
     assert sorted(text.split()) == sorted(f"{long} {long.upper()} short".split())
 
 
+@pytest.mark.parametrize("stage", [0, 7, 20])
+def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> None:
+    update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None)
+    assert update is not None
+    labels = ["cycle 1999 of 2000", update.label, "life, refinement 12, 990 million strokes"]
+    texts = [step_text(SCENE, stage, label) for label in labels]
+    bar = progress_bar(console_of(80, clock))
+    tasks = [bar.add_task(text, total=1.0) for text in [*texts, "sweep: 1234 of 2000, 12 failed"]]
+    clock.now += 0.5 * 762.0
+    for task in tasks:
+        bar.update(task, completed=1.0 / 3.0)
+    lines = lines_of(bar, 80, clock)
+    assert len(lines) == len(tasks)
+    assert all(line.endswith("33% 12.7 minutes left") for line in lines)
+
+
+def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(tmp_path: Path) -> None:
+    """The cursor never goes up, as it would to repaint a second line, and the share never falls."""
+    line = "life wear-times --engine dae --cycles 1 --until A.depth>8um --tolerance 1 --no-report"
+    line += " --jobs 1 --set life.max_cycles=40 --set replicates=2 --out out"
+    ours, theirs = pty.openpty()
+    termios.tcsetwinsize(theirs, (24, 80))
+    streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
+    environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "NO_COLOR")}
+    environment |= {"TERM": "xterm"}
+    words = [sys.executable, "-m", "presswear", *line.split()]
+    with subprocess.Popen(words, cwd=tmp_path, env=environment, **streams) as process:
+        os.close(theirs)
+        output = b""
+        with suppress(OSError):  # the other end is closed
+            while part := os.read(ours, 65536):
+                output += part
+    assert process.returncode == 0
+    text = output.decode()
+    assert "life, refinement 1, " in text
+    assert "\x1b[1A" not in text.partition("life: ")[0]
+    shares = [int(share) for share in re.findall(r"(\d+)%", text)]
+    assert shares == sorted(shares)
+
+
 def test_steps_are_described() -> None:
     words = "cycle 3 of 5"
     assert step_text(SCENE, 0, "") == "no wear"
     assert step_text(SCENE, 0, words) == f"no wear: {words}"
-    update = f"first wear in 12 steps, {words}"
+    update = "first wear in 12 steps"
     assert step_text(SCENE, 0, update) == f"applying the {update}"
     assert step_text(SCENE, 1, words) == f"after the first wear: {words}"
-    assert step_text(SCENE, 0, f"life, refinement 1, {words}") == f"life, refinement 1, {words}"
+    assert step_text(SCENE, 0, "life, refinement 1, 2 strokes") == "life, refinement 1, 2 strokes"
 
 
 def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
@@ -105,8 +153,18 @@ def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> 
         observer.on_progress(Progress(0, 0.04 * k, 0.04 * k, "cycle 2 of 5", SCENE.linkage()))
     assert console.export_text().splitlines() == [
         "no wear: cycle 2 of 5, 24 % 3.33 minutes left",
-        "no wear: cycle 2 of 5, 48 % 2.28 minutes left",
+        "no wear: cycle 2 of 5, 48 % 2.27 minutes left",
     ]
+
+
+def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock) -> None:
+    """The quarter from the first report took 20 s; by the estimate a half is left."""
+    bar = progress_bar(console_of(80, clock))
+    observer, linkage = RunObserver(bar, SCENE), SCENE.linkage()
+    for whole, estimate in ((0.6, 0.25), (0.9, 0.5)):
+        clock.now += 20.0
+        observer.on_progress(Progress(0, whole, whole, "", linkage, None, estimate))
+    assert lines_of(bar, 80, clock)[0].endswith("90% 40 s left")
 
 
 def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
