@@ -22,7 +22,7 @@ from presswear.scene.files import SUFFIX
 from presswear.scene.options import Life
 from presswear.scene.plausible import doubts
 from presswear.scene.scene import Scene
-from presswear.scene.settings import SET, changed, on_surfaces
+from presswear.scene.settings import SET, changed, changes_from, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
 from presswear.tools.numbers import unit_scale
@@ -77,8 +77,9 @@ def run_scene(
     terminal.check_resume(arguments.resume, arguments.out)
     is_stored = arguments.resume and (arguments.out / "result.json").exists()
     if is_stored and change is None:
-        scene = _stored_scene(arguments)
+        scene, remarks = _stored_scene(arguments)
     else:
+        remarks = []
         scene = terminal.load_scene(arguments.scene)
         scene = scene if change is None else change(scene)
     name = f"{scene.name}-life" if scene.life else scene.name
@@ -97,7 +98,7 @@ def run_scene(
     with window as live:
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
         warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
-        terminal.print_lines(console, title_of(scene), *warnings, *store.remarks)
+        terminal.print_lines(console, title_of(scene), *warnings, *store.remarks, *remarks)
         if unfinished:
             advice = terminal.resume_command(arguments, unfinished, scene)
             terminal.print_lines(console, f"{unfinished} holds an unfinished run; {advice}")
@@ -141,17 +142,30 @@ def _prepare_report(scene: Scene) -> None:
         prepare(scene)
 
 
-def _stored_scene(arguments: argparse.Namespace) -> Scene:
+def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
+    """Return the scene of the folder, and a remark if the scene that is named has changed."""
     from presswear.results.result import stored_scene
 
     scene, _ = stored_scene(arguments.out)
     if arguments.trust:
         scene.trust()
+    if Path(arguments.scene) == arguments.out:
+        return scene, []
     if scene.name != Path(arguments.scene).name.removesuffix(SUFFIX):
         raise InputError(
             f"--out {arguments.out}: it holds a run of {scene.name}, not of {arguments.scene}"
         )
-    return scene
+    with suppress(InputError):  # the file may be gone
+        changes = changes_from(scene, terminal.load_scene(arguments.scene))
+        # An option of the command that started the run is no change of the file.
+        for one in (each for each in changes if scene.origins.get(each.key) != SET):
+            stored = f"{one.was} {one.unit}".rstrip()
+            return scene, [
+                f"{arguments.scene} has changed: {one.key} = {one.value} {one.unit}".rstrip()
+                + f", stored is {stored}. The stored scene is run. For a new run omit --resume and "
+                "--out"
+            ]
+    return scene, []
 
 
 class RunObserver(Observer):

@@ -166,7 +166,7 @@ def load_result(path: Path, console: Console) -> "Result":
     result = load(path)
     note = unfinished(result)
     if note and not result.stages:
-        arguments = Namespace(command="run", scene=result.scene.name)
+        arguments = Namespace(command="run", scene=str(path))
         raise InputError(f"{note}; {resume_command(arguments, path, result.scene)}")
     if note:
         console.print(f"{note}: only these are used", highlight=False, soft_wrap=True)

@@ -215,7 +215,8 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
 ) -> None:
     """Its folder holds the mechanism and the text of the law, which --trust executes."""
     monkeypatch.chdir(tmp_path)
-    Path("laws.py").write_text("def soft(penetration):\n    return 1e7 * penetration\n")
+    law = "def soft(penetration):\n    return 1e7 * penetration\n"
+    Path("laws.py").write_text(law)
     changed = 'wear_updates = 0\nnormal_law = "laws.py:soft"'
     Path("mine.toml").write_text(example_file("four-bar").replace("wear_updates = 1", changed))
     scene = scene_from(Path("mine.toml"))
@@ -231,10 +232,16 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
 
     monkeypatch.setattr(campaign, "run_into", run_into)
     monkeypatch.setattr(report, "write_report", lambda *arguments: "")
-    for _ in range(2):
-        command(line)
-        Path("mine.toml").unlink(missing_ok=True)
-    assert resumed == [scene, scene]
+    assert "has changed" not in command(line)
+    Path("laws.py").write_text(law)
+    assert "has changed" not in command(line)
+    text = Path("mine.toml").read_text()
+    Path("mine.toml").write_text(text.replace("friction = 0.02", "friction = 0.1"))
+    assert "mine.toml has changed: friction = 0.1, stored is 0.02." in command(line)
+    Path("mine.toml").unlink()
+    command(line)
+    command("run out --resume --out out --trust")
+    assert resumed == [scene] * 5
     assert "mine.toml: there is no such file" in command(f"{line} --cycles 3", 2)
 
 

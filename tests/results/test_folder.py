@@ -198,8 +198,8 @@ def test_no_finished_stage_no_report(tmp_path: Path, command: Callable[..., str]
     path = tmp_path / "out"
     with pytest.raises(Stop):
         run(path, stop=1)
-    line = f"continue with: presswear run wear-times --resume --out {path}\n"
-    assert command(f"report {path}", 2).endswith(line)
+    line = f"run {path} --resume --out {path}"
+    assert command(f"report {path}", 2).endswith(f"continue with: presswear {line}\n")
 
 
 def test_the_command_goes_on_and_ends_as_if_never_stopped(
