@@ -287,7 +287,7 @@ def warnings(result: Result) -> list[str]:
     if strokes < ENOUGH:
         cycles = STARTUP_CYCLES + math.ceil(ENOUGH / scene.replicate_count)
         lines.append(
-            f"Few strokes: peak forces are means of {strokes}, so their intervals are uncertain. "
+            f"Few strokes: peak forces are means of {strokes} strokes, and uncertain. "
             f"Run at least {ENOUGH}: cycles = {cycles} or more."
         )
     for stage in stages[-1:]:

@@ -126,7 +126,7 @@ def _status(result: Result) -> str:
     count, message = len(result.stages), result.message
     total = result.scene.wear_updates + 1
     return {
-        "completed": f"Completed: {count} of {count} stages ran.",
+        "completed": f"Completed: {f'all {count} stages' if count > 1 else 'the stage'} ran.",
         "unconverged": f"Not converged: {message}. {count} stages ran.",
         "failed": f"Failed: {message or 'no reason was stored'}",
         "running": f"Unfinished: {count} of {total} stages are stored; "
