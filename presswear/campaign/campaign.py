@@ -2,9 +2,12 @@
 
 import logging
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from importlib import import_module
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +78,8 @@ def run(
     jobs : int or None
         Replicates that run at a time; None: as many as there are cores. No number depends on it.
     observers : sequence of Observer
-        Notified of what happens.
+        Notified of what happens. Without one, a run of more than a few seconds shows its progress
+        if the standard error is a terminal.
     check : bool
         Whether a failed run raises `RunFailed`.
     interval : float
@@ -95,6 +99,10 @@ def run(
     if not isinstance(scene, Scene):
         example = "a Scene is expected, such as pw.scenes.ideal() or pw.scene_from('press.toml')"
         raise InputError(f"scene = {shown(scene)}: {example}")
+    if not observers and sys.stderr.isatty() and parent_process() is None:
+        # Imported here, because commands are in a higher layer.
+        with import_module("presswear.cli.run").late_bar(scene) as bar:
+            return run(scene, folder, engine, jobs, (bar,), check, interval)
     _check_jobs(jobs)
     scene = with_engine(scene, engine)
     scene.check()

@@ -36,6 +36,7 @@ LOGGER = logging.getLogger(__name__)
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
 LINE_INTERVAL = 60.0  # between lines with the progress where there is no terminal, s
+BAR_DELAY = 3.0  # of the bar of a run in Python, s
 SHOWN_JOINTS = 3  # in the lines of a stage
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
 LIFE = "life,"  # start of the description of a step that follows a service life
@@ -230,6 +231,25 @@ class RunObserver(Observer):
         lines += _largest("wear per 10⁶ strokes", "m^3", volumes)
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
+
+
+@contextmanager
+def late_bar(scene: Scene) -> Iterator[Observer]:
+    """Yield an observer that shows a progress bar while a run lasts, after a few seconds."""
+    bar = terminal.progress_bar(Console(stderr=True))
+    bar.live.transient = True
+    inner, start = RunObserver(bar, scene), clock.perf_counter()
+
+    class Late(Observer):
+        def on_progress(self, progress: Progress) -> None:
+            inner.on_progress(progress)
+            if clock.perf_counter() > start + BAR_DELAY:
+                bar.start()
+
+    try:
+        yield Late()
+    finally:
+        bar.stop()
 
 
 def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:

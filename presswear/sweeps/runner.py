@@ -19,6 +19,7 @@ from multiprocessing import active_children, current_process, get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from presswear.recording.observer import Observer
 from presswear.results.folder import program_digest
 from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, responses_of
@@ -69,7 +70,7 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
         time.sleep(POLL)  # a worker of a killed sweep ends within a second
     start = time.perf_counter()
     try:
-        result = run(scene, folder, jobs=1, check=False)
+        result = run(scene, folder, jobs=1, observers=[Observer()], check=False)
         message = result.message if result.status == "failed" else ""
         values = {} if message else responses_of(result, requested)
     except (OSError, MemoryError):

@@ -74,6 +74,25 @@ def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> No
     assert sorted(text.split()) == sorted(f"{long} {long.upper()} short".split())
 
 
+def in_terminal(words: list[str], folder: Path) -> str:
+    """Return what Python writes to a pseudo-terminal of 80 columns."""
+    ours, theirs = pty.openpty()
+    termios.tcsetwinsize(theirs, (24, 80))
+    streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
+    environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "NO_COLOR")}
+    environment |= {"TERM": "xterm"}
+    command = [sys.executable, *words]
+    with subprocess.Popen(command, cwd=folder, env=environment, **streams) as process:
+        os.close(theirs)
+        output = b""
+        with suppress(OSError):  # the other end is closed
+            while part := os.read(ours, 65536):
+                output += part
+    os.close(ours)
+    assert process.returncode == 0, output
+    return output.decode()
+
+
 @pytest.mark.parametrize("stage", [0, 7, 20])
 def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> None:
     update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None)
@@ -94,24 +113,24 @@ def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(tmp_path: Pat
     """The cursor never goes up, as it would to repaint a second line, and the share never falls."""
     line = "life wear-times --engine dae --cycles 1 --until A.depth>8um --tolerance 1 --no-report"
     line += " --jobs 1 --set life.max_cycles=40 --set replicates=2 --out out"
-    ours, theirs = pty.openpty()
-    termios.tcsetwinsize(theirs, (24, 80))
-    streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
-    environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "NO_COLOR")}
-    environment |= {"TERM": "xterm"}
-    words = [sys.executable, "-m", "presswear", *line.split()]
-    with subprocess.Popen(words, cwd=tmp_path, env=environment, **streams) as process:
-        os.close(theirs)
-        output = b""
-        with suppress(OSError):  # the other end is closed
-            while part := os.read(ours, 65536):
-                output += part
-    assert process.returncode == 0
-    text = output.decode()
+    text = in_terminal(["-m", "presswear", *line.split()], tmp_path)
     assert "life, refinement 1, " in text
     assert "\x1b[1A" not in text.partition("life: ")[0]
     shares = [int(share) for share in re.findall(r"(\d+)%", text)]
     assert shares == sorted(shares)
+
+
+def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import presswear as pw\nfrom presswear.cli import run\nrun.BAR_DELAY = 0.0\n"
+        "if __name__ == '__main__':\n"
+        "    pw.run(pw.scenes.ideal(cycles=2, engine='dae'), jobs=1)\n    print('end')\n"
+    )
+    assert "no wear: cycle " in in_terminal([f"{script}"], tmp_path)
+    words = [sys.executable, f"{script}"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("end\n", "")
 
 
 def test_steps_are_described() -> None:
