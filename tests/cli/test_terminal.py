@@ -75,9 +75,12 @@ def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> No
 
 
 def in_terminal(words: list[str], folder: Path) -> str:
-    """Return what Python writes to a pseudo-terminal of 80 columns."""
+    """Return what Python writes to a pseudo-terminal.
+
+    It has 70 columns, because the time left of a short run is shorter than "12.7 minutes left".
+    """
     ours, theirs = pty.openpty()
-    termios.tcsetwinsize(theirs, (24, 80))
+    termios.tcsetwinsize(theirs, (24, 70))
     streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "NO_COLOR")}
     environment |= {"TERM": "xterm"}
@@ -131,6 +134,16 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) 
     words = [sys.executable, f"{script}"]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("end\n", "")
+
+
+def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> None:
+    console = console_of(80, clock)
+    with run._several_runs(console, "improve", tmp_path, 2) as show:
+        show("bush replaced_ A@2500000, B@4000000", 0.5, "applying the first wear in 128 steps")
+        show("plain", 1.0, "completed")
+    text = console.export_text()
+    assert "finished plain: completed\n" in text
+    assert text.splitlines()[-1].startswith("improve: 1 of 2 finished ")
 
 
 def test_steps_are_described() -> None:
