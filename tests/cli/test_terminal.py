@@ -141,9 +141,8 @@ def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> N
     with run._several_runs(console, "improve", tmp_path, 2) as show:
         show("bush replaced_ A@2500000, B@4000000", 0.5, "applying the first wear in 128 steps")
         show("plain", 1.0, "completed")
-    text = console.export_text()
-    assert "finished plain: completed\n" in text
-    assert text.splitlines()[-1].startswith("improve: 1 of 2 finished ")
+    assert "finished plain: completed" in (text := console.export_text())
+    assert "improve: 1 of 2 finished " in text.splitlines()[-1]
 
 
 def test_steps_are_described() -> None:
