@@ -160,11 +160,10 @@ def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
         changes = changes_from(scene, terminal.load_scene(arguments.scene))
         # An option of the command that started the run is no change of the file.
         for one in (each for each in changes if scene.origins.get(each.key) != SET):
-            stored = f"{one.was} {one.unit}".rstrip()
+            unit = f" {one.unit}".rstrip()
             return scene, [
-                f"{arguments.scene} has changed: {one.key} = {one.value} {one.unit}".rstrip()
-                + f", stored is {stored}. The stored scene is run. For a new run omit --resume and "
-                "--out"
+                f"{arguments.scene} has changed: {one.key} = {one.value}{unit}, stored is "
+                f"{one.was}{unit}. The stored scene is run. For a new run omit --resume and --out"
             ]
     return scene, []
 
