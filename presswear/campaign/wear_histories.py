@@ -36,7 +36,7 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
-STAGE_CYCLES = 12  # of each history, in whose time a stage runs until its wear maps are known
+STAGE_CYCLES = 8  # of each history, in whose time a stage runs until its wear maps are known
 _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
 MAX_PHASES = 3
 REACH = 4.0  # factor that the wear rate may change by from that when new
