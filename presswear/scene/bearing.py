@@ -27,7 +27,7 @@ class Conventions(Checked):
         "paper", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
     )
     slip: elements.Slip = choice(
-        "angle", elements.Slip, "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt"
+        "angle", elements.Slip, "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt"
     )
     map_frame: elements.MapFrame = choice(
         "fixed", elements.MapFrame, "wear maps fixed in direction, or turning with their bodies"
