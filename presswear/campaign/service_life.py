@@ -342,9 +342,9 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     limits, sampling, distance = problem.limits, problem.tolerance, problem.tolerance
     ends = [max(each.cycles_until(each.crossing(limits)), 1.0) for each in coarser]
     histories = refinements[0].histories if refinements[0].blocks else 1
-    ran = sum(block.cycles for block in last.blocks[1:])
-    left = _left_in_last(problem, refinements, ran)
-    ends.append(max(ran + left, 1.0))
+    completed = sum(block.cycles for block in last.blocks[1:])
+    left = _left_in_last(problem, refinements, completed)
+    ends.append(max(completed + left, 1.0))
     left += last.block + (0 if last.blocks else STARTUP_CYCLES + MIN_BLOCK)
     if coarser:
         sampling = coarser[-1].sampling_error(limits)
@@ -366,7 +366,7 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         ends.append(cycles)
 
 
-def _left_in_last(problem: LifeProblem, refinements: Refinements, ran: int) -> float:
+def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int) -> float:
     """Return the cycles of each history up to the life that the last refinement lacks.
 
     They are spread evenly over the depth that wears off: a limit on a quantity of the surfaces
@@ -385,18 +385,18 @@ def _left_in_last(problem: LifeProblem, refinements: Refinements, ran: int) -> f
     for limit in limits:
         if limit.key in first.levels:
             values = last.curve(limit.key)
-            each = float(np.diff(values).clip(0.0).sum()) / max(ran, 1)
-            if not ran and first.rate > 0.0:
+            each = float(np.diff(values).clip(0.0).sum()) / max(completed, 1)
+            if not completed and first.rate > 0.0:
                 each = float(values[0]) / first.strokes * last.change / first.rate
             if each > 0.0:
                 lefts.append(float(limit.value - values[-1]) / each)
         elif coarser and before.crossing([limit]) == life:
             part = before.cycles_until(strokes) / max(finished, 1.0)
             lefts.append((1.0 + MARGIN) * whole * (1.0 - part))
-    if ran and strokes > blocks[-2].strokes:
+    if completed and strokes > blocks[-2].strokes:
         stood_for = (strokes - blocks[-2].strokes) / blocks[-1].cycles
         lefts.append((problem.at_most - strokes) / stood_for)
-    return max(min(lefts, default=whole - ran), 0.0)
+    return max(min(lefts, default=whole - completed), 0.0)
 
 
 def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEstimate:

@@ -60,15 +60,34 @@ def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, 
 
 
 @compiled
-def deposit_in_bin(depth: Array, joint: Records, contact: Records, pressure_dose: float) -> None:
-    """Add the wear of a dose p ds, N/m, to the bins of the contact in the depths, shape (2, m)."""
-    added = joint.wear_coefficient * pressure_dose
-    count = depth.shape[1]
-    turns = joint.map_turns
-    bearing_bin = bin_of(direction_of(contact) - turns * contact.bearing_angle, count)
-    pin_bin = bin_of(direction_of(contact) - turns * contact.pin_angle, count)
-    depth[0, bearing_bin] += joint.bearing_share * added
-    depth[1, pin_bin] += (1.0 - joint.bearing_share) * added
+def deposit_in_bin(
+    depth: Array, joint: Records, contact: Records, pressure_dose: float, h: float
+) -> None:
+    """Add the wear of a dose p ds, N/m, to the bins of the contact in the depths, shape (2, m).
+
+    The dose is spread over the bins that the contact has crossed in the step, ``h`` seconds.
+    """
+    added, turns = joint.wear_coefficient * pressure_dose, joint.map_turns
+    direction = direction_of(contact)
+    swept = h * (contact.turning - turns * contact.bearing_spin)
+    place = direction - turns * contact.bearing_angle
+    spread_evenly(depth[0], place - swept, place, joint.bearing_share * added)
+    swept = h * (contact.turning - turns * contact.pin_spin)
+    place = direction - turns * contact.pin_angle
+    spread_evenly(depth[1], place - swept, place, (1.0 - joint.bearing_share) * added)
+
+
+@compiled
+def spread_evenly(depth: Array, start: float, end: float, added: float) -> None:
+    """Add a sum of depths to the bins of a map, shape (m,), between two angles, rad."""
+    count = depth.shape[0]
+    low, high = min(start, end) * count / (2.0 * math.pi), max(start, end) * count / (2.0 * math.pi)
+    first, last = math.floor(low), math.floor(high)
+    if first == last or not high - low < count:
+        depth[bin_of(end, count)] += added
+        return
+    for k in range(first, last + 1):
+        depth[k % count] += added * (min(high, k + 1.0) - max(low, float(k))) / (high - low)
 
 
 @lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 2)

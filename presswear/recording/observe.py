@@ -294,7 +294,7 @@ def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: A
                 surfaces = records.packed.surfaces[k]
                 deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
             else:
-                deposit_in_bin(depth, joint, contact, integrals.pressure)
+                deposit_in_bin(depth, joint, contact, integrals.pressure, h)
         cycle[base + CONTACTS] = counts.contacts - counts.contacts_before
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k

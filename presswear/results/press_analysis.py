@@ -374,7 +374,7 @@ def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
 def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     """Return times in a cycle without clearance, s, and the force of each pin joint, N.
 
-    The forces are x + 1j y, shape (n,), on the second body; the first cycle after the run-up lets
+    The forces are x + 1j y, shape (n,), on the first body; the first cycle after the run-up lets
     the laws of loads follow the motion and is left out.
     """
     linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period

@@ -19,6 +19,7 @@ from presswear.physics.wear import (
     contact_area,
     deposit_in_bin,
     deposit_over_arc,
+    spread_evenly,
     wear_rates,
     worn_volume,
 )
@@ -46,8 +47,30 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
         # The force that makes the load distance with the slip of the contact.
         work, pressure = wear_rates(packed, contact, load_distance / abs(contact.sliding))
         assert work == pytest.approx(load_distance, rel=1e-14)
-        deposit_in_bin(depth, packed, contact, pressure)
+        deposit_in_bin(depth, packed, contact, pressure, 0.0)
     return depth
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "expected"),
+    [
+        (2.2, 2.7, {2: 1.0}),
+        (1.5, 4.0, {1: 0.2, 2: 0.4, 3: 0.4}),
+        (4.0, 1.5, {1: 0.2, 2: 0.4, 3: 0.4}),  # backwards
+        (-0.5, 0.5, {15: 0.5, 0: 0.5}),  # over the seam
+        (3.0, 40.0, {8: 1.0}),  # more than a turn: where it ends
+    ],
+)
+def test_a_dose_is_spread_over_the_bins_that_are_crossed(
+    start: float, end: float, expected: dict[int, float]
+) -> None:
+    """Angles in bins of a map of sixteen."""
+    depth, width = np.zeros(16), TURN / 16
+    spread_evenly(depth, width * start, width * end, 3.0)
+    wanted = np.zeros(16)
+    for k, part in expected.items():
+        wanted[k] = 3.0 * part
+    assert depth == pytest.approx(wanted, rel=1e-12, abs=1e-12)
 
 
 def _area_as_printed(e: Decimal, bearing: Decimal, pin: Decimal, width: Decimal) -> Decimal:
