@@ -345,7 +345,6 @@ def _several_runs(
     with terminal.resumable_steps(console, name, folder, "finished runs are stored") as report:
 
         def show(run: str, share: float, words: str) -> None:
-            check_stopped()
             shares[run] = share
             finished = sum(share == 1.0 for share in shares.values())
             report(f"{name}: {finished} of {count} finished", sum(shares.values()) / count)

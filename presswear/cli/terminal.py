@@ -31,7 +31,7 @@ from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import check_folder
 from presswear.tools.numbers import lasting
-from presswear.tools.processes import is_stopped
+from presswear.tools.processes import check_stopped, is_stopped
 
 if TYPE_CHECKING:
     from presswear.results.result import Result
@@ -236,10 +236,18 @@ def progress_bar(console: Console) -> Progress:
 
 @contextmanager
 def named_progress(console: Console, name: str) -> Iterator[Callable[[str, float], None]]:
-    """Show a progress bar; yield a function of the present step and the completed share."""
+    """Show a progress bar; yield a function of the present step and the completed share.
+
+    It raises KeyboardInterrupt after a signal.
+    """
     with progress_bar(console) as bar:
         task = bar.add_task(name, total=1.0)
-        yield lambda step, share: bar.update(task, description=step, completed=share)
+
+        def report(step: str, share: float) -> None:
+            check_stopped()
+            bar.update(task, description=step, completed=share)
+
+        yield report
 
 
 @contextmanager

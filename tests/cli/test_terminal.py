@@ -19,7 +19,7 @@ from rich.progress import Progress as ProgressBar
 from presswear.campaign.wear_update import refinement_spec
 from presswear.cli import run
 from presswear.cli.run import RunObserver, step_text
-from presswear.cli.terminal import print_lines, progress_bar
+from presswear.cli.terminal import named_progress, print_lines, progress_bar
 from presswear.recording.observer import COMPILING, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.stage import JointStatistics, StageResult, StageStatistics
@@ -220,3 +220,14 @@ def test_long_lines_are_wrapped_between_words(clock: Clock) -> None:
     console, words = console_of(40, clock), "a path/of/some-hyphenated/length " * 4
     print_lines(console, words)
     assert console.export_text().split() == words.split()
+
+
+def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Exudyn, and numba while it compiles, may drop KeyboardInterrupt."""
+    with named_progress(Console(quiet=True), "benchmark") as report:
+        report("first", 0.1)
+        monkeypatch.setattr("presswear.tools.processes._received", [2])
+        with pytest.raises(KeyboardInterrupt):
+            report("second", 0.2)
