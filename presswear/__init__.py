@@ -8,7 +8,6 @@ The public names are listed in ``__init__.pyi``; each is imported when it is fir
 """
 
 import re
-from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -31,7 +30,7 @@ def __getattr__(name: str) -> Any:
         hint = import_module("presswear.tools.errors").nearest(name, __all__)
         raise AttributeError(f"module 'presswear' has no attribute {name!r}{hint}")
     value = getattr(import_module(_MODULES[name]), name)
-    if is_dataclass(value):
+    if hasattr(value, "__dataclass_fields__"):
         document = import_module("presswear.tools.serialize").documented
         document(value, value() if name == "Scene" else None)
     globals()[name] = value

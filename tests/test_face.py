@@ -1,5 +1,6 @@
 """Public interface: every name, bad values of every part, and how a run ends for a script."""
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -128,42 +129,30 @@ def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "argument", "meant"),
+    ("name", "argument", "answer"),
     [
-        ("Bearing", "clearence", "clearance"),
-        ("InHouse", "alpa", "alpha"),
-        ("Scene", "wear_update", "wear_updates"),
-        ("SliderCrank", "slidermass", "slider_mass"),
-        ("Bar", "lenght", "length"),
-        ("assemble", "body", "bodies"),
-        ("run", "job", "jobs"),
-        ("sweep", "limit", "limits"),
+        ("Bearing", "clearence", "; did you mean clearance?"),
+        ("InHouse", "alpa", "; did you mean alpha?"),
+        ("Scene", "wear_update", "; did you mean wear_updates?"),
+        ("SliderCrank", "slidermass", "; did you mean slider_mass?"),
+        ("Bar", "lenght", "; did you mean length?"),
+        ("assemble", "body", "; did you mean bodies?"),
+        ("run", "job", "; did you mean jobs?"),
+        ("sweep", "limit", "; did you mean limits?"),
+        # Symbols of the paper
+        ("Bearing", "c_f", ": the symbol c_f is friction"),
+        ("Bearing", "K_d", ": the symbol K_d is wear_coefficient of materials"),
+        ("Materials", "E", ": the symbol E is youngs_modulus"),
+        ("Drive", "omega", ": the symbol omega is speed"),
+        ("Guide", "c_f", "; known are"),
     ],
 )
-def test_a_misspelt_argument_is_answered_with_the_nearest(
-    name: str, argument: str, meant: str
+def test_a_wrong_argument_is_answered_with_the_right_one(
+    name: str, argument: str, answer: str
 ) -> None:
-    message = rf"unknown argument of {name} '{argument}'; did you mean {meant}\?"
+    message = re.escape(f"unknown argument of {name} '{argument}'{answer}")
     with pytest.raises(pw.InputError, match=message):
         getattr(pw, name)(**{argument: 1})
-
-
-@pytest.mark.parametrize(
-    ("name", "symbol", "meant"),
-    [
-        ("Bearing", "c_f", "friction"),
-        ("Bearing", "K_d", "wear_coefficient of materials"),
-        ("Materials", "E", "youngs_modulus"),
-        ("Drive", "omega", "speed"),
-    ],
-)
-def test_a_symbol_as_an_argument_is_answered_with_its_name(
-    name: str, symbol: str, meant: str
-) -> None:
-    with pytest.raises(pw.InputError, match=f"argument of {name} '{symbol}': .* is {meant}$"):
-        getattr(pw, name)(**{symbol: 1})
-    with pytest.raises(pw.InputError, match="argument of Guide 'c_f'; known are"):
-        cast(Any, pw.Guide)(c_f=0.1)
 
 
 def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:

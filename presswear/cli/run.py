@@ -25,7 +25,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, changes_from, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
-from presswear.tools.numbers import unit_scale
+from presswear.tools.numbers import counted, unit_scale
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
@@ -159,12 +159,12 @@ def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
     with suppress(InputError):  # the file may be gone
         changes = changes_from(scene, terminal.load_scene(arguments.scene))
         # An option of the command that started the run is no change of the file.
-        for one in (each for each in changes if scene.origins.get(each.key) != SET):
+        one = next((each for each in changes if scene.origins.get(each.key) != SET), None)
+        if one is not None:
             unit = f" {one.unit}".rstrip()
-            return scene, [
-                f"{arguments.scene} has changed: {one.key} = {one.value}{unit}, stored is "
-                f"{one.was}{unit}. The stored scene is run. For a new run omit --resume and --out"
-            ]
+            text = f"{arguments.scene} has changed: {one.key} = {one.value}{unit}, stored is "
+            text += f"{one.was}{unit}. The stored scene is run. For a new run omit --resume and "
+            return scene, [f"{text}--out"]
     return scene, []
 
 
@@ -219,8 +219,7 @@ class RunObserver(Observer):
         LOGGER.info("%s: %s. %s", stage.name, model, solver)
         wall = stage.wall_s - self._compile_time
         speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
-        count = stage.statistics.cycles
-        cycles = f"{count} cycle{'s' * (count != 1)} of all replicates"
+        cycles = f"{counted(stage.statistics.cycles, 'cycle')} of all replicates"
         lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}

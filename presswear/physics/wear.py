@@ -60,21 +60,22 @@ def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, 
 
 
 @compiled
-def deposit_in_bin(
+def deposit_in_bins(
     depth: Array, joint: Records, contact: Records, pressure_dose: float, h: float
 ) -> None:
-    """Add the wear of a dose p ds, N/m, to the bins of the contact in the depths, shape (2, m).
+    """Add the wear of a dose p ds, N/m, to the depths of both surfaces, shape (2, m).
 
-    The dose is spread over the bins that the contact has crossed in the step, ``h`` seconds.
+    It is spread over the bins that the contact crosses in the step, which takes ``h`` seconds.
     """
     added, turns = joint.wear_coefficient * pressure_dose, joint.map_turns
     direction = direction_of(contact)
-    swept = h * (contact.turning - turns * contact.bearing_spin)
-    place = direction - turns * contact.bearing_angle
-    spread_evenly(depth[0], place - swept, place, joint.bearing_share * added)
-    swept = h * (contact.turning - turns * contact.pin_spin)
-    place = direction - turns * contact.pin_angle
-    spread_evenly(depth[1], place - swept, place, (1.0 - joint.bearing_share) * added)
+    ends = (
+        (contact.bearing_angle, contact.bearing_spin, joint.bearing_share),
+        (contact.pin_angle, contact.pin_spin, 1.0 - joint.bearing_share),
+    )
+    for side, (angle, spin, share) in enumerate(ends):
+        place, swept = direction - turns * angle, h * (contact.turning - turns * spin)
+        spread_evenly(depth[side], place - swept, place, share * added)
 
 
 @compiled

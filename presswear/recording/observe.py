@@ -12,7 +12,7 @@ import numpy as np
 from presswear.physics.constraints import lever
 from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
-from presswear.physics.wear import deposit_in_bin, deposit_over_arc
+from presswear.physics.wear import deposit_in_bins, deposit_over_arc
 from presswear.recording.film import take_frame
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
@@ -294,7 +294,7 @@ def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: A
                 surfaces = records.packed.surfaces[k]
                 deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
             else:
-                deposit_in_bin(depth, joint, contact, integrals.pressure, h)
+                deposit_in_bins(depth, joint, contact, integrals.pressure, h)
         cycle[base + CONTACTS] = counts.contacts - counts.contacts_before
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k

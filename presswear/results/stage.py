@@ -16,6 +16,7 @@ from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
+from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
 
 T = TypeVar("T")
@@ -240,7 +241,7 @@ class StageResult:
     def __repr__(self) -> str:
         """Return the cycles, and peak force and wear of each joint."""
         statistics = self.statistics
-        cycles = f"{statistics.cycles} cycle{'s' * (statistics.cycles != 1)}"
+        cycles = counted(statistics.cycles, "cycle")
         lines = [f"{self.name}: {self.message or self.status}, {cycles}"]
         for name, joint in statistics.joints.items():
             volume = joint.wear_volume.scaled(1e15 / self.cycles_per_update)

@@ -171,13 +171,12 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     for key in named:
         if key not in allowed:
             raise _unknown_key(result, key, allowed)
-    if IN_FILE not in scene.origins.values():
-        return result
-    # What a file says already, is in the file.
-    before = _by_key(scene)
-    same = {key for key in named if key in before and before[key].value == allowed[key].value}
-    in_file = {key for key, value in scene.origins.items() if value == IN_FILE}
-    return replace(result, origins={**origins, **dict.fromkeys(same & in_file, IN_FILE)})
+    if in_file := [key for key in named if scene.origins.get(key) == IN_FILE]:
+        # A value that the file has already is no change of it.
+        before = _by_key(scene)
+        same = [k for k in in_file if k in before and before[k].value == allowed[k].value]
+        result = replace(result, origins={**origins, **dict.fromkeys(same, IN_FILE)})
+    return result
 
 
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:

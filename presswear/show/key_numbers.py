@@ -21,6 +21,7 @@ from presswear.tools.user_function import UserFunction
 ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
 _WIDE = 2.0  # end of an interval over its mean, above which fewer strokes give no number
 _MADE = 0.02  # energy that contacts make, relative to what they dissipate
+_FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
 
@@ -186,43 +187,46 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
 
 def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return torque and power of the drives with the largest; ideal ones if none were stored."""
-    if scene.has_untrusted_loads or not (listed := scene.mechanism.linkage().drives):
+    if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
     drives, ideal = press.drives_of(scene, stages[-1]), press.ideal_drives(scene)
     new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
     duties = {body: drive.duty for body, drive in drives.items()} or ideal
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):
-        each = {body: getattr(duty, name) for body, duty in duties.items()}
         closed = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in ideal.items()}
-        peaks = {
-            body: getattr(drive, f"peak_{name}") or Estimate(abs(each[body].peak))
-            for body, drive in drives.items()
-        } or closed
+        peaks = {body: getattr(drive, f"peak_{name}") for body, drive in drives.items()}
+        peaks = {body: peak for body, peak in peaks.items() if peak is not None} or closed
         body, largest = _greatest(peaks), _greatest(closed)
-        text = f"Largest in a stroke at {body}"
+        without = numbers.quantity_text(closed[largest].mean, unit)
         if name == "torque":
-            text += f"; rms {numbers.quantity_text(each[body].rms, unit)}."
+            typical = f"rms {numbers.quantity_text(duties[body].torque.rms, unit)}."
         else:
-            total = sum(duty.mean for duty in each.values())  # one may brake while another drives
-            if abs(total) < 1e-9 * peaks[body].mean:
-                total = 0.0  # round-off of a cycle without net work
-            together = " of all drives together" if len(each) > 1 else ""
-            text += f"; mean{together} {numbers.quantity_text(total, unit)}."
-            is_even = not any(drive.repeats for drive in listed)
-            text += " A motor with a flywheel delivers this mean." if drives and is_even else ""
-        if drives:
-            text += f" Without clearance: {numbers.quantity_text(closed[largest].mean, unit)}"
-            text += f" at {largest}." if len(ideal) > 1 else "."
-            if body in new:
-                before = getattr(new[body], f"peak_{name}").mean
-                text += f" Before the wear: {numbers.quantity_text(before, unit)}."
-            result.append(measured(f"Peak drive {name}", peaks[body], unit, text))
-        else:
-            value = numbers.quantity_text(closed[largest].mean, unit)
+            typical = _mean_power(scene, [duty.power.mean for duty in duties.values()], peaks[body])
+        text, title = f"Largest in a stroke at {body}; {typical}", f"Peak drive {name}"
+        if not drives:
             text += " Computed without clearance and friction; drive_torque = on includes both."
-            result.append(KeyNumber(f"Peak drive {name}", value, "", text))
+            result.append(KeyNumber(title, without, "", text))
+            continue
+        text += f" Without clearance: {without}{f' at {largest}' if len(ideal) > 1 else ''}."
+        before = getattr(new[body], f"peak_{name}") if body in new else None
+        if before is not None:
+            text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
+        result.append(measured(title, peaks[body], unit, text))
     return result
+
+
+def _mean_power(scene: Scene, means: list[float], peak: Estimate) -> str:
+    """Return the mean power of all drives in words: one may brake while another drives."""
+    total = sum(means)
+    if abs(total) < 1e-9 * peak.mean:
+        total = 0.0  # round-off of a cycle without net work
+    together = " of all drives together" if len(means) > 1 else ""
+    text = f"mean{together} {numbers.quantity_text(total, 'W')}."
+    is_even = not any(drive.repeats for drive in scene.mechanism.linkage().drives)
+    if total > 0.0 and is_even:
+        text += " A motor with a flywheel delivers this mean."
+    return text
 
 
 def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> list[KeyNumber]:
@@ -247,7 +251,7 @@ def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> l
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
             joint, reason = " or ".join(_rivals(forces)), "The largest force is there."
-        reason += " presswear improve compares changes of each joint."
+        reason += " The command presswear improve compares changes of each joint."
     return [KeyNumber("Improve first", f"joint {joint}", "", reason)]
 
 
@@ -273,8 +277,7 @@ def warnings(result: Result) -> list[str]:
             lines.append(
                 f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
                 "joints dissipate. Forces and wear may be wrong by as much."
-                + can_change
-                * ' Use --set contact=foundation, or contact = "foundation" in [settings].'
+                + (_FOUNDATION if can_change else "")
             )
     errors = [stage.statistics.peak_force_step_error or 0.0 for stage in stages]
     if (error := max(errors, default=0.0)) > _STEP_ERROR:

@@ -56,7 +56,8 @@ class Improvement:
 
     def heading(self, key: str) -> str:
         """Return the name of a quantity with its present value."""
-        return f"factor on the {key}{self.present.get(key, '')}"
+        now = f", now {self.present[key]}" if key in self.present else ""
+        return f"factor on the {key}{now}"
 
     @property
     def sentences(self) -> list[str]:
@@ -154,12 +155,8 @@ def improve(
         # Factors without an interval are the last.
         sign = -1.0 if key == LIFE else 1.0
         items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
-    units = {FORCE: "N", BOTTOM: "m"}
-    present = {
-        key: f", now {quantity_text(before[key].mean, unit)}"
-        for key, unit in units.items()
-        if key in before
-    }
+    units = {key: unit for key, unit in ((FORCE, "N"), (BOTTOM, "m")) if key in before}
+    present = {key: quantity_text(before[key].mean, unit) for key, unit in units.items()}
     return Improvement(effects, failures, present)
 
 

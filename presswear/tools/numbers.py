@@ -104,6 +104,11 @@ def whole(value: float | None) -> str:
     return "–" if value is None else _written(f"{round(value):,}")
 
 
+def counted(count: int, word: str) -> str:
+    """Return a count with its noun, in the plural unless it is one."""
+    return f"{whole(count)} {word}" if count == 1 else f"{whole(count)} {word}s"
+
+
 def with_interval(mean: float | None, half_width: float | None) -> str:
     """Return a mean with the half width of its interval, to two digits of the latter."""
     if mean is None or not math.isfinite(mean):

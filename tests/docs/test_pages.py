@@ -26,6 +26,7 @@ from presswear.cli.terminal import parse_settings
 from presswear.recording import observe
 from presswear.results.life import LifeResult
 from presswear.scene.settings import changed
+from presswear.show import figures
 from presswear.show.key_numbers import key_numbers
 
 ROOT = Path(__file__).parents[2]
@@ -281,6 +282,11 @@ def test_mechanism_in_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monkey
     names: dict[str, Any] = {}
     exec(textwrap.dedent(code), names)
     assert pw.load("results/four-bar").stages[1].joints["B"].statistics.contacts > 0
+
+
+def test_names_of_the_figures_are_listed() -> None:
+    for text in ((DOCS / "how-to" / "results.md").read_text(), pw.Result.plot.__doc__):
+        assert set(figures.NAMES) <= set(re.findall(r"\w+", text or ""))
 
 
 def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> None:

@@ -17,7 +17,7 @@ from presswear.physics.contact import direction_of
 from presswear.physics.foundation import bin_of, press
 from presswear.physics.wear import (
     contact_area,
-    deposit_in_bin,
+    deposit_in_bins,
     deposit_over_arc,
     spread_evenly,
     wear_rates,
@@ -47,7 +47,7 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
         # The force that makes the load distance with the slip of the contact.
         work, pressure = wear_rates(packed, contact, load_distance / abs(contact.sliding))
         assert work == pytest.approx(load_distance, rel=1e-14)
-        deposit_in_bin(depth, packed, contact, pressure, 0.0)
+        deposit_in_bins(depth, packed, contact, pressure, 0.0)
     return depth
 
 

@@ -59,7 +59,7 @@ def test_sentences_name_the_best_certain_change() -> None:
     assert second == "peak force: no change of a single joint is certain to improve it"
     assert third == "materials: no listed pair wears less than the present one"
     assert len(found.draw().sheet.axes) == 2
-    now = replace(found, present={FORCE: ", now 241 N"})
+    now = replace(found, present={FORCE: "241 N"})
     assert [axes.get_xlabel() for axes in now.draw().sheet.axes] == [
         "factor on the life",
         "factor on the peak force, now 241 N",
