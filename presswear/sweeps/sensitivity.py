@@ -293,6 +293,7 @@ class Surrogate:
         points = np.column_stack([item.ppf(unit[:, k]) for k, item in enumerate(distributions)])
         scaled = _scaled(self.points, points)
         draws = self.process.sample_y(scaled, SPREAD_DRAWS, random_state=1)
+        draws = draws + self._single_runs(draws.shape)
         values = np.exp(draws) if self.is_logarithmic else draws
         quantiles = np.quantile(values, PROBABILITIES, axis=0)
         low, median, high = np.quantile(quantiles, (ENDS[0], 0.5, ENDS[1]), axis=1)
@@ -301,6 +302,21 @@ class Surrogate:
             parts = limit.violated(values).mean(axis=0)
             violation = tuple(np.quantile(parts, (0.5, *ENDS)).tolist())
         return Spread("by the surrogate", median, low, high, violation)
+
+    def _single_runs(self, shape: tuple[int, ...]) -> Array:
+        """Return what single runs add to draws of the process, which has the noise of means."""
+        points = self.points
+        variance = float((points.variances - points.noise).mean())
+        if variance <= 0.0:
+            return np.zeros(shape)
+        shift = 0.0
+        if self.is_logarithmic:
+            variance /= float(np.mean(points.means**2))
+            shift = -0.5 * variance  # the logarithm of a mean is above the mean logarithm
+        generator = np.random.default_rng(1)
+        # The variance of single runs is an estimate, too: each draw has its own.
+        scale = np.sqrt(variance * points.freedom / generator.chisquare(points.freedom, shape[1]))
+        return np.asarray(shift + scale * generator.standard_normal(shape))
 
     def outside(self, distributions: Sequence[Distribution]) -> str:
         """Return which parameter has too many values outside the points; empty if none."""

@@ -6,6 +6,7 @@ Of 60 intervals of 95 % fewer than 50 contain the value with a probability below
 
 import math
 import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -167,13 +168,15 @@ def test_a_smooth_function_is_predicted() -> None:
     assert surrogate.predict(OTHERS) == pytest.approx(curved(OTHERS), rel=0.05)
 
 
-def test_a_distribution_has_the_quantiles_of_single_runs() -> None:
+@pytest.mark.parametrize("replicates", [1, 4])
+def test_a_distribution_has_the_quantiles_of_single_runs(replicates: int) -> None:
     hits = np.zeros(3)
     for seed in range(1, 9):
-        points = NORMAL.ppf(design("sobol", 64, 2, seed))
-        chaos = 0.25 * np.random.default_rng(seed).standard_normal(64)
+        points = NORMAL.ppf(design("sobol", 64, 2, seed)).repeat(replicates, axis=0)
+        chaos = 0.25 * np.random.default_rng(seed).standard_normal(len(points))
         life = 100.0 * np.exp(0.5 * points[:, 0] + 0.3 * points[:, 1] + chaos)
-        surrogate = fit(points_of(table_of(points, life), "y"))
+        table = replace(table_of(points, life), replicates=replicates)
+        surrogate = fit(points_of(table, "y"))
         spread = surrogate.spread([NORMAL, NORMAL], Limit(40.0, True))
         truth = LIFE.ppf((0.05, 0.5, 0.95))
         places = [4, 49, 94]
