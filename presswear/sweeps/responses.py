@@ -116,6 +116,9 @@ def _at(path: str) -> Callable[..., Response | None]:
 
 
 _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
+    # With its sign, in contrast to the limits of a life.
+    "bdc_error": ("m", "error of the height of bottom dead centre, mean; negative is deeper"),
+    "bdc_drift": ("m", "change of the mean height of bottom dead centre; negative is deeper"),
     "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
     "contacts": ("", "contacts in a cycle"),
     "drive_work": ("J", "work of all drives in a cycle"),

@@ -52,6 +52,9 @@ def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> Non
     assert heights.min() <= second <= heights.max()
     assert values["bdc_drift@1"].value == pytest.approx(second - first, rel=1e-9, abs=0)
     assert values["bdc_drift@0"] == responses.Response(0.0, 0.0)
+    assert min(first, second) < 0.0
+    texts = [responses.RESPONSES[name].text for name in ("bdc_error", "bdc_drift")]
+    assert all("magnitude" not in text and "negative is deeper" in text for text in texts)
 
 
 def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
