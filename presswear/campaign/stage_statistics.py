@@ -24,7 +24,9 @@ from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
     Estimate,
+    MapBatches,
     after_startup,
+    differ,
     half_width,
     map_batches,
     map_errors,
@@ -125,11 +127,19 @@ def _stage_wear(
         samples, weights = by_replicate, np.ones(len(by_replicate))
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
+    elif _have_other_volumes(together.maps):
+        samples, weights = by_replicate, np.ones(len(by_replicate))
     is_frozen = update is None and index > 0 and scene.wears_in_steps
     is_smoothed, flattening = bool(ensemble.bins), None if update is None else update.flattening
     return StageWear(
         added, samples, weights, coarser, by_replicate, is_frozen, is_smoothed, flattening
     )
+
+
+def _have_other_volumes(runs: Sequence[MapBatches]) -> bool:
+    """Return whether the worn volumes of the replicates differ at a joint; see ``differ``."""
+    volumes = [run.batches.sum(axis=(-2, -1)).T for run in runs]
+    return any(differ(samples) for samples in zip(*volumes, strict=True))
 
 
 def _statistics(

@@ -20,7 +20,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.constraints import constraints_of
 from presswear.recording.statistics import STARTUP_CYCLES, map_batches
 from presswear.results.stage import StageResult
-from presswear.scene.catalog import wear_times
+from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 
@@ -71,6 +71,21 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
     assert batches.mean(axis=0).sum(axis=-1) == pytest.approx(added.sum(axis=-1), rel=1e-12)
     depth = force.wear_peaks["both"].depth
     assert depth.low < depth.mean < depth.high
+
+
+def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
+    """The volume is the load distance times a constant, and so is its interval."""
+    settings = {"conventions": "refined", "clearance": 40e-6, "wear_updates": 0}
+    stage = run_stage(slider_crank(**settings, engine="dae", replicates=2, cycles=12))[0]
+    joint = stage.statistics.joints["B"]
+    volume, distance = joint.wear_volume, joint.load_distance_per_cycle
+    assert len(stage.joints["B"].arrays["wear_batches"]) == volume.samples == 2
+    ratio = volume.mean / distance.mean
+    assert (volume.low, volume.high) == pytest.approx(
+        (ratio * distance.low, ratio * distance.high), rel=1e-9, abs=0.0
+    )
+    # Their cycles explain 9e-5.
+    assert volume.half_width == pytest.approx(1.6e-3 * volume.mean, rel=0.1)
 
 
 def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
