@@ -157,7 +157,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 kinds = ", ".join(f"{film.under_load} at {at}" for at, film in films.items())
                 text += " The wear is that of dry contact: an upper bound where oil carries. Oil "
                 text += f"film at the greatest force: {kinds}."
-            strokes = stage.statistics.cycles
+            strokes = stage.statistics.joints[name].peak_force_per_cycle.samples
             return [measured("Wear per million strokes", wear[place], "m", text, strokes)]
     return []
 

@@ -147,7 +147,11 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     result = made_up(made.BOTH, 2)
     (last,) = [one for one in key_numbers(result) if one.name == WEAR]
     assert "2 million strokes on worn surfaces, with wear_coefficient = " in last.meaning
+    assert last.value == "too few strokes (2)"
     statistics = result.stages[1].statistics
+    started = altered(result, 1, statistics=replace(statistics, cycles=4))
+    (last,) = [one for one in key_numbers(started) if one.name == WEAR]
+    assert last.value == "too few strokes (2)"  # without those of the start-up
     peaks = {
         name: {side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()}
         for name, one in statistics.joints.items()
