@@ -23,7 +23,7 @@ from presswear.show.figures import style
 from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
-from presswear.tools.numbers import quantity_text
+from presswear.tools.numbers import large, quantity_text
 
 CLEARANCE, SIZE = 0.5, 1.25  # factors on the clearance, and on radius and width of a bearing
 LIFE, FORCE, BOTTOM = "life", "peak force", "error of bottom dead centre"
@@ -130,20 +130,28 @@ def improve(
 ) -> Improvement:
     """Run a mechanism as it is and with each change, and return the effects of the changes.
 
-    One wear update is run, and no service life; see `run_scenes` for the other parameters.
+    One wear update is run, of as many strokes for each change, and no service life; see
+    `run_scenes` for the other parameters.
     `InputError` if no joint has clearance, or a change does not fit the mechanism; `RunFailed` if
     the mechanism as it is cannot be run.
     """
     scene = replace(scene, life=None, wear_updates=1)
-    changes = {PLAIN: {}, **changes_of(scene)}
-    scenes = {name_for(change): changed(scene, values) for change, values in changes.items()}
-    for one in scenes.values():
-        one.check()
-    ended = run_scenes(scenes, folder, jobs=jobs, on_progress=on_progress).values()
-    results = dict(zip(changes, ended, strict=True))
-    plain = results.pop(PLAIN)
+    changes = changes_of(scene)
+    for values in ({}, *changes.values()):
+        changed(scene, values).check()
+
+    def run_all(scenes: dict[str, Scene]) -> dict[str, Result]:
+        named = {name_for(change): one for change, one in scenes.items()}
+        ended = run_scenes(named, folder, jobs=jobs, on_progress=on_progress).values()
+        return dict(zip(scenes, ended, strict=True))
+
+    plain = run_all({PLAIN: scene})[PLAIN]
     if plain.status == "failed":
         raise RunFailed(f"the mechanism {PLAIN}: {plain.message}")
+    # All are compared after the same strokes, however much their joints wear.
+    strokes = plain.stages[0].cycles_per_update
+    same = replace(scene, cycles_per_update=strokes)
+    results = run_all({change: changed(same, values) for change, values in changes.items()})
     failures = {name: one.message for name, one in results.items() if one.status == "failed"}
     before = _quantities(plain)
     effects: dict[str, list[Effect]] = {key: [] for key in before}
@@ -156,12 +164,13 @@ def improve(
         sign = -1.0 if key == LIFE else 1.0
         items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
     units = {key: unit for key, unit in ((FORCE, "N"), (BOTTOM, "m")) if key in before}
-    present = {key: quantity_text(before[key].mean, unit) for key, unit in units.items()}
+    after = f" after {large(strokes)} strokes"
+    present = {key: quantity_text(before[key].mean, unit) + after for key, unit in units.items()}
     return Improvement(effects, failures, present)
 
 
 def _quantities(result: Result) -> dict[str, Estimate]:
-    """Return peak force and error of bottom dead centre on the worn surfaces of a result.
+    """Return peak force and error of bottom dead centre on the surfaces after the wear update.
 
     And for the life, which is inversely proportional to it, the depth that a stroke wears.
     """

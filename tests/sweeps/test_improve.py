@@ -10,6 +10,7 @@ import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.sweeps.improve import BOTTOM, FORCE, LIFE, Improvement, _effect, changes_of, improve
 from presswear.tools.errors import InputError
+from presswear.tools.numbers import large
 
 SMALL = {"engine": "dae", "cycles": 3, "replicates": 2, "cycles_per_update": 1e3}
 CHANGE = "joint B, clearance times 0.5"
@@ -64,6 +65,17 @@ def test_sentences_name_the_best_certain_change() -> None:
         "factor on the life",
         "factor on the peak force, now 241 N",
     ]
+
+
+def test_changes_are_compared_after_the_same_strokes(tmp_path: Path) -> None:
+    """Half the clearance would be worn by a tenth after half as many."""
+    settings = {"engine": "dae", "cycles": 3, "replicates": 1, "cycles_per_update": None}
+    scene = pw.changed(pw.scenes.slider_crank(**settings), {"extrapolation": "single"})
+    found = improve(scene, tmp_path, jobs=1)
+    results = [pw.load(file.parent) for file in tmp_path.glob("*/result.json")]
+    assert len(results) == 1 + len(changes_of(scene))
+    (strokes,) = {one.stages[0].cycles_per_update for one in results}
+    assert found.heading(FORCE).endswith(f"N after {large(strokes)} strokes")
 
 
 def test_a_mechanism_is_improved(tmp_path: Path) -> None:
