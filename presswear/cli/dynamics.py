@@ -9,10 +9,16 @@ from presswear.cli import terminal
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
+CYCLES = 100  # at each value of a bifurcation diagram, unless requested
+
 
 def dynamics(arguments: argparse.Namespace, console: Console) -> int:
     """Print contact modes and periods, or an exponent, or draw a bifurcation diagram."""
     folder = Path(arguments.scene)
+    if arguments.over is None:
+        for name in ("cycles", "stored", "orders", "out", "resume"):
+            if getattr(arguments, name):
+                raise InputError(f"--{name} needs --over")
     if folder.is_dir() and arguments.over is None:
         if arguments.engine or arguments.set:
             raise InputError(f"{folder} is a result folder: --engine and --set need --over")
@@ -24,8 +30,6 @@ def dynamics(arguments: argparse.Namespace, console: Console) -> int:
     scene = terminal.requested_scene(arguments)
     if arguments.over is not None:
         return _diagram(scene, arguments, console)
-    if arguments.orders:
-        raise InputError("--orders needs --over")
     if not arguments.exponent:
         raise InputError("--exponent 0 needs --over")
     return _exponent(scene, arguments.exponent, console)
@@ -54,8 +58,9 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     from presswear.show.figures.dynamics import draw_diagram, draw_orders
 
     parameter = Parameter.parse(arguments.over, scene)
-    stored = arguments.stored or max(2 * arguments.cycles // 5, 2)
-    cycles = Cycles(arguments.cycles, stored, arguments.exponent, arguments.orders)
+    count = arguments.cycles or CYCLES
+    stored = arguments.stored or max(2 * count // 5, 2)
+    cycles = Cycles(count, stored, arguments.exponent, arguments.orders)
     folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
     shares = dict.fromkeys(DIRECTIONS, 0.0)
     name, stored_text = "bifurcation diagram", "finished values are stored"

@@ -78,6 +78,8 @@ sweep wear-times 'speed=60 rpm': --set 'speed=60 rpm'
 dynamics slider-crnk: did you mean slider-crank
 dynamics slider-crank --exponent 0: --exponent 0 needs --over
 dynamics slider-crank --orders 4: --orders needs --over
+dynamics slider-crank --cycles 60: --cycles needs --over
+dynamics slider-crank --out here: --out needs --over
 dynamics slider-crank --set engine=exudyn: engine = dae
 dynamics slider-crank --engine exudyn: engine = dae
 dynamics slider-crank --set wear_updates=1: no wear updates
