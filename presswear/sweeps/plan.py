@@ -236,6 +236,7 @@ class Table:
     censored: NDArray[np.bool_]  # shape (rows, responses), whether a value is a lower bound
     errors: tuple[str, ...]  # reason why a row has no values; empty where it has
     replicates: int = 1  # neighbouring rows that are replicates of one point
+    freedom: tuple[float, ...] = ()  # degrees of freedom of the half widths; none: infinite
 
     def index(self, key: str) -> int:
         """Return the column of a response; `InputError` if there is none of this name."""
@@ -251,7 +252,7 @@ class Table:
         arrays = self.values[rows], self.half_widths[rows], self.censored[rows]
         errors, points = tuple(compress(self.errors, rows)), self.points[rows, :-count]
         columns = self.parameters[:-count], self.responses
-        return Table(*columns, points, *arrays, errors, self.replicates)
+        return Table(*columns, points, *arrays, errors, self.replicates, self.freedom)
 
     def columns(self) -> dict[str, list[Any]]:
         """Return the columns of an exported table by name."""

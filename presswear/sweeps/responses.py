@@ -16,7 +16,7 @@ import numpy as np
 from presswear.linkage.surface import SIDES
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics import MAX_BATCHES, STARTUP_CYCLES, Estimate
 from presswear.results.press_analysis import rise
 from presswear.results.result import Result
 from presswear.results.stage import JointResult, JointStatistics, StageResult
@@ -193,6 +193,24 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
             raise InputError(f"response {name} is repeated")
     extra = digest_of(optional, functions)
     return Requested(tuple(columns), tuple(optional), tuple(functions), extra)
+
+
+def freedom_of(scene: Scene, key: str) -> float:
+    """Return the degrees of freedom of the interval of a response; infinite: not fixed by a scene.
+
+    The samples are replicates on worn surfaces and in a wear update in steps, else settled cycles.
+    """
+    name, at, stage = key.partition("@")
+    quantity = name.rpartition(".")[2]
+    number = int(stage) if at else scene.wear_updates
+    is_sum, is_wear = quantity in ("depth", "wear_volume"), quantity == "wear_rate"
+    is_worn = number - is_sum > 0 and quantity != "repeatability"
+    if quantity == "life" or is_worn or ((is_sum or is_wear) and scene.wears_in_steps):
+        return scene.replicate_count - 1.0 if scene.replicate_count > 1 else math.inf
+    if scene.cycles is None:
+        return math.inf
+    cycles = min(scene.cycles - STARTUP_CYCLES, MAX_BATCHES)
+    return max(scene.replicate_count * cycles - 1.0, 1.0)
 
 
 def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:

@@ -41,6 +41,7 @@ class Points:
     counts: Array  # shape (n,), replicates with a value
     censored: NDArray[np.bool_]  # shape (n,), whether the value of a replicate is a lower bound
     freedom: float  # degrees of freedom of the variances; infinite if from intervals of the runs
+    interval_freedom: float = math.inf  # of the interval of a run, which the variances are from
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
@@ -55,7 +56,8 @@ class Points:
     @property
     def quantile(self) -> float:
         """Half width of a 95 % interval over the standard deviation; NaN if that is unknown."""
-        return quantile(self.freedom) if self.freedom > 0.0 else math.nan
+        freedom = min(self.freedom, self.interval_freedom)
+        return quantile(freedom) if freedom > 0.0 else math.nan
 
     @property
     def is_constant(self) -> bool:
@@ -81,18 +83,20 @@ def points_of(table: Table, key: str) -> Points:
     counts = np.isfinite(values).sum(axis=1).astype(float)
     with np.errstate(invalid="ignore"):
         means = np.nansum(values, axis=1) / np.where(counts > 0.0, counts, np.nan)
-    freedom = float(np.maximum(counts - 1.0, 0.0).sum())
+    freedom, interval_freedom = float(np.maximum(counts - 1.0, 0.0).sum()), math.inf
     halves = np.where(np.isfinite(values), halves, 0.0)
     variances = np.zeros(len(counts))
     if freedom > 0.0:
         variances += np.nansum((values - means[:, None]) ** 2) / freedom
     elif counts.any() and np.isfinite(halves).all():
-        squared, freedom = (halves / quantile(math.inf)) ** 2, math.inf
+        freedom, interval_freedom = math.inf, table.freedom[k] if table.freedom else math.inf
+        squared = (halves / quantile(interval_freedom)) ** 2
         variances = squared.sum(axis=1) / np.maximum(counts, 1.0)
     points = table.points[:: table.replicates]
     bounds = np.logical_or.reduce(censored & np.isfinite(values), axis=1)
     response = table.responses[k]
-    return Points(table.parameters, response, points, means, variances, counts, bounds, freedom)
+    columns = table.parameters, response
+    return Points(*columns, points, means, variances, counts, bounds, freedom, interval_freedom)
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from presswear.sweeps.responses import (
     Response,
     User,
     digest_of,
+    freedom_of,
     parse_limits,
     request,
 )
@@ -83,7 +84,8 @@ class Sweep:
         points = np.repeat(plan.points, plan.replicates, axis=0)
         columns = plan.columns, requested.columns
         arrays = points, numbers[0], numbers[1], numbers[2] == 1.0
-        return Table(*columns, *arrays, tuple(errors), plan.replicates)
+        freedom = tuple(freedom_of(plan.scene, column.key) for column in requested.columns)
+        return Table(*columns, *arrays, tuple(errors), plan.replicates, freedom)
 
     def write(self, file: Path) -> None:
         """Write everything but the rows."""

@@ -129,3 +129,22 @@ def test_lower_bounds_may_leave_a_violation_open() -> None:
     values, censored = np.array([1.0, 1.0, 3.0, 3.0]), np.array([True, False, True, False])
     assert responses.Limit(2.0, True).count(values, censored) == (1, 2)
     assert responses.Limit(2.0, False).count(values, censored) == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("key", "expected"),
+    [
+        ("A.force_max@0", 15.0),  # 4 replicates of 4 settled cycles
+        ("A.force_max", 3.0),
+        ("repeatability", 15.0),
+        ("A.wear_volume@1", 15.0),  # of the cycles before the wear update
+        ("A.wear_volume", 3.0),
+        ("life", 3.0),
+    ],
+)
+def test_degrees_of_freedom_are_those_of_the_samples(key: str, expected: float) -> None:
+    scene = pw.scenes.wear_times(engine="dae", cycles=6, replicates=4)
+    assert responses.freedom_of(scene, key) == expected
+    steps = pw.changed(scene, {"conventions": "refined"})
+    assert responses.freedom_of(steps, "A.wear_volume@1") == 3.0
+    assert responses.freedom_of(pw.changed(scene, {"cycles": None}), "A.contacts@0") == math.inf

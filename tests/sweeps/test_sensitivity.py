@@ -74,6 +74,17 @@ def test_chaos_is_subtracted_only_if_it_is_known() -> None:
         assert (error.max() < 0.08) == is_known
 
 
+def test_intervals_of_few_samples_do_not_overstate_chaos() -> None:
+    """Student's quantile of four samples is 3.18, which counted as 1.96."""
+    points = design("saltelli", 64, 3, seed=1)
+    half_width = stats.t.ppf(0.975, 3) * NOISE
+    table = table_of(points, ishigami(points), noise=NOISE, half_widths=half_width)
+    few = points_of(replace(table, freedom=(3.0,)), "y")
+    assert few.variances == pytest.approx(NOISE**2)
+    assert few.half_widths == pytest.approx(half_width)
+    assert points_of(table, "y").variances == pytest.approx(2.64 * NOISE**2, rel=0.01)
+
+
 def test_failed_runs_are_omitted_and_too_few_have_no_indices() -> None:
     points = design("saltelli", 16, 3, seed=5)
     table = table_of(points, ishigami(points))

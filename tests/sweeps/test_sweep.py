@@ -52,6 +52,7 @@ def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
     bottom = alone.stages[0].each_cycle("bottom_height")[0] - SCENE.bottom
     assert table.values[5].tolist() == [peak(alone), pytest.approx(bottom, rel=1e-9, abs=0)]
     assert np.isnan(table.half_widths).all()  # one cycle has no interval
+    assert table.freedom == (1.0, 1.0)
     assert table.values[4, 0] != table.values[5, 0]
     assert "8 rows in" in str(sweep)
     again = load_sweep(tmp_path / "sweep")
