@@ -8,7 +8,7 @@ from typing import Literal
 from presswear.recording.statistics import Estimate, quantile
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import large, readable
+from presswear.tools.numbers import large, quantity_text, readable
 from presswear.tools.serialize import NOT_STORED
 
 FILE = "life.npz"  # of the curves
@@ -124,11 +124,13 @@ class LifeResult:
         """Return one line: strokes and the limit that is exceeded, or the values reached."""
         first = self.first
         if first is None:
-            reached = (f"{words_of(one.key)} {one.last:.3g} {one.unit}" for one in self.limits)
+            reached = (
+                f"{words_of(one.key)} {quantity_text(one.last, one.unit)}" for one in self.limits
+            )
             return f"no life is known: {self.message}; reached: {', '.join(reached)}"
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
-        limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
+        limit = f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
         return f"life: {self.words} until {limit}{scatter}"
 
 

@@ -20,7 +20,7 @@ from presswear.results.export import (
     unit_of,
     write_table,
 )
-from presswear.results.life import LifeResult, life_ratio
+from presswear.results.life import LifeResult, LimitResult, life_ratio
 from presswear.scene.settings import changed
 
 
@@ -229,3 +229,11 @@ def test_half_a_standard_deviation_has_the_probability_of_the_normal_distributio
 def test_a_life_without_limit_or_interval_is_not_compared() -> None:
     for other in (replace(LIFE, ended="at_most"), replace(LIFE, sampling=None)):
         assert life_ratio(LIFE, other) == ("", "")
+
+
+def test_the_line_of_a_life_has_units_that_read_well() -> None:
+    limit = LimitResult("B.depth", "m", 2e-5, 1e6, 0.04, 0.0, 2.1e-5, 1e-6)
+    passed = replace(LIFE, limits=(limit,))
+    assert "depth of B is over 20.0 µm" in str(passed)
+    missed = replace(passed, ended="at_most", limits=(replace(limit, strokes=None),))
+    assert "depth of B 21.0 µm" in str(missed)
