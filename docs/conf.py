@@ -16,6 +16,7 @@ sys.path.insert(0, str(DOCS))
 import draw  # noqa: E402
 import formulas  # noqa: E402
 import lines  # noqa: E402
+import outputs  # noqa: E402
 import readme  # noqa: E402
 
 from presswear.results.folder import program_digest  # noqa: E402
@@ -42,7 +43,7 @@ extensions = [
     "numpydoc",
     "myst_nb",
 ]
-exclude_patterns = ["_*", "upstream"]
+exclude_patterns = ["_*", "outputs", "upstream"]
 templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"presswear {release}"
@@ -91,6 +92,13 @@ def _run_commands(app: Sphinx) -> None:
     readme.fill()
 
 
+def _show_outputs(app: Sphinx) -> None:
+    """Show the stored outputs of the pages with code in a build that does not execute them."""
+    if app.config.nb_execution_mode == "off":
+        readers = {page: ("outputs.read", {"page": page}) for page in outputs.pages()}
+        app.env.mystnb_config = app.env.mystnb_config.copy(custom_formats=readers)
+
+
 def _check_lines(app: Sphinx, error: Exception | None) -> None:
     """End the build if a command line failed."""
     messages = [message for future in _FAILURES for message in future.result()]
@@ -111,4 +119,5 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
     app.connect("builder-inited", _run_commands)
     app.connect("builder-inited", _draw)
+    app.connect("builder-inited", _show_outputs, priority=900)  # after myst-nb
     app.connect("build-finished", _check_lines)

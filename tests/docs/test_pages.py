@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import json
 import math
 import re
 import shlex
@@ -33,6 +34,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 THEORY = sorted((DOCS / "theory").glob("*.md"))
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
+PAGES_WITH_CODE = [page for page in PAGES if "```{code-cell}" in page.read_text()]
 REFUSED = "clearence"  # a tutorial shows this mistake
 COMMAND_LINES = [(page, line) for page in PAGES for line in lines_of(page.read_text())]
 
@@ -102,6 +104,15 @@ def test_tutorial_links_to_its_notebook(page: Path) -> None:
     links = re.findall(r"\{nb-download\}`[^<]+<(\w+)\.ipynb>`", text)
     assert links == ([page.stem] if "{code-cell}" in text else [])
     assert ("\n  display_name: Python 3\n" in text) is bool(links)
+
+
+@pytest.mark.parametrize("page", PAGES_WITH_CODE, ids=lambda page: page.stem)
+def test_stored_outputs_are_those_of_the_code_of_a_page(page: Path) -> None:
+    cells = re.findall(r"(?s)```\{code-cell\} ipython3\n(?::tags:.*?\n)?(.*?)```", page.read_text())
+    file = DOCS / "outputs" / "-".join(page.relative_to(DOCS).with_suffix(".ipynb").parts)
+    stored = json.loads(file.read_text())["cells"]
+    assert ["".join(cell["source"]) for cell in stored] == [cell.strip() for cell in cells]
+    assert any(cell["outputs"] for cell in stored)
 
 
 def functions_named(page: Path) -> set[str]:
