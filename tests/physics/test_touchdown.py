@@ -15,19 +15,15 @@ from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
+from presswear.physics.step_length import LANDING, STEPS, contact_step, next_step, shorter_step
 from presswear.physics.touchdown import (
     COUNTERS,
-    LANDING,
     LEAST_STEPS,
     MEMORY,
-    STEPS,
     STORED_CONTACT,
-    contact_step,
     crossing,
-    next_step,
     peak_within,
     settle,
-    shorter_step,
 )
 from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array

@@ -27,12 +27,11 @@ from presswear.physics.drive_motion import step_to_break
 from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK, note_forces
 from presswear.physics.friction_and_normal import corner_ahead
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value
+from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import (
     LEAST_STEPS,
-    contact_step,
     joint_crossing,
     load_crossing,
-    longest_step,
     remember,
     separate,
     settle,

@@ -40,7 +40,7 @@ from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
 from presswear.physics.prescribed import begin_motion, pack_prescribed
-from presswear.physics.touchdown import STEPS
+from presswear.physics.step_length import STEPS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array

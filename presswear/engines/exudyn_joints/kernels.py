@@ -25,13 +25,8 @@ from presswear.physics.prescribed import (
     place_prescribed,
     subtract_inertia,
 )
-from presswear.physics.touchdown import (
-    LEAST_STEPS,
-    advance_bristles,
-    next_step,
-    settle,
-    shorter_step,
-)
+from presswear.physics.step_length import next_step, shorter_step
+from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, settle
 from presswear.physics.wear import wear_rates
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array

@@ -27,13 +27,8 @@ from presswear.physics.friction_and_normal import bristle_rate
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_at_start
 from presswear.physics.packed import Packed, applied_forces
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
-from presswear.physics.touchdown import (
-    contact_step,
-    longest_step,
-    settle,
-    step_to_event,
-    time_to_event,
-)
+from presswear.physics.step_length import contact_step, longest_step
+from presswear.physics.touchdown import settle, step_to_event, time_to_event
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.recording.observe import RecorderState, observe
 from presswear.tools.arrays import Array
