@@ -16,6 +16,7 @@ import pickle
 import re
 import sys
 import threading
+import traceback
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
@@ -245,15 +246,20 @@ class _LazyKernel(Kernel):
         self._numba_type_ = types.Function(template)
 
     def _compile(self) -> int | None:
-        """Compile or load the kernel; kernels call this and cannot be interrupted."""
-        while self._address.value is None:
-            try:
-                self.from_python.compile(self._parameters)
-                code = self.from_python.overloads[self._parameters]
-                name = code.fndesc.llvm_func_name
-                self._address.value = code.library.get_pointer_to_function(name)
-            except KeyboardInterrupt:
-                threading.Timer(0.0, interrupt_main).start()
+        """Compile or load the kernel; kernels call this until it returns an address.
+
+        An interrupt that came before may end it at its first line, with nothing.
+        """
+        try:
+            self.from_python.compile(self._parameters)
+            code = self.from_python.overloads[self._parameters]
+            name = code.fndesc.llvm_func_name
+            self._address.value = code.library.get_pointer_to_function(name)
+        except KeyboardInterrupt:
+            threading.Timer(0.0, interrupt_main).start()
+        except Exception:
+            traceback.print_exc()
+            os._exit(1)  # the caller cannot go on
         return self._address.value
 
     def _generate_call(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -267,11 +273,15 @@ class _LazyKernel(Kernel):
         if variable is None:
             variable = ir.GlobalVariable(builder.module, pointer, name)
         stored, before = builder.load(variable), builder.block
-        with builder.if_then(cgutils.is_null(builder, stored), likely=False):
-            made, inside = builder.call(compile_first, ()), builder.block
+        missing, ready = builder.append_basic_block(), builder.append_basic_block()
+        builder.cbranch(cgutils.is_null(builder, stored), missing, ready).set_weights([1, 99])
+        builder.position_at_end(missing)
+        made = builder.call(compile_first, ())
+        builder.cbranch(cgutils.is_null(builder, made), missing, ready)
+        builder.position_at_end(ready)
         address = builder.phi(pointer)
         address.add_incoming(stored, before)
-        address.add_incoming(made, inside)
+        address.add_incoming(made, missing)
         # Kernels do not raise: the status is ignored.
         _, value = convention.call_function(builder, address, result, signature.args, arguments)
         return value

@@ -86,6 +86,30 @@ def test_lazy_kernel_is_compiled_at_its_first_call() -> None:
     assert pairs["calls"].tolist() == [1, 1]
 
 
+INTERRUPTED = """
+import ctypes
+from presswear.tools.compile import compiled, lazily_compiled
+from presswear.tools.processes import is_stopped, stoppable
+interrupt = getattr(ctypes.CDLL(None), "raise")
+interrupt.argtypes, interrupt.restype = [ctypes.c_int], ctypes.c_int
+@lazily_compiled(0, 0)
+def half(x):
+    return 0.5 * x
+@compiled
+def caller(x):
+    interrupt(2)  # SIGINT; Python handles it before the first line that it executes
+    return half(x)
+with stoppable():
+    print(caller(3.0), is_stopped())
+"""
+
+
+def test_interrupt_in_a_kernel_that_calls_a_lazy_one_is_no_crash() -> None:
+    command = [sys.executable, "-c", INTERRUPTED]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (0, "1.5 True\n"), ended.stderr
+
+
 def test_compiling_is_reported_and_loading_is_not() -> None:
     @compiled
     def half(x: float) -> float:
