@@ -272,6 +272,20 @@ class _RunningPart(Observer):
         return RunState(arrays, status, run.finding, run.end, run.time, run.diagnostics)
 
 
+class _OnPiece(Observer):
+    """Calls a function at the end of each piece of a run.
+
+    A class within the function would keep all that it refers to until garbage is collected.
+    """
+
+    def __init__(self, function: Callable[[int, Callable[[], State]], None]) -> None:
+        self._function = function
+
+    def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+        self._function(len(recorder.cycles), state)
+        return False
+
+
 _CHECKED = {"load_distance": "load_distance_step_error", "force_max": "peak_force_step_error"}
 
 
@@ -311,17 +325,12 @@ class StepCheck:
                 return np.full((len(_CHECKED), len(joints)), np.nan)
             return np.array([[recorder.each_cycle(n, k)[piece] for k in joints] for n in _CHECKED])
 
-        class Refining(Observer):
-            """Runs pieces of a run again with finer steps."""
+        def refine(piece: int, state: Callable[[], State]) -> None:
+            if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
+                again = replace(plan, cycles=piece + 1, resume=state())
+                fine[piece] = values_of(simulate_finer(linkage, start, again).recorder, piece)
 
-            def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
-                piece = len(recorder.cycles)
-                if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
-                    again = replace(plan, cycles=piece + 1, resume=state())
-                    fine[piece] = values_of(simulate_finer(linkage, start, again).recorder, piece)
-                return False
-
-        run = engine.simulate(linkage, start, replace(plan, observers=(Refining(),)))
+        run = engine.simulate(linkage, start, replace(plan, observers=(_OnPiece(refine),)))
         if run.status == "failed" or np.isnan([*fine.values()]).any():
             return {}
         usual = np.sum([values_of(run.recorder, piece) for piece in fine], axis=0)

@@ -1,6 +1,7 @@
 """Several replicates: they diverge, are pooled and end early together."""
 # mypy: disable-error-code="operator"
 
+import gc
 import math
 from dataclasses import replace
 from statistics import median
@@ -176,3 +177,19 @@ def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
     )
     assert 0.0 < many.load_distance_step_error < many.wear_error
     assert few.load_distance_step_error is None
+
+
+def test_states_of_a_run_do_not_wait_for_garbage_collection() -> None:
+    """Otherwise each row of a sweep would add its states to the memory of a worker."""
+
+    def count() -> int:
+        return sum(isinstance(item, replicates.RunState) for item in gc.get_objects())
+
+    gc.collect()
+    gc.disable()
+    try:
+        before = count()
+        run(replace(QUICK, replicates=1, cycles=replicates.STEP_CHECK_CYCLES))
+        assert count() == before
+    finally:
+        gc.enable()
