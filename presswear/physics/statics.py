@@ -1,7 +1,7 @@
 """Linkages at rest under a load, and inverse dynamics of the ideal motion."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -49,18 +49,26 @@ def constraint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> Arra
     return np.asarray(np.linalg.solve(jacobian.transpose(0, 2, 1), right[..., np.newaxis])[..., 0])
 
 
-def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
-    """Raise InputError where a drive needs more than its torque limit in the second cycle."""
+def check_drives(
+    linkage: Linkage, ideal: IdealMotion, corners: Callable[[Array], Array] | None = None
+) -> None:
+    """Raise InputError where a drive needs more than its torque limit in the second cycle.
+
+    ``corners`` returns the instants between times, s, at which a load has a corner.
+    """
     start = linkage.run_up_time
     time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
-    torques = needed_torques(linkage, ideal, time)[_INSTANTS:]
+    if corners is not None:
+        time = np.union1d(time, corners(time))
+    is_second = time >= start + ideal.period
+    torques, second = needed_torques(linkage, ideal, time)[is_second], time[is_second]
     for drive, item in zip(linkage.drives, torques.T, strict=True):
         place = int(np.abs(item).argmax())
         if drive.torque_limit is not None and not abs(item[place]) <= drive.torque_limit:
             raise InputError(
                 f"torque_limit of {drive.body} = {written(drive.torque_limit, 'N m')}: the ideal "
                 f"motion needs {written(abs(item[place]), 'N m')}, at "
-                f"{360.0 * (time[place] - time[0]) / ideal.period % 360.0:.4g} degrees of a cycle"
+                f"{360.0 * (second[place] - start) / ideal.period % 360.0:.4g} degrees of a cycle"
             )
 
 

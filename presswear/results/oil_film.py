@@ -41,8 +41,10 @@ class OilFilm:
     @property
     def shares(self) -> dict[str, float]:
         """Share of the time in full film, mixed and dry friction."""
-        full = float((self.thickness > FULL_FILM * self.roughness).mean())
-        dry = float((self.thickness < self.roughness).mean())
+        weights = np.gradient(self.time)  # the instants are not evenly spaced
+        weights /= weights.sum()
+        full = float(weights @ (self.thickness > FULL_FILM * self.roughness))
+        dry = float(weights @ (self.thickness < self.roughness))
         return {FULL: full, MIXED: max(1.0 - full - dry, 0.0), DRY: dry}
 
     @property

@@ -378,10 +378,15 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     the laws of loads follow the motion and is left out.
     """
     linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
-    time = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
-    held = constraint_forces(linkage, ideal, time)[_PIECES:]
+    equal = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
+    # The work can be shorter than a piece. Corners next to an equal instant add nothing.
+    corners = scene.work_corners(np.append(equal, scene.run_up + 2.0 * period))
+    gaps = np.abs(corners[:, np.newaxis] - equal).min(axis=1)
+    time = np.union1d(equal, corners[gaps > 1e-3 * period / _PIECES])
+    is_last = time >= equal[_PIECES]
+    held = constraint_forces(linkage, ideal, time)[is_last]
     pins = enumerate(linkage.revolutes)  # each has two rows
-    return time[_PIECES:], {one.name: held[:, 2 * k] + 1j * held[:, 2 * k + 1] for k, one in pins}
+    return time[is_last], {one.name: held[:, 2 * k] + 1j * held[:, 2 * k + 1] for k, one in pins}
 
 
 def _farthest(values: Array) -> float:
@@ -424,7 +429,7 @@ def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
     edges = start + np.concatenate([before, period + cycle[1:]])
-    edges = np.union1d(edges, _kinks(scene, edges))
+    edges = np.union1d(edges, scene.work_corners(edges))
     # Supplied and returned energy have a kink where the power of a drive changes its sign.
     for _ in range(2):
         for time, _, _, power in _integrated(scene, edges)[0].values():
@@ -435,25 +440,19 @@ def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
 
 
 def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Array]:
-    """Return ideal drives and Gauss weights in the last cycle between some edges, s."""
+    """Return ideal drives and Gauss weights, s, in the last cycle between some edges, s.
+
+    The edges have the weight 0: a peak can be at a corner of the force of the work.
+    """
     middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-    time = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()
+    inner = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()
+    time = np.concatenate([inner, edges])
+    weights = np.append(np.outer(half, _WEIGHTS).ravel(), np.zeros(edges.size))
+    order = np.argsort(time, kind="stable")
+    time, weights = time[order], weights[order]
     torque = needed_torques(scene.loaded, scene.ideal, time)
     last = time > edges[-1] - scene.mechanism.period
-    return curves_of(scene, time[last], torque[last]), np.outer(half, _WEIGHTS).ravel()[last]
-
-
-def _kinks(scene: Scene, time: Array) -> Array:
-    """Return the instants, s, at which the ideal stroke passes a kink of the force of the work."""
-    from scipy.interpolate import CubicHermiteSpline  # slow to import
-
-    process = scene.process
-    if process is None:
-        return np.zeros(0)
-    place, speed, _ = scene.ideal.at(time).output(scene.loaded).T
-    depth = CubicHermiteSpline(time, process.height - (place - scene.bottom), -speed)
-    kinks = np.concatenate([depth.solve(level, False, False) for level, _ in process.curve])
-    return np.asarray(kinks[np.isfinite(kinks)])
+    return curves_of(scene, time[last], torque[last]), weights[last]
 
 
 # Bottom dead centre -------------------------------------------------------------------------------
