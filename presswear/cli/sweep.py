@@ -110,12 +110,12 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     """Return the sweep of the options, or without options the one in the folder."""
     from presswear.sweeps.plan import Plan, SweepFile, read_sweep
     from presswear.sweeps.responses import request
-    from presswear.sweeps.sweep import Sweep, is_sweep, load_sweep
+    from presswear.sweeps.sweep import FILE, Sweep, load_sweep
 
     fields = ("vary", "sample", "range", "response", "limit", "replicates", "seed", "keep", "set")
     names = (*fields, *SETTINGS)
     is_bare = arguments.resume and not any(getattr(arguments, name) for name in names)
-    if is_bare and is_sweep(arguments.out):
+    if is_bare and (arguments.out / FILE).exists():
         sweep = load_sweep(arguments.out)
         if arguments.trust:
             sweep.plan.scene.trust()

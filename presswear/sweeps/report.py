@@ -222,25 +222,19 @@ def findings(analysis: Analysis) -> list[str]:
     return [*lines, text]
 
 
-def _means(points: Points) -> page.Table:
-    """Return the mean of a response at each point, with its 95 % interval and its runs."""
-    shown = Display(points.response, points.means)
-    columns = list(map(Display, points.parameters, points.points.T))
-    halves, lines = points.half_widths, []
-    for place, mean, half, count in zip(
-        points.points, points.means, halves, points.counts, strict=True
-    ):
-        cells = (one.number(value, 4) for one, value in zip(columns, place, strict=True))
-        lines.append((*cells, shown.with_half_width(mean, half), whole(count)))
-    return page.plain_table((*(one.label for one in columns), shown.label, "runs"), lines)
-
-
 def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     """Return the tables of a response with their headings."""
     points, tables = analysis.points, list[tuple[str, page.Table]]()
-    if 1 < len(points.means) <= FIRST_ROWS:
-        tables.append(("Means with 95 % intervals", _means(points)))
     shown = Display(points.response, points.means)
+    if 1 < len(points.means) <= FIRST_ROWS:
+        columns = list(map(Display, points.parameters, points.points.T))
+        rows = zip(points.points, points.means, points.half_widths, points.counts, strict=True)
+        lines = []
+        for place, mean, half, count in rows:
+            texts = (one.number(value, 4) for one, value in zip(columns, place, strict=True))
+            lines.append((*texts, shown.with_half_width(mean, half), whole(count)))
+        head = (*(one.label for one in columns), shown.label, "runs")
+        tables.append(("Means with 95 % intervals", page.plain_table(head, lines)))
     if (result := analysis.sensitivity) is not None:
         factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
         lines = []

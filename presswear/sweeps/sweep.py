@@ -116,11 +116,6 @@ class Sweep:
         return "\n".join([*rows, self.summary])
 
 
-def is_sweep(folder: Path) -> bool:
-    """Return whether a folder holds a sweep."""
-    return (folder / FILE).exists()
-
-
 def load_sweep(folder: Path) -> Sweep:
     """Return the sweep of a folder; `InputError` if it holds none."""
     file = folder / FILE
