@@ -155,12 +155,6 @@ class Linkage(Checked):
         """Return the position of a body in ``bodies``."""
         return [one.name for one in self.bodies].index(body)
 
-    def with_clearances(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
-        """Return the linkage with clearance joints in place of revolutes of the same name."""
-        names = {joint.name for joint in joints}
-        rest = tuple(joint for joint in self.joints if joint.name not in names)
-        return replace(self, joints=rest, clearances=(*self.clearances, *joints))
-
     def as_plain(self) -> dict[str, Any]:
         """Return the arguments of ``assemble`` as plain data, without clearance joints."""
         return {"kind": self.kind, **plain(_parts_of(self))}

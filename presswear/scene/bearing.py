@@ -174,14 +174,6 @@ class Bearing(Checked):
         stiffness = self.hertz(reading)
         return laws.NormalLaw(stiffness, self.exponent, *factors, self.elasticity, function)
 
-    def _friction(self) -> laws.FrictionLaw:
-        function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
-        name = "ramp" if function else str(self.friction_law)
-        static = self.friction if self.static_friction is None else self.static_friction
-        ramp = self.friction, self.lower_speed, self.upper_speed
-        bristles = self.stribeck_speed, self.bristle_stiffness, self.bristle_damping
-        return laws.FrictionLaw(*ramp, name, function, static, *bristles)
-
     def check_user_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         if isinstance(law := self.normal_law, UserFunction):
@@ -199,12 +191,18 @@ class Bearing(Checked):
         self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
     ) -> elements.ClearanceJoint:
         """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
+        function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
+        name = "ramp" if function else str(self.friction_law)
+        static = self.friction if self.static_friction is None else self.static_friction
+        ramp = self.friction, self.lower_speed, self.upper_speed
+        bristles = self.stribeck_speed, self.bristle_stiffness, self.bristle_damping
+        friction = laws.FrictionLaw(*ramp, name, function, static, *bristles)
         coefficient, share = self.materials.wear_coefficient, self.materials.bearing_share
         slip, distribution = conventions.slip, conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.width
-        forces = self.normal(conventions.stiffness), self._friction()
+        forces = self.normal(conventions.stiffness), friction
         law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
         return elements.ClearanceJoint(
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn
@@ -269,7 +267,16 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
     bins = bin_centres(bearing.angles)
     if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
         return Surface(depth)
-    return Surface(_rebinned(angle, depth, bins.size))
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
+    # Each bin takes the mean of the monotone cubic through the points, which is the curve of
+    # ``Surface`` and conserves the worn volume. Neighbours beyond both ends close it.
+    around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
+    with np.errstate(over="ignore"):  # of slopes next to nothing
+        area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
+    edges = np.linspace(0.0, _TURN, bins.size + 1)
+    mean = np.diff(area.antiderivative()(edges)) * bins.size / _TURN
+    return Surface(np.maximum(mean, 0.0))
 
 
 def _check_angles(where: str, angle: Array) -> None:
@@ -282,20 +289,3 @@ def _check_angles(where: str, angle: Array) -> None:
         low, high = np.degrees([angle[k], angle[k] + gaps[k]])
         gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"
         raise InputError(f"{where}: {gap}; allowed is a gap of {math.degrees(widest):g} deg")
-
-
-def _rebinned(angle: Array, depth: Array, bins: int) -> Array:
-    """Return the mean depth, m, of equal bins of a turn, by the monotone cubic through points.
-
-    It is the curve of ``Surface``, and its integral, the worn volume, is conserved; of equally
-    spaced points that is their sum. Angles are in [0, 2 pi), in order.
-    """
-    from scipy.interpolate import PchipInterpolator  # slow to import
-
-    # Neighbours beyond both ends: the curve is closed.
-    around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
-    with np.errstate(over="ignore"):  # of slopes next to nothing
-        area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
-    edges = np.linspace(0.0, _TURN, bins + 1)
-    mean = np.diff(area.antiderivative()(edges)) * bins / _TURN
-    return np.maximum(mean, 0.0)

@@ -16,7 +16,6 @@ from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
-from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity, written
@@ -173,6 +172,8 @@ class Scene(Checked):
         except AssemblyError as error:
             if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
                 raise
+            from presswear.scene.plausible import servo_fault  # it imports this module
+
             raise servo_fault(self.mechanism) or error from None
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
@@ -297,10 +298,14 @@ class Scene(Checked):
         ideal = self.loaded
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
         surfaces |= {**self.surfaces, **worn}
-        joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
-        return ideal.with_clearances(
-            tuple(self.bearing(j.name).joint(j, self.conventions, surfaces[j.name]) for j in joints)
+        names = self.clearance_joints
+        clearances = (
+            self.bearing(joint.name).joint(joint, self.conventions, surfaces[joint.name])
+            for joint in ideal.revolutes
+            if joint.name in names
         )
+        joints = tuple(joint for joint in ideal.joints if joint.name not in names)
+        return replace(ideal, joints=joints, clearances=(*ideal.clearances, *clearances))
 
     @property
     def stroke(self) -> float:
