@@ -45,7 +45,6 @@ from presswear.results.stage import (
     StageResult,
     StageStatistics,
     WearPeak,
-    angle_names,
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -374,8 +373,9 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
             arrays[f"{name}_wear_{side}"] = wear.added[k, i, : joint.bins]
-    bins = {joint.name: joint.bins for joint in joints}
-    return arrays | {angle: bin_centres(bins[name]) for name, angle in angle_names(bins).items()}
+    are_alike = len({joint.bins for joint in joints}) == 1
+    angles = {"angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in joints}
+    return arrays | {name: bin_centres(bins) for name, bins in angles.items()}
 
 
 def deviation(scene: Scene, recorder: Recorder) -> Array:

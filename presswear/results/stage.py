@@ -23,15 +23,6 @@ T = TypeVar("T")
 JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
 
 
-def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
-    """Return the names of the arrays of angles by joint, from the bins of the wear maps by joint.
-
-    The name is ``angle`` if all joints have as many bins, else ``J_angle`` for joint J.
-    """
-    are_alike = len(set(bins.values())) == 1
-    return {name: "angle" if are_alike else f"{name}_angle" for name in bins}
-
-
 class Joints(dict[str, T]):
     """Values by the name of a joint with clearance; InputError lists them for an unknown name."""
 
