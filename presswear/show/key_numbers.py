@@ -24,6 +24,10 @@ _MADE = 0.02  # energy that contacts make, relative to what they dissipate
 _FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
+_LOADS = {  # title, unit and words of the loads of bearings, by the settings that limit them
+    "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
+    "pv_limit": ("p v", "W/m^2", "Mean of pressure times sliding speed"),
+}
 
 
 def measured(
@@ -80,7 +84,7 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     Each is under the name of the setting that limits it. The pressure is the peak force of a stroke
     over the projected area 2 R b. The sliding distance is known where it is that of the wear.
     """
-    loads: dict[str, dict[str, Estimate]] = {"pressure_limit": {}, "pv_limit": {}}
+    loads: dict[str, dict[str, Estimate]] = {key: {} for key in _LOADS}
     for name, joint in stage.statistics.joints.items():
         bearing = scene.bearing(name)
         per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.width)
@@ -111,15 +115,11 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
         text += f" Before the wear of {strokes} strokes: {numbers.quantity_text(new, 'N')}."
     result = [measured("Peak joint force", forces[at], "N", text)]
-    titles = {
-        "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
-        "pv_limit": ("p v", "W/m^2", "Mean of pressure times sliding speed"),
-    }
     for key, loads in _bearing_loads(scene, last).items():
         limits = {name: getattr(scene.bearing(name), key) for name in loads}
         ratios = {name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one}
         at = _greatest(ratios or loads)
-        bearing, (title, unit, words) = scene.bearing(at), titles[key]
+        bearing, (title, unit, words) = scene.bearing(at), _LOADS[key]
         size = f"{_mm(2.0 * bearing.bearing_radius)} × {_mm(bearing.width)} mm"
         limit = numbers.quantity_text(limits[at], unit) if limits[at] else f"not given ({key})"
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
@@ -299,7 +299,7 @@ def warnings(result: Result) -> list[str]:
         if is_limited and "pv_limit" not in by_limit:
             lines.append("pv_limit is not compared: it needs slip = sliding, as in refined.")
         for key, loads in by_limit.items():
-            unit = {"pressure_limit": "Pa", "pv_limit": "W/m^2"}[key]
+            unit = _LOADS[key][1]
             for name, load in loads.items():
                 limit = getattr(scene.bearing(name), key)
                 if limit is None and key == "pressure_limit":

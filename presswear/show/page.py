@@ -100,28 +100,20 @@ def column_table(
     ``corner`` is the title of the column of labels; ``groups`` are rows by heading. Rows without
     a value in any record are left out.
     """
-    scaled = {heading: [_scaled(row, records) for row in rows] for heading, rows in groups.items()}
-    filled = {}
-    for heading, rows in scaled.items():
-        lines = [(row.head, *(row.text(record) for record in records)) for row in rows]
-        if lines := [line for line in lines if set(line[1:]) - {NOTHING}]:
-            filled[heading] = tuple(lines)
-    meanings = {row.head: row.meaning for rows in scaled.values() for row in rows if row.meaning}
-    return Table((corner, *names), tuple(filled.items()), numeric, meanings) if filled else None
-
-
-def _scaled(row: Row, records: Iterable[Any]) -> Row:
-    """Return a row of an SI unit in the unit in which its largest value reads well."""
-    values = [value_at(record, row.path) for record in records]
-    numbers = (one.mean if isinstance(one, Estimate) else one for one in values)
-    sizes = [abs(one) for one in numbers if isinstance(one, float)]
-    return replace(row, unit=unit_scale(row.unit, max(sizes, default=0.0) or 1.0)[1])
-
-
-def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = True) -> Table:
-    """Return a table with a line per record and a column per row."""
-    lines = (tuple(column.text(record) for column in columns) for record in records)
-    return plain_table((column.head for column in columns), lines, numeric)
+    filled, meanings = dict[str, list[Line]](), dict[str, str]()
+    for heading, rows in groups.items():
+        for row in rows:
+            values = [value_at(record, row.path) for record in records]
+            numbers = (one.mean if isinstance(one, Estimate) else one for one in values)
+            largest = max((abs(one) for one in numbers if isinstance(one, float)), default=0.0)
+            # A row of an SI unit is in the unit in which its largest value reads well.
+            shown = replace(row, unit=unit_scale(row.unit, largest or 1.0)[1])
+            cells = [shown.text(record) for record in records]
+            if set(cells) - {NOTHING}:
+                filled.setdefault(heading, []).append((shown.head, *cells))
+                meanings |= {shown.head: row.meaning} if row.meaning else {}
+    lines = tuple((heading, tuple(rows)) for heading, rows in filled.items())
+    return Table((corner, *names), lines, numeric, meanings) if filled else None
 
 
 def plain_table(head: Iterable[str], lines: Iterable[Line], numeric: bool = True) -> Table:

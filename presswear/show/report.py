@@ -194,7 +194,8 @@ def _line_table(
 ) -> Table:
     """Return a table of ``tables.toml`` with a line per record."""
     columns = [Row(*row) for row in _tables(result, **names)["columns"][name]]
-    return page.row_table(columns, list(records), numeric)
+    lines = (tuple(column.text(record) for column in columns) for record in records)
+    return page.plain_table((column.head for column in columns), lines, numeric)
 
 
 def stage_tables(result: Result) -> dict[str, Table | None]:
@@ -203,15 +204,6 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
     Numbers of failed stages are left out. Stored laws of the result are not executed unless they
     are trusted.
     """
-    records = _stage_records(result)
-    sound = [record for record in records if not record["stage"].failed]
-    names = ("joints", "bottom", "tonnage")
-    tables = {name: _result_table(name, result, sound) for name in names}
-    tables["endings"] = _line_table("endings", result, records)
-    return {**tables, "diagnostics": _result_table("diagnostics", result, records)}
-
-
-def _stage_records(result: Result) -> list[Record]:
     scene, records = result.scene, list[Record]()
     endings = _tables(result)["endings"]
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
@@ -236,7 +228,11 @@ def _stage_records(result: Result) -> list[Record]:
                 "represented": stage.cycles_per_update if stage.joints else None,
             }
         )
-    return records
+    sound = [record for record in records if not record["stage"].failed]
+    names = ("joints", "bottom", "tonnage")
+    tables = {name: _result_table(name, result, sound) for name in names}
+    tables["endings"] = _line_table("endings", result, records)
+    return {**tables, "diagnostics": _result_table("diagnostics", result, records)}
 
 
 def _factor_range(steps: Sequence[WearStep]) -> str:
@@ -471,30 +467,24 @@ def _life(result: Result, life: LifeResult) -> Record:
         and limit.strokes is not None
         and limit.strokes / math.exp(limit.error or 0.0) <= high
     ]
+    limits = [_limit_line(result.scene, limit) for limit in life.limits]
+    phases = [
+        (
+            f"{phase.joint}: {phase.name}",
+            numbers.large(phase.since, phase.until),
+            numbers.with_interval(1e15 * phase.rate, 1e15 * phase.half_width),
+        )
+        for phase in life.phases
+    ]
+    end = numbers.large(float(life.curves["strokes"][-1]))
     return {
         "result": life,
         "first": first,
         "rivals": rivals,
         "services": services_done(result),
-        **_life_tables(result, life),
+        "limits": _line_table("limits", result, limits, True, end=end),
+        "phases": _line_table("phases", result, phases, True, end=end),
     }
-
-
-def _life_tables(result: Result, life: LifeResult) -> dict[str, Table]:
-    """Return the tables of a service life: limits, and phases of the wear."""
-    lines: dict[str, list[Line]] = {
-        "limits": [_limit_line(result.scene, limit) for limit in life.limits],
-        "phases": [
-            (
-                f"{phase.joint}: {phase.name}",
-                numbers.large(phase.since, phase.until),
-                numbers.with_interval(1e15 * phase.rate, 1e15 * phase.half_width),
-            )
-            for phase in life.phases
-        ],
-    }
-    end = numbers.large(float(life.curves["strokes"][-1]))
-    return {name: _line_table(name, result, rows, True, end=end) for name, rows in lines.items()}
 
 
 def _limit_line(scene: Scene, limit: LimitResult) -> Line:

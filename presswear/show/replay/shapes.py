@@ -154,8 +154,8 @@ def arrow(start: Array, vector: Array, width: float, layer: int, paint: Colour) 
     return [line(start, neck, width, layer, paint), filled(outline, layer, paint)]
 
 
-def hatched(ends: Array, side: float, bar: float, layer: int, paint: Colour) -> list[Shape]:
-    """Return a fixed edge, hatched on the left for side = 1 and on the right for -1."""
+def hatched(ends: Array, side: float, bar: float) -> list[Shape]:
+    """Return an edge of the frame, hatched on the left for side = 1 and on the right for -1."""
     start, end = ends
     vector = end - start
     length = float(np.hypot(*vector))
@@ -163,8 +163,8 @@ def hatched(ends: Array, side: float, bar: float, layer: int, paint: Colour) -> 
     slant = 0.9 * bar * (side * across(along) - along)
     marks = np.linspace(0.0, 1.0, max(int(length / (0.9 * bar)), 2))
     feet = start + np.outer(marks, vector)
-    lines = [line(foot, foot + slant, 0.132 * bar, layer, paint) for foot in feet]
-    return [line(start, end, 0.22 * bar, layer, paint), *lines]
+    lines = [line(foot, foot + slant, 0.132 * bar, 1, INK) for foot in feet]
+    return [line(start, end, 0.22 * bar, 1, INK), *lines]
 
 
 def mix(first: Colour, second: Colour, share: float) -> Colour:
@@ -211,15 +211,14 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
         drawn.append(filled(np.array([centre, foot - side, foot + side]), 1, STEEL))
         drawn.append(filled(circle(centre, 1.3 * bar), 2, STEEL))
         ends = np.array([foot - 1.3 * side, foot + 1.3 * side])
-        drawn += hatched(ends, -1.0, bar, 1, INK)
+        drawn += hatched(ends, -1.0, bar)
     for guide in linkage.guides:
         along, base = direction(guide.direction), np.array([guide.x, guide.y])
         places = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
         travel = (places[:, :2] - base) @ along
         ends = base + np.outer([travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], along)
         for sign in (-1.0, 1.0):
-            edge = ends + sign * 2.35 * bar * across(along)
-            drawn += hatched(edge, sign, bar, 1, INK)
+            drawn += hatched(ends + sign * 2.35 * bar * across(along), sign, bar)
     return drawn
 
 
