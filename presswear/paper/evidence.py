@@ -97,7 +97,18 @@ class Evidence:
         if quantity in OF_MAPS:
             return _from_maps(self, case, place, _stages_added(place, quantity))[quantity]
         result = self.run_at(case, place.setting, place.wear_updates, place.joint)
-        return None if result is None else _from_cycles(result, place, quantity)
+        if result is None:
+            return None
+        every, count = cycles_by_replicate(result, place, quantity), result.scene.replicate_count
+        # After a wear each replicate also runs alone on its surfaces, which gives the interval.
+        together, alone = every[:count], every[-count:] if place.wear_updates > 0 else ()
+        estimate, differ = pw.statistics.pooled(together, alone)
+        samples = np.concatenate([pw.statistics.after_startup(rows) for rows in together])
+        scatter, first = None, [float(rows[0]) for rows in together]
+        if samples.size >= MIN_SAMPLES:
+            low, high = np.quantile(samples, (0.025, 0.975)).tolist()
+            scatter = low, high
+        return Measured(estimate, scatter, (min(first), max(first)), len(together), differ)
 
     def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
         """Return the estimate of a quantity under a case; None if it was not computed."""
@@ -114,22 +125,6 @@ class Evidence:
         below, above = (np.hypot(end - centre[0], mean[0] - centre[0]) for end in ends)
         angle = result.stages[0].joints[place.joint].angle
         return WearMap(angle, mean[0], np.maximum(mean[0] - below, 0.0), mean[0] + above)
-
-
-def _from_cycles(result: pw.Result, place: Place, quantity: str) -> Measured | None:
-    every = cycles_by_replicate(result, place, quantity)
-    if not every:
-        return None
-    count = result.scene.replicate_count
-    # After a wear each replicate also runs alone on its surfaces, which gives the interval.
-    together, alone = every[:count], every[-count:] if place.wear_updates > 0 else ()
-    estimate, differ = pw.statistics.pooled(together, alone)
-    samples = np.concatenate([pw.statistics.after_startup(rows) for rows in together])
-    scatter, first = None, [float(rows[0]) for rows in together]
-    if samples.size >= MIN_SAMPLES:
-        low, high = np.quantile(samples, (0.025, 0.975)).tolist()
-        scatter = low, high
-    return Measured(estimate, scatter, (min(first), max(first)), len(together), differ)
 
 
 def _stages_added(place: Place, quantity: str) -> range:

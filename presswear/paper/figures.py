@@ -14,7 +14,7 @@ from matplotlib.ticker import MultipleLocator
 
 from presswear.paper import settings
 from presswear.paper.evidence import QUANTITIES, Evidence, Measured
-from presswear.paper.printed import RANGES, TEXTS, Place, printed_at, shown_in
+from presswear.paper.printed import PRINTED, RANGES, TEXTS, Place, printed_at
 from presswear.paper.settings import BASE, JOINTS, SETTINGS, STAGES, run_name
 from presswear.show.figures import Drawing, drawn
 from presswear.show.figures.style import LINES, REFERENCE, Axes, Pen, ShownStage, panels
@@ -123,7 +123,8 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
         axes.set(xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)")
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
     sheet.legend(handles=[line.pen.handle() for line in worn], loc="outside upper center", ncols=3)
-    doubts = dict.fromkeys(one.misprint for one in shown_in(number) if one.misprint)
+    printed = [one for one in PRINTED if one.figure[:-1] == f"{number}"]
+    doubts = dict.fromkeys(one.misprint for one in printed if one.misprint)
     caption = CAPTIONS["depths"] + "".join(f" In print: {doubt}." for doubt in doubts)
     return Drawing(f"fig-{number:02d}.png", f"Fig. {number} Wear depth", caption, sheet)
 

@@ -85,11 +85,6 @@ def printed_at(place: Place, quantity: str) -> Printed | None:
     return next(numbers, None)
 
 
-def shown_in(figure: int) -> list[Printed]:
-    """Return the printed numbers that a figure shows."""
-    return [one for one in PRINTED if one.figure[:-1] == str(figure)]
-
-
 # --- Claims ---------------------------------------------------------------------------------------
 
 Expected = Literal["more", "less", "same"]
@@ -142,28 +137,24 @@ def wrapped_angle(angle: float) -> float:
 def comparisons(text: str) -> Iterator[Comparison]:
     """Yield the comparisons of a text such as ``depth more wear A,C 1,2``."""
     quantity, expected, kind, *words = text.split()
-    for over, under in _sides(kind, words):
-        yield Comparison(quantity, tuple(over), tuple(under), cast(Expected, expected))
-
-
-def _sides(kind: str, words: list[str]) -> Iterator[tuple[list[Place], list[Place]]]:
-    """Yield numerators and denominators."""
+    sides: list[tuple[list[Place], list[Place]]] = []  # numerators and denominators
     if kind in ("joints", "growth"):  # joint A over joint C, at one stage or from one to another
         for word in words:
             stages = (stage.split(":") for stage in word.split(">"))
             (a, c), *last = ([Place(name, int(k), joint) for joint in "AC"] for name, k in stages)
-            yield ([last[0][0], c], [a, last[0][1]]) if last else ([a], [c])
-        return
-    joints, numbers, setting = (*words, WEAR)[:3]
-    updates = [int(number) for number in numbers.split(",")]
-    if kind == "wear":
-        steps = [((setting, i), (setting, k)) for i, k in pairwise(updates)]
+            sides.append(([last[0][0], c], [a, last[0][1]]) if last else ([a], [c]))
     else:
-        lower, higher = _SETTINGS[kind]
-        steps = [((lower, k), (higher, k)) for k in updates]
-    for joint in [""] if joints == "slider" else joints.split(","):
-        for first, second in steps:
-            yield [Place(*second, joint)], [Place(*first, joint)]
+        joints, numbers, setting = (*words, WEAR)[:3]
+        updates = [int(number) for number in numbers.split(",")]
+        if kind == "wear":
+            steps = [((setting, i), (setting, k)) for i, k in pairwise(updates)]
+        else:
+            lower, higher = _SETTINGS[kind]
+            steps = [((lower, k), (higher, k)) for k in updates]
+        for joint in [""] if joints == "slider" else joints.split(","):
+            sides += [([Place(*second, joint)], [Place(*first, joint)]) for first, second in steps]
+    for over, under in sides:
+        yield Comparison(quantity, tuple(over), tuple(under), cast(Expected, expected))
 
 
 CLAIMS = tuple(

@@ -14,7 +14,7 @@ from presswear.paper import report, run_paper
 from presswear.paper.__main__ import main
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawings
-from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place, shown_in
+from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.verdicts import judge
 from presswear.show.page import render_page
@@ -95,7 +95,8 @@ def test_every_figure_has_its_counterpart_with_the_printed_values() -> None:
         marked = [line for line in lines if line.get_gid() == "printed"]
         values = [float(np.ravel(line.get_xdata())[0]) for line in marked]
         quantity = "angle" if number < 17 else ""
-        printed = [one.value for one in shown_in(number) if quantity in ("", one.quantity)]
+        shown = [one for one in PRINTED if one.figure[:-1] == f"{number}"]
+        printed = [one.value for one in shown if quantity in ("", one.quantity)]
         expected = np.degrees(printed) if quantity else np.array(printed)
         np.testing.assert_allclose(sorted(values), sorted(expected))
     worn = every_evidence().wear_map(BASE, Place(WEAR, 1, "A"))
