@@ -126,7 +126,7 @@ def _stage_wear(
         samples, weights = by_replicate, np.ones(len(by_replicate))
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
-    elif _have_other_volumes(together.maps):
+    elif _have_volumes_that_differ(together.maps):
         samples, weights = by_replicate, np.ones(len(by_replicate))
     is_frozen = update is None and index > 0 and scene.wears_in_steps
     is_smoothed, flattening = bool(ensemble.bins), None if update is None else update.flattening
@@ -135,7 +135,7 @@ def _stage_wear(
     )
 
 
-def _have_other_volumes(runs: Sequence[MapBatches]) -> bool:
+def _have_volumes_that_differ(runs: Sequence[MapBatches]) -> bool:
     """Return whether the worn volumes of the replicates differ at a joint; see ``differ``."""
     volumes = [run.batches.sum(axis=(-2, -1)).T for run in runs]
     return any(differ(samples) for samples in zip(*volumes, strict=True))

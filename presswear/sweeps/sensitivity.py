@@ -22,6 +22,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, not_installed
 
 MIN_BLOCKS = 8  # Saltelli blocks or Morris trajectories below which nothing is estimated
+MIN_SHARE = 0.1  # of the parameters in the variance; indices of less are errors alone
 MIN_POINTS = 64  # points of a sample below which first-order indices are not estimated
 RESAMPLES = 200  # bootstrap resamples of SALib
 RBD_HARMONICS = 6  # of RBD-FAST; more resolve faster variations, with more noise
@@ -168,7 +169,7 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
         indices = rbd_fast.analyze(problem, points.points[rows], values, M=RBD_HARMONICS, **options)
         method, keys = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012", ["S1"]
     variance = float(values.var())
-    if variance <= noise:
+    if variance - noise < MIN_SHARE * variance:
         return None
     # Chaos adds its variance to the denominator, and to the numerator of total indices.
     scale = variance / (variance - noise)

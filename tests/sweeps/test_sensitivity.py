@@ -100,6 +100,15 @@ def test_failed_runs_are_omitted_and_too_few_have_no_indices() -> None:
         assert sensitivity(points_of(few, "y"), kind) is None
 
 
+@pytest.mark.parametrize(("share", "is_given"), [(0.89, True), (0.91, False)])
+def test_indices_are_given_unless_nearly_all_is_chaos(share: float, is_given: bool) -> None:
+    points = design("saltelli", 16, 3, seed=5)
+    variance = ishigami(points).reshape(-1, 5)[:, [0, -1]].var()
+    half_width = stats.norm.ppf(0.975) * math.sqrt(share * variance)
+    table = table_of(points, ishigami(points), half_widths=half_width)
+    assert (sensitivity(points_of(table, "y"), "saltelli") is not None) == is_given
+
+
 def test_elementary_effects_of_a_plane_and_of_chaos() -> None:
     points = design("morris", 8, 3, seed=1)
     result = result_of(table_of(points, points @ SLOPES), "morris")
