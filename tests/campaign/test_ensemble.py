@@ -183,7 +183,7 @@ def test_states_of_a_run_do_not_wait_for_garbage_collection() -> None:
     """Otherwise each row of a sweep would add its states to the memory of a worker."""
 
     def count() -> int:
-        return sum(isinstance(item, replicates.RunState) for item in gc.get_objects())
+        return sum(type(item) is replicates.RunState for item in gc.get_objects())
 
     gc.collect()
     gc.disable()
