@@ -73,9 +73,10 @@ def store(page: str) -> None:
     """Store the executed cells of a page."""
     notebook = nbformat.read((EXECUTED / page).with_suffix(".ipynb"), 4)
     notebook.cells = cells_of(notebook)
-    notebook.metadata = {}
+    notebook.metadata, notebook.nbformat_minor = {}, 4  # the next one has random names of cells
     for cell in notebook.cells:
         cell.metadata = {}
+        cell.pop("id", None)
         for output in cell.outputs:
             if PICTURE in output.get("data", {}):
                 output.data[PICTURE] = _smaller(output.data[PICTURE])
