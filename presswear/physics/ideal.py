@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.drives import MAX_PIECES, MIN_PIECE
+from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Mechanism
 from presswear.physics.assembly import (
@@ -55,14 +56,20 @@ class Motion:
 
     def output(self, linkage: Linkage) -> Array:
         """Return position, velocity and acceleration of the output point, shape (n, 3), m, s."""
-        probe = linkage.output
-        column = 3 * linkage.index(probe.body) if self.position.shape[1] > 3 else 0
+        return self.of_point(linkage, linkage.output.attachment, linkage.output.direction)
+
+    def of_point(self, linkage: Linkage, point: Attachment, direction: float) -> Array:
+        """Return position, velocity and acceleration of a point along a direction, rad.
+
+        Shape (n, 3), m, s.
+        """
+        column = 3 * linkage.index(point.body) if self.position.shape[1] > 3 else 0
         item = slice(column, column + 3)
         q, v, a = (level[:, item] for level in (self.position, self.velocity, self.acceleration))
-        cosine, sine = np.cos(q[:, 2] - probe.direction), np.sin(q[:, 2] - probe.direction)
+        cosine, sine = np.cos(q[:, 2] - direction), np.sin(q[:, 2] - direction)
         # The point relative to the mass centre, along the direction and across.
-        along, across = probe.x * cosine - probe.y * sine, probe.x * sine + probe.y * cosine
-        unit = np.array([math.cos(probe.direction), math.sin(probe.direction)])
+        along, across = point.x * cosine - point.y * sine, point.x * sine + point.y * cosine
+        unit = np.array([math.cos(direction), math.sin(direction)])
         faster = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
         place, speed = q[:, :2] @ unit + along, v[:, :2] @ unit - v[:, 2] * across
         return np.column_stack([place, speed, faster])

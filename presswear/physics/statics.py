@@ -1,7 +1,7 @@
 """Linkages at rest under a load, and inverse dynamics of the ideal motion."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.loads import Force, OverPosition, OverTime
 from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
 from presswear.physics.contact import CONTACT, note_contacts
@@ -49,17 +50,37 @@ def constraint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> Arra
     return np.asarray(np.linalg.solve(jacobian.transpose(0, 2, 1), right[..., np.newaxis])[..., 0])
 
 
-def check_drives(
-    linkage: Linkage, ideal: IdealMotion, corners: Callable[[Array], Array] | None = None
-) -> None:
-    """Raise InputError where a drive needs more than its torque limit in the second cycle.
+def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
+    """Return the instants at which the table of a load has a corner in the ideal motion.
 
-    ``corners`` returns the instants between times, s, at which a load has a corner.
+    Shape (k,), s, between the first and the last of some times, s, that resolve the motion.
     """
+    from scipy.interpolate import CubicHermiteSpline  # slow to import
+
+    motion, corners = ideal.at(time), [np.zeros(0)]
+    for load in linkage.live_loads:
+        if isinstance(load.law, OverTime):
+            period = linkage.period if load.law.period is None else load.law.period
+            last = time[-1] / period if period > 0.0 else 0.0
+            turns = period * np.arange(last + 1.0)
+            corners += [node + turns for node, _ in load.law.table]
+        elif isinstance(load.law, OverPosition):
+            if isinstance(load, Force):
+                place, speed, _ = motion.of_point(linkage, load.attachment, load.direction).T
+            else:
+                column = 3 * linkage.index(load.body) + 2
+                place, speed = motion.position[:, column], motion.velocity[:, column]
+            curve = CubicHermiteSpline(time, place - load.law.zero, speed)
+            corners += [curve.solve(node, False, False) for node, _ in load.law.table]
+    instants = np.concatenate(corners)
+    return np.asarray(instants[(instants >= time[0]) & (instants <= time[-1])])
+
+
+def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
+    """Raise InputError where a drive needs more than its torque limit in the second cycle."""
     start = linkage.run_up_time
     time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
-    if corners is not None:
-        time = np.union1d(time, corners(time))
+    time = np.union1d(time, load_corners(linkage, ideal, time))
     is_second = time >= start + ideal.period
     torques, second = needed_torques(linkage, ideal, time)[is_second], time[is_second]
     for drive, item in zip(linkage.drives, torques.T, strict=True):

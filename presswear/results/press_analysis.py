@@ -15,7 +15,7 @@ import numpy as np
 from presswear.physics.friction_and_normal import elastic_force, foundation_force, liu_force
 from presswear.physics.ideal import bottom_of
 from presswear.physics.loads import sizes_over
-from presswear.physics.statics import constraint_forces, needed_torques
+from presswear.physics.statics import constraint_forces, load_corners, needed_torques
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
 from presswear.recording.observe import CYCLE_DRIVE
@@ -379,8 +379,8 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     """
     linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
     equal = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
-    # The work can be shorter than a piece. Corners next to an equal instant add nothing.
-    corners = scene.work_corners(np.append(equal, scene.run_up + 2.0 * period))
+    # A load can be shorter than a piece. Corners next to an equal instant add nothing.
+    corners = load_corners(linkage, ideal, np.append(equal, scene.run_up + 2.0 * period))
     gaps = np.abs(corners[:, np.newaxis] - equal).min(axis=1)
     time = np.union1d(equal, corners[gaps > 1e-3 * period / _PIECES])
     is_last = time >= equal[_PIECES]
@@ -429,7 +429,7 @@ def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
     edges = start + np.concatenate([before, period + cycle[1:]])
-    edges = np.union1d(edges, scene.work_corners(edges))
+    edges = np.union1d(edges, load_corners(scene.loaded, scene.ideal, edges))
     # Supplied and returned energy have a kink where the power of a drive changes its sign.
     for _ in range(2):
         for time, _, _, power in _integrated(scene, edges)[0].values():
@@ -442,7 +442,7 @@ def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
 def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Array]:
     """Return ideal drives and Gauss weights, s, in the last cycle between some edges, s.
 
-    The edges have the weight 0: a peak can be at a corner of the force of the work.
+    The edges have the weight 0: a peak can be at a corner of a load.
     """
     middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
     inner = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()

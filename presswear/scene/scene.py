@@ -182,7 +182,7 @@ class Scene(Checked):
         if is_limited and not self.has_untrusted_loads:
             from presswear.physics.statics import check_drives  # slow import
 
-            check_drives(loaded, self.ideal, self.work_corners)
+            check_drives(loaded, self.ideal)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)
@@ -385,22 +385,6 @@ class Scene(Checked):
         body = self.mechanism.linkage().output.body
         name = "slider" if body.startswith("slider") else body
         return f"the {name}" if name[-1].islower() else name
-
-    def work_corners(self, time: Array) -> Array:
-        """Return the instants at which the ideal stroke passes a corner of the force of the work.
-
-        Shape (k,), s, between times of shape (n,), s, which resolve the ideal motion; empty without
-        a process.
-        """
-        from scipy.interpolate import CubicHermiteSpline  # slow to import
-
-        if self.process is None:
-            return np.zeros(0)
-        place, speed, _ = self.ideal.at(time).output(self.loaded).T
-        depth = CubicHermiteSpline(time, self.process.height - (place - self.bottom), -speed)
-        corners = [depth.solve(level, False, False) for level, _ in self.process.curve]
-        instants = np.concatenate(corners)
-        return np.asarray(instants[np.isfinite(instants)])
 
     def ideal_slider(self, time: Array, closed: bool = True) -> Array:
         """Return displacement from the start, velocity and acceleration of the ideal output.

@@ -13,7 +13,7 @@ import presswear as pw
 from presswear.engines.base import Plan, Start
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import OverPosition
+from presswear.linkage.loads import OverPosition, OverTime
 from presswear.linkage.mechanisms import GEOMETRIES
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.physics.statics import (
@@ -21,6 +21,7 @@ from presswear.physics.statics import (
     check_drives,
     equilibrium,
     heights_at_bottom,
+    load_corners,
     needed_torques,
     pull_of,
 )
@@ -51,6 +52,35 @@ def test_slider_crank_in_line_has_the_play_of_its_joints(
     linkage = replace(LIGHT, bearings=dict(zip("AB", pins, strict=True))).linkage()
     expected = 2.0 * sum(play(joint, force) for joint in linkage.clearances)
     assert pw.total_clearance(linkage, force) == pytest.approx(expected, abs=1e-13)
+
+
+def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
+    mechanism = LIGHT.mechanism
+    assert isinstance(mechanism, pw.SliderCrank)
+    crank, rod, speed = mechanism.crank_length, mechanism.rod_length, mechanism.speed
+    linkage, period = mechanism.linkage(), mechanism.period
+    point, direction = linkage.output.attachment, linkage.output.direction
+    loads = (
+        pw.Force(
+            point,
+            direction,
+            OverPosition(((-0.02, 1.0), (0.01, 3.0)), outside="hold", zero=0.12),
+            "sheet",
+        ),
+        pw.Moment("crank", OverPosition(((0.3, 0.0), (0.9, 5.0)), outside="hold", zero=7.0)),
+        pw.Force(point, direction, OverTime(((0.001, 1.0), (0.002, 2.0))), "every cycle"),
+        pw.Force(point, direction, OverTime(((0.003, 1.0), (0.02, 2.0)), period=0.0), "once"),
+    )
+    time = np.linspace(0.0, 2.0 * period, 200)
+    corners = load_corners(replace(linkage, loads=loads), LIGHT.ideal, time)
+    # The law of cosines: the crank angle at which the slider is at x, on both sides
+    x = np.array([0.1, 0.13])
+    angle = np.arccos((x**2 + crank**2 - rod**2) / (2.0 * crank * x))
+    angles = np.append(angle, 2.0 * math.pi - angle)
+    turns = angles + 2.0 * math.pi * np.arange(2)[:, np.newaxis]
+    expected = [*turns.ravel() / speed, 7.3 / speed, 7.9 / speed]
+    expected += [0.001, 0.002, period + 0.001, period + 0.002, 0.003, 0.02]
+    assert np.sort(corners) == pytest.approx(np.sort(expected), abs=1e-8)
 
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
