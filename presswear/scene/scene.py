@@ -16,6 +16,7 @@ from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
+from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity, written
@@ -172,8 +173,6 @@ class Scene(Checked):
         except AssemblyError as error:
             if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
                 raise
-            from presswear.scene.plausible import servo_fault  # it imports this module
-
             raise servo_fault(self.mechanism) or error from None
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
