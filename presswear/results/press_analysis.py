@@ -224,11 +224,14 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
 def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke]) -> JointTonnage:
     """Return the forces of a joint in settled strokes."""
     size = np.hypot(*joint.force.T)
+    # A series has few rows in contacts that are light for the joint: their peaks are stored.
+    touchdown, separation, peak = map(joint.contact, ("touchdown", "separation", "peak_force"))
     peaks: dict[str, list[float]] = {name: [] for name in PHASES}
     for stroke in strokes:
         for name, (start, end) in stroke.phases.items():
             values = size[(time >= start) & (time < end)]
-            peaks[name] += [float(values.max())] if values.size else []
+            within = peak[(touchdown >= start) & (separation < end)].max(initial=0.0)
+            peaks[name] += [max(float(values.max()), float(within))] if values.size else []
     # Complex numbers are vectors: the force of the pin on its bearing in global directions. The
     # friction is stored as it acts on the pin.
     vector = np.array([1.0, 1j])

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 
 import presswear as pw
+from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.results.export import table_of, unit_of
 from presswear.results.press_analysis import (
     ENERGY_BOUND,
@@ -207,6 +208,7 @@ def test_without_work_there_are_approach_and_return_alone() -> None:
     assert "crank 2_angle" in table_of(result, 0)
 
 
+NO_CONTACTS = np.zeros((0, len(CONTACT_COLUMNS)))
 STROKE = SettledStroke(start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
 
 
@@ -229,6 +231,7 @@ def test_a_reversal_is_along_the_force_that_worked(angle: float, back: float, de
     arrays = {
         "force": np.column_stack([size, 0.0 * size]),
         "eccentricity": np.tile(unit, (time.size, 1)),
+        "contacts": NO_CONTACTS,
     }
     tonnage = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
     assert tonnage.working_force.mean == pytest.approx(pressed, rel=1e-4)
@@ -246,10 +249,41 @@ def test_a_reversed_force_counts_the_friction_on_the_bearing() -> None:
     works = (time > 1.41) & (time < 1.44)
     back = (time > 1.451) & (time < 1.455)
     force = np.outer(works, [3.0, 4.0]) + np.outer(back, [5.0, 0.0])
-    arrays = {"force": force, "eccentricity": np.where(back[:, np.newaxis], [0.0, 1.0], [1.0, 0.0])}
+    directions = np.where(back[:, np.newaxis], [0.0, 1.0], [1.0, 0.0])
+    arrays = {"force": force, "eccentricity": directions, "contacts": NO_CONTACTS}
     found = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
     assert found.working_force.mean == pytest.approx(5.0)
     assert found.reversed_force.mean == pytest.approx(4.0)
+
+
+def test_peaks_between_rows_are_those_of_contacts_in_the_phase() -> None:
+    """A contact lies in the approach, a second ends in the work, a third is in no stroke."""
+    time = np.linspace(1.0, 2.0, 101)
+    contacts = np.zeros((3, len(CONTACT_COLUMNS)))
+    spans = {"touchdown": (1.2, 1.39, 0.5), "separation": (1.201, 1.41, 0.6)}
+    for name, values in {**spans, "peak_force": (200.0, 900.0, 800.0)}.items():
+        contacts[:, CONTACT_COLUMNS.index(name)] = values
+    force = np.tile([30.0, 40.0], (time.size, 1))
+    arrays = {"force": force, "eccentricity": np.ones((time.size, 2)), "contacts": contacts}
+    tonnage = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
+    peaks = {name: peak.mean for name, peak in tonnage.peak_by_phase.items()}
+    assert peaks == {"approach": 200.0, "work": 50.0, "snap-through": 50.0, "return": 50.0}
+
+
+def test_light_contacts_of_the_approach_do_not_need_rows() -> None:
+    """In a simulated stroke the greatest force of a phase is that of a contact between rows."""
+    scene = replace(pw.scenes.press_blanking(conventions="refined"), engine="dae", wear_updates=0)
+    result = pw.run(replace(scene, cycles=4), jobs=1)
+    stage = result.stages[0]
+    stroke = settled_strokes(scene, stage)[0]
+    for joint in stage.joints.values():
+        start, end = stroke.phases["approach"]
+        begins, ends, peak = map(joint.contact, ("touchdown", "separation", "peak_force"))
+        strongest = peak[(begins >= start) & (ends < end)].max()
+        rows = (stage.time >= start) & (stage.time < end)
+        assert strongest > np.hypot(*joint.force[rows].T).max()  # between rows
+        tonnage = joint_tonnage(stage.time, joint, [stroke])
+        assert tonnage.peak_by_phase["approach"].mean == pytest.approx(strongest)
 
 
 def test_peaks_are_told_by_phase_with_their_scatter() -> None:
@@ -263,7 +297,8 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
         for k in range(3):
             row = int(np.abs(time - at - k).argmin())
             force[row] = 0.8 * sizes[name][k], 0.6 * sizes[name][k]
-    arrays = {"force": force, "eccentricity": np.tile([1e-4, 0.0], (time.size, 1))}
+    along = np.tile([1e-4, 0.0], (time.size, 1))
+    arrays = {"force": force, "eccentricity": along, "contacts": NO_CONTACTS}
     found = joint_tonnage(time, pw.JointResult("A", None, arrays), strokes)
     assert set(found.peak_by_phase) == set(PHASES)
     for name, own in sizes.items():
