@@ -150,7 +150,10 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     if half == 0.0:
         return text, f"{float(ratio > 1.0):g}"
     deviation = half / quantile(math.inf)
-    return text, f"{0.5 * math.erfc(-math.log(ratio) / (math.sqrt(2.0) * deviation)):.2g}"
+    longer = 0.5 * math.erfc(-math.log(ratio) / (math.sqrt(2.0) * deviation))
+    if 0.01 <= longer <= 0.99:
+        return text, f"{longer:.2g}"
+    return text, "over 0.99" if longer > 0.5 else "below 0.01"
 
 
 def digits_of(error: float | None) -> int:
