@@ -40,6 +40,7 @@ STAGE_CYCLES = 8  # of each history, in whose time a stage runs until its wear m
 _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
 MAX_PHASES = 3
 REACH = 4.0  # factor that the wear rate may change by from that when new
+MIN_BLOCK = 0.1  # strokes of a block over those of the one before, for its wear rate to count
 MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
 RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
 
@@ -335,11 +336,14 @@ def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
     twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
     """
     cycles, strokes = np.array([block.cycles for block in refinement.blocks]), refinement.strokes
-    finished = np.flatnonzero(cycles[1:])
+    lengths = np.diff(strokes)
+    # The correction for the block before would be most of the rate of a much shorter one.
+    is_short = np.append(False, lengths[1:] < MIN_BLOCK * lengths[:-1])
+    finished = np.flatnonzero((cycles[1:] > 0) & ~is_short)
     if not finished.size:
         return ()
     volume = np.array([block.levels[f"{joint}.wear_volume"] for block in refinement.blocks])
-    rates = np.diff(volume, axis=0)[finished] / np.diff(strokes)[finished, np.newaxis]
+    rates = np.diff(volume, axis=0)[finished] / lengths[finished, np.newaxis]
     weights = cycles[finished + 1].astype(float)
     edges = list(_phase_edges(rates.mean(axis=1), weights))
     while True:

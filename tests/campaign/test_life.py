@@ -226,6 +226,19 @@ def test_wear_phases(ends: tuple[int, int]) -> None:
         assert abs(phase.rate - RATES[phase.name][0]) <= 2.0 * phase.half_width
 
 
+def test_a_block_that_a_service_cuts_short_is_no_wear_phase() -> None:
+    """It gets the correction for the whole block before it."""
+    blocks = [*worn_at([1.0] * 8, 0.0).blocks]
+    strokes, levels = blocks[-1].strokes, blocks[-1].levels["A.wear_volume"]
+    blocks.append(load_block(strokes + 10.0, 4, {"A.wear_volume": levels + 10.0 + 100.0}))
+    for k in range(1, 9):
+        volume = levels + 110.0 + 1e3 * k
+        blocks.append(load_block(strokes + 10.0 + 1e3 * k, 4, {"A.wear_volume": volume}))
+    (phase,) = wear_histories.wear_phases(service_life.Refinement(blocks=tuple(blocks)), "A")
+    assert phase.name == "steady"
+    assert phase.rate == pytest.approx(1.0)
+
+
 def test_noise_is_no_wear_phase() -> None:
     phases = [wear_histories.wear_phases(worn_at([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
     assert sum(len(each) > 1 for each in phases) <= 10
