@@ -24,7 +24,6 @@ from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
     Estimate,
-    MapBatches,
     after_startup,
     differ,
     half_width,
@@ -121,24 +120,19 @@ def _stage_wear(
         added, by_replicate = update.added[:count].mean(axis=0), update.added[-count:]
         coarser = None if update.coarser is None else update.coarser.mean(axis=0)
     is_in_steps = update is not None and scene.wears_in_steps
-    if scene.replicate_count > 1 and (index > 0 or is_in_steps):
-        # Cycles on one surface are no samples of the motion on other surfaces: replicates are.
+    volumes = zip(*(run.batches.sum(axis=(-2, -1)).T for run in together.maps), strict=True)
+    # Cycles on one surface are no samples of the motion on other surfaces, nor are those of one
+    # replicate where the worn volumes of the replicates differ at a joint: replicates are.
+    are_alike = index == 0 and not is_in_steps and not any(map(differ, volumes))
+    if scene.replicate_count > 1 and not are_alike:
         samples, weights = by_replicate, np.ones(len(by_replicate))
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
-    elif _have_volumes_that_differ(together.maps):
-        samples, weights = by_replicate, np.ones(len(by_replicate))
     is_frozen = update is None and index > 0 and scene.wears_in_steps
     is_smoothed, flattening = bool(ensemble.bins), None if update is None else update.flattening
     return StageWear(
         added, samples, weights, coarser, by_replicate, is_frozen, is_smoothed, flattening
     )
-
-
-def _have_volumes_that_differ(runs: Sequence[MapBatches]) -> bool:
-    """Return whether the worn volumes of the replicates differ at a joint; see ``differ``."""
-    volumes = [run.batches.sum(axis=(-2, -1)).T for run in runs]
-    return any(differ(samples) for samples in zip(*volumes, strict=True))
 
 
 def _statistics(

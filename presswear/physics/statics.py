@@ -55,6 +55,8 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
 
     Shape (k,), s, between the first and the last of some times, s, that resolve the motion.
     """
+    if not linkage.live_loads:
+        return np.zeros(0)
     from scipy.interpolate import CubicHermiteSpline  # slow to import
 
     motion, corners = ideal.at(time), [np.zeros(0)]

@@ -259,7 +259,7 @@ class _LazyKernel(Kernel):
             threading.Timer(0.0, interrupt_main).start()
         except Exception:
             traceback.print_exc()
-            os._exit(1)  # the caller cannot go on
+            os._exit(1)  # a callback cannot raise, and without the kernel its caller cannot go on
         return self._address.value
 
     def _generate_call(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
