@@ -432,25 +432,26 @@ def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
     edges = start + np.concatenate([before, period + cycle[1:]])
-    edges = np.union1d(edges, load_corners(scene.loaded, scene.ideal, edges))
+    corners = load_corners(scene.loaded, scene.ideal, edges)
+    edges = np.union1d(edges, corners)
     # Supplied and returned energy have a kink where the power of a drive changes its sign.
     for _ in range(2):
-        for time, _, _, power in _integrated(scene, edges)[0].values():
+        for time, _, _, power in _integrated(scene, edges, corners)[0].values():
             k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
             turns = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
             edges = np.union1d(edges, turns)
-    return _integrated(scene, edges)
+    return _integrated(scene, edges, corners)
 
 
-def _integrated(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Array]:
+def _integrated(scene: Scene, edges: Array, corners: Array) -> tuple[dict[str, DriveCurve], Array]:
     """Return ideal drives and Gauss weights, s, in the last cycle between some edges, s.
 
-    The edges have the weight 0: a peak can be at a corner of a load.
+    Corners of loads, s, where a peak can be, are instants of the weight 0.
     """
     middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
     inner = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()
-    time = np.concatenate([inner, edges])
-    weights = np.append(np.outer(half, _WEIGHTS).ravel(), np.zeros(edges.size))
+    time = np.concatenate([inner, corners])
+    weights = np.append(np.outer(half, _WEIGHTS).ravel(), np.zeros(corners.size))
     order = np.argsort(time, kind="stable")
     time, weights = time[order], weights[order]
     torque = needed_torques(scene.loaded, scene.ideal, time)
