@@ -18,6 +18,8 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 from presswear.tools.lanes import anywhere, where
 
+ARC_MARGIN = 1e-6  # rad; the ends of a contact arc are known to 5e-8
+
 
 @inlined
 def contact_area(
@@ -115,24 +117,41 @@ def deposit_over_arc(
     else:
         places = bearing_place, pin_place
         press(surfaces, joint.surface_bins, eccentricity, clearance, least, *places, shares)
+    # Only bins within half the widest arc of the direction of e can have a share.
+    width = 2.0 * math.pi / count
+    half = largest_half_arc(eccentricity, clearance + least) + ARC_MARGIN
+    first_bins = bin_of(bearing_place - half, count), bin_of(pin_place - half, count)
+    touched = min(int(2.0 * half / width) + 2, count)
     total = 0.0
-    for k in range(count):
-        total += shares[0, k]
+    for i in range(touched):
+        total += shares[0, (first_bins[0] + i) % count]
     if total == 0.0:
         # A step that ends with the separation leaves its wear where the pin last was, and so
         # does an overlap so slight that round-off hides it.
         place = math.atan2(contact.normal_y, contact.normal_x)
-        shares[0, bin_of(place - bearing_zero, count)] = 1.0
-        shares[1, bin_of(place - pin_zero, count)] = 1.0
-        total = 1.0
-    bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / count
+        first_bins = bin_of(place - bearing_zero, count), bin_of(place - pin_zero, count)
+        touched = 1
+        total = shares[0, first_bins[0]] = shares[1, first_bins[1]] = 1.0
     volume = joint.wear_coefficient * load_distance
+    scale = volume / (joint.width * joint.bearing_radius * width * total)
     for side in range(2):
         part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
-        scale = part * volume / (bin_area * total)
-        for k in range(count):
-            depth[side, k] += scale * shares[side, k]
+        k = first_bins[side]
+        for _ in range(touched):
+            depth[side, k] += part * scale * shares[side, k]
             shares[side, k] = 0.0
+            k = k + 1 if k + 1 < count else 0
+
+
+@compiled
+def largest_half_arc(eccentricity: float, gap: float) -> float:
+    """Return half the arc over which a pin can overlap a bearing, rad.
+
+    The overlap e cos(s) - c - h is positive only where cos(s) > gap / e, with the least gap c + h.
+    """
+    if eccentricity <= gap:
+        return 0.0
+    return 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - gap) / eccentricity))
 
 
 def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:

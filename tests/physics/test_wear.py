@@ -192,6 +192,25 @@ def test_bins_hold_the_integral_of_the_overlap(
         np.testing.assert_allclose(parts, _fine(pair, count), rtol=0.0, atol=2e-5 * parts.max())
 
 
+@pytest.mark.parametrize("joint", [JOINT, WORN], ids=["round", "worn"])
+@pytest.mark.parametrize("direction", [0.0, 2.0, -3.1])
+def test_bins_beyond_the_arc_are_not_visited(joint: ClearanceJoint, direction: float) -> None:
+    """A step costs as much as the few bins in contact, however many a map has."""
+    pair = placed(replace(joint, wear=_law("arc")), 3e-6, direction, angles=(0.4, -2.1))
+    contact, packed = pair.contact(), pair.packed.joints[0]
+    depth, shares = np.zeros((2, 2, 720))
+    bins = np.arange(720)
+    for side, body in enumerate((0, 3)):
+        nearest = bin_of(direction_of(contact) - pair.q[body + 2], 720)
+        away = abs((bins - nearest + 360) % 720 - 360)
+        shares[side, away > 40] = math.nan  # 20 degrees; the arc has 5 on each side
+    visited = ~np.isnan(shares)
+    deposit_over_arc(depth, packed, pair.packed.surfaces[0], contact, 1.0, shares)
+    assert worn_volume(pair.joint, depth) == pytest.approx(COEFFICIENT, rel=1e-12)
+    np.testing.assert_array_equal(np.isnan(shares), ~visited)
+    assert not shares[visited].any()
+
+
 @given(st.floats(-1e-6, 0.0), st.integers(16, 5000))
 @pytest.mark.parametrize("joint", [JOINT, WORN], ids=["round", "worn"])
 def test_wear_of_a_step_that_ends_open_is_not_lost(
