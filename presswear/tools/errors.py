@@ -53,7 +53,8 @@ def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
 
 def not_installed(what: str, package: str, extra: str) -> InputError:
     """Return the error for something that needs a package of an extra."""
-    return InputError(f"{what} needs {package}: pip install 'presswear[{extra}]'")
+    source = f"pip install '.[{extra}]' in the folder of the sources"
+    return InputError(f"{what} needs {package}: pip install {package}, or {source}")
 
 
 FEW_NAMES = 6  # that are listed beside the nearest one

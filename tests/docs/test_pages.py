@@ -61,6 +61,20 @@ def test_command_line_is_valid(line: str) -> None:
         changed(pw.scenes.SCENES[scene].make(), parse_settings(settings))
 
 
+def test_nothing_is_installed_by_the_name_of_the_package() -> None:
+    """It is not on PyPI; an extra is installed from the folder of the sources."""
+    for file in [*PAGES, *(ROOT / "presswear").rglob("*.py")]:
+        if file.name != "CHANGELOG.md":
+            assert not re.search(r"pip install \S*presswear\b|presswear\[", file.read_text()), file
+
+
+def test_scripts_for_slurm_pass_the_cores_on() -> None:
+    """``srun`` has not inherited ``--cpus-per-task`` since Slurm 22.05."""
+    lines = [line for page in PAGES for line in re.findall(r"(?m)^srun .*$", page.read_text())]
+    assert lines
+    assert all("--cpus-per-task=$SLURM_CPUS_PER_TASK" in line for line in lines)
+
+
 def test_commands_in_prose_exist() -> None:
     for page in PAGES:
         for name in re.findall(r"`presswear ([a-z]+)", page.read_text()):
