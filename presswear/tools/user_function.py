@@ -124,13 +124,18 @@ class UserFunction:
         exec(compile(self.source, f"<{self.name}>", "exec"), names)
         return names
 
+    def in_python(self) -> Callable[..., Any]:
+        """Return the function in plain Python; each process executes its text for this once."""
+        self.check_trusted("law")
+        return _in_python(self)
+
     def number(self, key: str, allowed: tuple[str, ...], values: dict[str, float]) -> float:
         """Return the value in plain Python; InputError where it is no finite number."""
         arguments = {name: values[name] for name in self.parameters(key, allowed)}
         place = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
         self.check_trusted(key)
         try:
-            result = self.namespace()[self.name](**arguments)
+            result = self.in_python()(**arguments)
         except (Exception, SystemExit) as error:
             is_outside = isinstance(error, NameError)
             hint = "; define everything inside it, or pass FILE.py:NAME" if is_outside else ""
@@ -147,7 +152,11 @@ class UserFunction:
         Ctrl-C. Arithmetic errors are allowed: a point may lie outside of the range of the law.
         """
         count = len(self.parameters(key, allowed))
-        function = self.namespace()[self.name]
+        self.check_trusted(key)
+        try:
+            function = self.in_python()
+        except (Exception, SystemExit) as error:
+            raise InputError(f"{key}: {self.name} fails: {error}") from None
         for k in range(_POINTS):
             # Sizes from 1e-6 to about 1, signs and order different for each parameter.
             exponents = [(7 * k + 3 * i) % _POINTS for i in range(count)]
@@ -161,6 +170,11 @@ class UserFunction:
             compile_function(self, allowed)
         except InputError as error:
             raise InputError(f"{key}: {error}") from None
+
+
+@cache
+def _in_python(function: UserFunction) -> Callable[..., Any]:
+    return cast(Callable[..., Any], function.namespace()[function.name])
 
 
 @cache
