@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal, NotRequired, Self, TypedDict
@@ -54,15 +54,22 @@ class Provenance(TypedDict):
     resumed: NotRequired[list[dict[str, str]]]
 
 
+def revision_of(source: Path) -> str:
+    """Return the revision of the repository that tracks the package in ``source``, or "unknown".
+
+    An installed package may lie in the environment of another repository.
+    """
+    git = partial(subprocess.run, cwd=source, capture_output=True, text=True, timeout=5, check=True)
+    try:
+        git(["git", "ls-files", "--error-unmatch", "__init__.py"])
+        return git(["git", "describe", "--always", "--dirty", "--abbrev=12"]).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+
+
 @cache
 def _program() -> Provenance:
     """Return what stays the same while this process runs, without a date."""
-    try:
-        command = ["git", "-C", str(_SOURCE), "describe", "--always", "--dirty", "--abbrev=12"]
-        process = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True)
-        revision = process.stdout.strip()
-    except (OSError, subprocess.SubprocessError):
-        revision = "unknown"
     packages = {name: version(name) for name in PACKAGES}
     packages["exudyn"] += f", {requested()}"  # last digits differ between its modules
     sha = hashlib.sha256()
@@ -72,7 +79,7 @@ def _program() -> Provenance:
     return {
         "python": platform.python_version(),
         "packages": packages,
-        "revision": revision,
+        "revision": revision_of(_SOURCE),
         "source": sha.hexdigest()[:16],  # distinguishes changes of one revision
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
         "started": "",

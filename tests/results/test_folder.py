@@ -5,6 +5,7 @@ import json
 import math
 import os
 import shutil
+import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +18,14 @@ from endurance.sameness import folder_differences
 import presswear as pw
 from presswear.campaign.campaign import Checkpoint, run_into
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.results.folder import FILE, SCHEMA, ResultFolder, provenance, read_stored
+from presswear.results.folder import (
+    FILE,
+    SCHEMA,
+    ResultFolder,
+    provenance,
+    read_stored,
+    revision_of,
+)
 from presswear.results.result import unfinished
 from presswear.show.report import render_report
 from presswear.tools.serialize import write_json
@@ -345,3 +353,23 @@ def test_a_link_in_place_of_a_file_is_replaced(stored: Path, tmp_path: Path) -> 
     pw.load(folder).report()
     assert outside.read_text() == "nothing may be written here\n"
     assert not (folder / "report.html").is_symlink()
+
+
+def test_the_revision_is_that_of_the_repository_that_tracks_the_program(tmp_path: Path) -> None:
+    """An environment within the repository of another project is not part of it."""
+    package = tmp_path / ".venv" / "presswear"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+
+    def git(*words: str) -> str:
+        author = ("-c", "user.name=a", "-c", "user.email=a@b.c")
+        command = ["git", "-C", str(tmp_path), *author, *words]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+    assert revision_of(package) == "unknown"
+    git("init")
+    git("commit", "--allow-empty", "-m", "other project")
+    assert revision_of(package) == "unknown"
+    git("add", "--all")
+    git("commit", "-m", "the program")
+    assert revision_of(package) == git("rev-parse", "--short=12", "HEAD")
