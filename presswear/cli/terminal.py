@@ -269,10 +269,10 @@ class _StandardError(logging.Handler):
 
 @contextmanager
 def logging_to_stderr(is_verbose: bool) -> Iterator[None]:
-    """Log to standard error if ``is_verbose``."""
-    logger = logging.getLogger("presswear")
-    handler = _StandardError() if is_verbose else logging.NullHandler()
-    handler.setFormatter(logging.Formatter("%(asctime)s %(name)s: %(message)s", "%H:%M:%S"))
+    """Log to standard error; if not ``is_verbose``, warnings alone."""
+    logger, handler = logging.getLogger("presswear"), _StandardError()
+    words = "%(asctime)s %(name)s: %(message)s" if is_verbose else "warning: %(message)s"
+    handler.setFormatter(logging.Formatter(words, "%H:%M:%S"))
     level = logger.level
     logger.addHandler(handler)
     if is_verbose:

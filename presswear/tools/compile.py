@@ -12,31 +12,26 @@ their callers are not compiled again for them.
 import ctypes
 import gc
 import os
-import pickle
 import re
-import sys
 import threading
 import traceback
 from _thread import interrupt_main
 from collections.abc import Callable
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager
 from functools import cache, cached_property, partial, update_wrapper
 from pathlib import Path
-from typing import IO, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba.core import cgutils, config, event, types, typing
-from numba.core.caching import NullCache
-from numba.core.compiler import CompileResult
 from numba.core.registry import cpu_target
-from numba.core.serialize import dumps
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
-from numba.np.numpy_support import numpy_version
 
 from presswear.tools.arrays import Array
-from presswear.tools.files import BUSY, digest, lock, write_bytes
+from presswear.tools.files import digest
+from presswear.tools.kernel_cache import KernelCache
 from presswear.tools.lanes import COUNTS, Lanes, lane_by_lane
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -52,9 +47,6 @@ def floats(*names: str) -> list[tuple[str, type]]:
 _PACKAGE = Path(__file__).parents[1]
 _OPTIONS = {"error_model": "numpy", "_nrt": False}
 _IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import ", re.MULTILINE)
-_MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
-_WHEEL_PROCESSOR = "x86-64-v3", ""  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
-_WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 
 
 @cache
@@ -63,79 +55,6 @@ def _sources_digest(path: str) -> str:
     source = Path(path).read_text(encoding="utf-8")
     files = (f"{_PACKAGE / name.replace('.', '/')}.py" for name in _IMPORT.findall(source))
     return digest("".join([source, *map(_sources_digest, files)]).encode())
-
-
-class _Cache(NullCache):
-    """Machine code of a function of this package, one file for each signature.
-
-    The process that compiles a function locks a file beside it, and the others wait for the code.
-    """
-
-    _lock: IO[str] | None = None  # locked file
-
-    def __init__(self, *key: object) -> None:
-        versions = sys.implementation.cache_tag, numba.__version__, numpy_version
-        self._key = key, versions, config.USING_SVML
-
-    def files(self, signature: Any, context: Any) -> list[Path]:
-        """Return the file of the user and, if the processor can execute it, that of the wheel."""
-        triple, *processor = context.codegen().magic_tuple()
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        folders = {base / "presswear" / "kernels": processor}
-        if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
-            folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
-        return [
-            folder / digest(repr((self._key, signature, triple, *processor)).encode())
-            for folder, processor in folders.items()
-        ]
-
-    def load_overload(self, signature: Any, context: Any) -> Any:
-        """Return stored code; None where it is to be compiled in this process."""
-        code = self._stored(signature, context)
-        if code is None:
-            file, *_ = self.files(signature, context)
-            with suppress(OSError):  # nothing can be stored
-                file.parent.mkdir(parents=True, exist_ok=True)
-                self._lock = file.with_suffix(".lock").open("a+", encoding="utf-8")
-                if lock(self._lock):
-                    with event.trigger_event("numba:compile"):
-                        lock(self._lock, waits=True)
-            code = self._stored(signature, context)  # it may have come meanwhile
-            if code is not None:
-                self._release()
-        return code
-
-    def _release(self) -> None:
-        if self._lock is not None:
-            with suppress(OSError):
-                Path(self._lock.name).unlink()
-            self._lock.close()
-            self._lock = None
-
-    def _stored(self, signature: Any, context: Any) -> Any:
-        """Return stored code; None where there is none, or where it is damaged."""
-        for file in self.files(signature, context):
-            with suppress(OSError, AttributeError, ImportError):  # a named tuple may be gone
-                content = file.read_bytes()
-                if digest(content[64:]).encode() == content[:64]:
-                    code = CompileResult._rebuild(context, *pickle.loads(content[64:]))
-                    if code.signature.args == signature:
-                        return code
-        return None
-
-    def save_overload(self, signature: Any, result: Any) -> None:
-        """Store code, and remove the oldest files; do nothing where no file can be written."""
-        file, *_ = self.files(signature, result.target_context)
-        content = dumps(result._reduce())
-        with suppress(OSError):
-            part = file.with_suffix(f".{os.getpid()}")
-            write_bytes(part, digest(content).encode() + content)
-            part.replace(file)
-        self._release()
-        with suppress(OSError):
-            files = sorted(file.parent.iterdir(), key=lambda file: file.stat().st_mtime)
-            for file in files[:-_MAX_FILES]:
-                file.unlink()
 
 
 class _Listener(event.Listener):
@@ -182,7 +101,7 @@ class Kernel:
         options = {**self._options, **wrappers}
         dispatcher = numba.njit(**options)(self.py_func)
         if self._sources:
-            dispatcher._cache = _Cache(self._name, options, self._sources)
+            dispatcher._cache = KernelCache(self._name, options, self._sources)
         return dispatcher
 
     @cached_property
@@ -282,8 +201,12 @@ class _LazyKernel(Kernel):
         address = builder.phi(pointer)
         address.add_incoming(stored, before)
         address.add_incoming(made, missing)
-        # Kernels do not raise: the status is ignored.
-        _, value = convention.call_function(builder, address, result, signature.args, arguments)
+        status, value = convention.call_function(
+            builder, address, result, signature.args, arguments
+        )
+        if config.BOUNDSCHECK:  # else kernels do not raise
+            with cgutils.if_unlikely(builder, status.is_error):
+                convention.return_status_propagate(builder, status)
         return value
 
     def _generate_lanes(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -323,10 +246,7 @@ def specialised(kernel: F, *arguments: Any) -> F:
 def is_compiled_elsewhere(kernel: Callable[..., Any], *arguments: Any) -> bool:
     """Return whether another process compiles a kernel for arguments of these types now."""
     dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
-    file, *_ = dispatcher._cache.files(kinds, dispatcher.targetctx)
-    with suppress(OSError), file.with_suffix(".lock").open("r+", encoding="utf-8") as locked:
-        return lock(locked) in BUSY
-    return False
+    return bool(dispatcher._cache.is_locked(kinds, dispatcher.targetctx))
 
 
 @intrinsic

@@ -2,7 +2,9 @@
 
 import gc
 import os
+import pickle
 import shutil
+import stat
 import subprocess
 import sys
 from collections import namedtuple
@@ -18,7 +20,7 @@ from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 import presswear
-from presswear.physics.friction_and_normal import liu_force
+from presswear.physics.friction_and_normal import foundation_force, liu_force
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     Kernel,
@@ -36,6 +38,7 @@ from presswear.tools.compile import (
     unpack,
 )
 from presswear.tools.files import lock
+from presswear.tools.kernel_cache import KernelCache, _entry_digest
 
 
 @compiled
@@ -160,8 +163,119 @@ def test_damaged_code_is_compiled_again(stored: Path, damage: str) -> None:
     assert [file] == list(stored.iterdir())
 
 
+def _plant(file: Path) -> Path:
+    """Write an entry that a program accepts and that leaves a file where it is executed."""
+    marker = file.parent.parent / "executed"
+
+    class Planted:
+        def __reduce__(self) -> Any:
+            return Path.touch, (marker,)
+
+    content = pickle.dumps(Planted())
+    file.write_bytes(_entry_digest(file, content) + content)
+    return marker
+
+
+def test_what_stands_in_the_cache_is_executed(stored: Path) -> None:
+    """Otherwise the tests below would show nothing."""
+    (file,) = stored.iterdir()
+    marker = _plant(file)
+    assert _compiles()
+    assert marker.exists()
+
+
+def _replace(place: str, folder: Path, file: Path) -> None:
+    """Let others write a folder or a file, or put something else in its place."""
+    path = folder if "folder" in place else file
+    if "group" in place:
+        path.chmod(path.stat().st_mode | stat.S_IWGRP)
+    elif "all" in place:
+        path.chmod(0o1777)
+    elif "another" in place:
+        os.chown(path, 65534, 65534)
+    elif "link" in place:
+        path.rename(folder.parent / "elsewhere")
+        path.symlink_to(folder.parent / "elsewhere")
+    else:
+        path.unlink()
+        os.mkfifo(path)
+
+
+PLACES = (
+    *("folder that a group can write", "folder that all can write", "folder of another user"),
+    *("file that a group can write", "file that all can write", "file of another user"),
+    *("link to a folder", "link to a file", "pipe"),
+)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_nothing_is_executed_that_others_may_have_written(
+    stored: Path, place: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    if "another" in place and os.geteuid():
+        pytest.skip("needs the rights of root")
+    (file,) = stored.iterdir()
+    marker = _plant(file)
+    _replace(place, stored, file)
+    assert _compiles()
+    assert not marker.exists()
+    is_folder = "folder" in place
+    assert _compiles() == is_folder  # a file is replaced
+    assert not marker.exists()
+    assert [f"{stored}: kernels are compiled in memory" in caplog.text] == [is_folder]
+    assert len(caplog.records) == is_folder
+
+
+def test_cache_belongs_to_the_user_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    request.addfinalizer(partial(os.umask, os.umask(0o002)))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert _compiles()
+    assert not _compiles()
+    (file,) = (tmp_path / "presswear" / "kernels").iterdir()
+    assert [stat.S_IMODE(one.stat().st_mode) for one in (file.parent, file)] == [0o700, 0o644]
+
+
+def test_entry_of_another_kernel_is_not_used(stored: Path) -> None:
+    kernels = foundation_force, liu_force
+    arguments = 1e-5, 0.0, 0.1, 1e9, 1.5, 0.0, 1e-4
+    forces = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
+    foundation, liu = sorted(stored.iterdir(), key=lambda file: file.stat().st_mtime_ns)[-2:]
+    shutil.copy(liu, foundation)
+    again = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
+    assert again == forces
+    assert forces[0] != forces[1]
+
+
+def test_error_while_an_entry_is_read_means_compile(
+    stored: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for error in (KeyError("x"), MemoryError(), RecursionError(), ValueError("x")):
+
+        def fails(*_: object, raised: Exception = error) -> None:
+            raise raised
+
+        with monkeypatch.context() as patch:
+            patch.setattr("presswear.tools.kernel_cache.pickle.loads", fails)
+            assert _compiles()
+
+
+@pytest.mark.parametrize("part", ["CompileResult._reduce", "CompileResult._rebuild"])
+def test_kernels_are_compiled_without_private_parts_of_numba(
+    stored: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, part: str
+) -> None:
+    monkeypatch.delattr(f"numba.core.compiler.{part}")
+    for file in stored.iterdir():
+        file.unlink()
+    assert _compiles()
+    assert _compiles()
+    count = len([one for one in caplog.records if "numba" in one.message])
+    assert count == (part == "CompileResult._reduce")
+
+
 def test_oldest_files_are_removed(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("presswear.tools.compile._MAX_FILES", 2)
+    monkeypatch.setattr("presswear.tools.kernel_cache._MAX_FILES", 2)
     left = stored / "left by a process that was killed"
     left.touch()
     os.utime(left, (1.0, 1.0))
@@ -190,6 +304,42 @@ def test_code_that_another_process_compiles_is_awaited(stored: Path, is_killed: 
     assert sum(kernel.from_python.stats.cache_hits.values()) == (not is_killed)
     assert list(stored.iterdir()) == [file]
     assert not is_compiled_elsewhere(kernel, ONES, ONES)
+
+
+def test_process_that_stands_still_while_it_compiles_is_not_awaited(
+    stored: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    (file,) = stored.iterdir()
+    file.unlink()
+    monkeypatch.setattr(KernelCache, "patience", 1.0)
+    kernel = Kernel(cast(Kernel, all_finite).py_func)
+    with file.with_suffix(".lock").open("w") as other:
+        assert not lock(other)
+        other.write("process 123")
+        other.flush()
+        waiting = Thread(target=kernel, args=(ONES, ONES))
+        waiting.start()
+        for _ in range(10):  # it goes on
+            waiting.join(0.2)
+            os.utime(other.fileno())
+        assert waiting.is_alive()
+        waiting.join(60.0)
+        assert not waiting.is_alive()
+        assert [one.message.split(" (")[0] for one in caplog.records] == [
+            "process 123 compiles kernels and stands still"
+        ]
+        assert file.with_suffix(".lock").exists()  # of the other process
+    assert not _compiles()
+
+
+def test_compiling_shows_signs_of_life(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each function that a kernel calls touches its lock."""
+    touched: list[object] = []
+    monkeypatch.setattr("os.utime", lambda *of: touched.append(of))
+    (file,) = stored.iterdir()
+    file.unlink()
+    assert _compiles()
+    assert touched
 
 
 def test_kernels_run_where_nothing_can_be_stored(
@@ -268,6 +418,65 @@ def test_kernels_of_a_wheel_are_used(stored: Path, package: Path) -> None:
     stored.rename(package / "kernels")
     assert _printed(package) == "True /tools/compile.py"
     assert not stored.exists()
+
+
+@pytest.mark.skipif(not get_host_cpu_features().get("avx2"), reason="needs AVX2")
+@pytest.mark.parametrize("mode", [0o755, 0o775])
+def test_kernels_of_a_wheel_are_as_safe_as_its_source(
+    stored: Path, package: Path, mode: int
+) -> None:
+    """Site-packages of a group: who can write kernels there can write the program, too."""
+    shutil.rmtree(stored)
+    target = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}  # as in .ci/wheel
+    _printed(package, **target)
+    stored.rename(package / "kernels")
+    for item in (package / "kernels", *(package / "kernels").iterdir()):
+        item.chmod(0o775)
+    package.chmod(mode)
+    assert _printed(package).startswith("compiles") == (mode == 0o755)
+
+
+def test_bounds_of_arrays_are_checked_with_a_warm_cache(stored: Path, package: Path) -> None:
+    assert _printed(package) == "True /tools/compile.py"
+    assert _printed(package, NUMBA_BOUNDSCHECK="1").startswith("compiles")
+    assert _printed(package, NUMBA_OPT="1").startswith("compiles")
+    assert _printed(package) == "True /tools/compile.py"
+
+
+BEYOND = """
+import numpy
+from presswear.tools.compile import compiled, lazily_compiled
+
+@compiled
+def element(numbers, i):
+    return numbers[i]
+
+@lazily_compiled(0, 1, 0)
+def rare_element(numbers, x):
+    return numbers[int(x)]
+
+@compiled
+def outer(numbers, i):
+    return element(numbers, i)
+
+@compiled
+def outer_of_rare(numbers, i):
+    return rare_element(numbers, float(i))
+
+for kernel in (outer, outer_of_rare):
+    try:
+        kernel(numpy.ones(3), 10)
+    except IndexError as error:
+        print(error)
+"""
+
+
+def test_index_errors_in_kernels_are_found_on_request() -> None:
+    for value, found in (("0", ""), ("1", "index is out of bounds\n" * 2)):
+        environment = {**os.environ, "NUMBA_BOUNDSCHECK": value}
+        command = [sys.executable, "-c", BEYOND]
+        ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        assert ran.stdout == found
 
 
 COUNTED = """

@@ -1,0 +1,246 @@
+"""Cache of machine code for all environments of a user.
+
+A file of the cache is executed, as the source code is. It is therefore read only where nobody but
+the user and root can have written it; otherwise kernels are compiled in memory.
+"""
+
+import errno
+import logging
+import multiprocessing
+import os
+import pickle
+import stat
+import sys
+import time
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import IO, Any, ClassVar
+
+import numba
+from llvmlite import binding
+from numba.core import compiler, config, event, serialize
+from numba.np.numpy_support import numpy_version
+
+from presswear.tools.files import BUSY, digest, lock, write_bytes
+
+PATIENCE = 20.0  # s for which a process that compiles may stand still; a function takes up to 15 s
+_PAUSE = 0.05  # s between two looks at it
+_MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
+_PACKAGE = Path(__file__).parents[1]
+_WHEEL_PROCESSOR = "x86-64-v3", ""  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
+_WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
+# Settings of numba, NUMBA_NAME in the environment, that change machine code
+_SETTINGS = "USING_SVML", "BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE"
+_LOG = logging.getLogger(__name__)
+
+
+@cache
+def _warn(message: str) -> None:
+    """Log a warning once, in the process that started the others."""
+    if multiprocessing.parent_process() is None:
+        _LOG.warning(message)
+
+
+def _is_safe(status: os.stat_result, folder: Path) -> bool:
+    """Return whether only the user and root can have written a folder, or a file in it.
+
+    Kernels of a wheel are as safe as the package: who can write there can change its source code.
+    """
+    if os.name != "posix":
+        return True
+    owners, forbidden = {0, os.geteuid()}, stat.S_IWGRP | stat.S_IWOTH
+    if folder.parent == _PACKAGE:
+        package = _PACKAGE.stat()
+        owners.add(package.st_uid)
+        forbidden &= ~package.st_mode
+    return status.st_uid in owners and not status.st_mode & forbidden
+
+
+def _is_usable(folder: Path) -> bool:
+    """Return whether a folder is there and safe; warn where it is not safe."""
+    try:
+        status = folder.lstat()
+    except OSError:
+        return False
+    if stat.S_ISDIR(status.st_mode) and _is_safe(status, folder):
+        return True
+    _warn(
+        f"{folder}: kernels are compiled in memory, because other users can write there, or it is "
+        "no folder of this user; use chmod go-w, or XDG_CACHE_HOME for another place"
+    )
+    return False
+
+
+def _entry_digest(file: Path, content: bytes) -> bytes:
+    return digest(file.name.encode() + content).encode()
+
+
+def _read_entry(file: Path) -> bytes:
+    """Return the content of an entry; raise OSError where it is damaged or not safe.
+
+    It may be anything: a link is not followed, and a pipe is not waited for.
+    """
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    with open(os.open(file, flags), "rb") as opened:
+        status = os.fstat(opened.fileno())
+        if not (stat.S_ISREG(status.st_mode) and _is_safe(status, file.parent)):
+            raise PermissionError(errno.EACCES, "other users can write it", f"{file}")
+        entry = opened.read()
+    if entry[:64] != _entry_digest(file, entry[64:]):
+        raise OSError(errno.EIO, "damaged, or the entry of another kernel", f"{file}")
+    return entry[64:]
+
+
+class KernelCache:
+    """Machine code of a function, one file for each signature.
+
+    The process that compiles a function locks a file beside it. Others wait for the code as long as
+    that process goes on.
+
+    Parameters
+    ----------
+    key : tuple
+        What the machine code depends on, apart from versions and settings of numba.
+    """
+
+    cache_path = None  # read by numba
+    patience = PATIENCE
+    _locks: ClassVar[list[IO[str]]] = []  # of this process
+    _lock: IO[str] | None = None
+
+    def __init__(self, *key: object) -> None:
+        versions = sys.implementation.cache_tag, numba.__version__, numpy_version
+        self._key = key, versions, [getattr(config, name, None) for name in _SETTINGS]
+
+    def files(self, signature: Any, context: Any) -> list[Path]:
+        """Return the file of the user and, if the processor can execute it, that of the wheel."""
+        triple, *processor = context.codegen().magic_tuple()
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        folders = {base / "presswear" / "kernels": processor}
+        if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
+            folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
+        return [
+            folder / digest(repr((self._key, signature, triple, *processor)).encode())
+            for folder, processor in folders.items()
+        ]
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Return stored code; None where it is to be compiled in this process."""
+        code = self._stored(signature, context)
+        if code is None:
+            with suppress(Exception):  # nothing can be stored
+                self._take_lock(self.files(signature, context)[0])
+                code = self._stored(signature, context)  # it may have come meanwhile
+            if code is not None:
+                self._release()
+        return code
+
+    def _stored(self, signature: Any, context: Any) -> Any:
+        """Return stored code; None where there is none, or where it cannot be used."""
+        with suppress(Exception):  # without a part of numba nothing is stored; see below
+            for file in self.files(signature, context):
+                # An entry that fits no longer fails in any way: a named tuple may be gone.
+                with suppress(Exception):
+                    if not _is_usable(file.parent):
+                        continue
+                    content = pickle.loads(_read_entry(file))
+                    code = compiler.CompileResult._rebuild(context, *content)
+                    if code.signature.args == signature:
+                        return code
+        return None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Store code, and remove the oldest files; do nothing where no file can be written."""
+        try:
+            file, *_ = self.files(signature, result.target_context)
+            if _is_usable(file.parent):
+                content = serialize.dumps(result._reduce())
+                part = file.with_suffix(f".{os.getpid()}")
+                write_bytes(part, _entry_digest(file, content) + content)
+                part.chmod(0o644)
+                part.replace(file)
+                self._release()
+                _remove_oldest(file.parent)
+        except OSError:
+            pass
+        except Exception as error:
+            _warn(
+                f"kernels are compiled in memory, at each start: numba {numba.__version__} differs "
+                f"from the versions that presswear is tested with ({error})"
+            )
+        finally:
+            self._release()
+
+    def _take_lock(self, file: Path) -> None:
+        """Lock an entry that is to be written, unless the process that has the lock hangs."""
+        file.parent.parent.mkdir(parents=True, exist_ok=True)
+        file.parent.mkdir(0o700, exist_ok=True)
+        if not _is_usable(file.parent):
+            return
+        opened = file.with_suffix(".lock").open("a+", encoding="utf-8")
+        if lock(opened) in BUSY:
+            with event.trigger_event("numba:compile"):
+                if not _wait(opened):
+                    opened.close()
+                    return
+        opened.truncate(0)
+        opened.write(f"process {os.getpid()}")
+        opened.flush()
+        self._lock = opened
+        self._locks.append(opened)
+
+    def _release(self) -> None:
+        if self._lock is not None:
+            self._locks.remove(self._lock)
+            with suppress(OSError):
+                Path(self._lock.name).unlink()
+            self._lock.close()
+            self._lock = None
+
+    def is_locked(self, signature: Any, context: Any) -> bool:
+        """Return whether another process compiles the function now."""
+        file, *_ = self.files(signature, context)
+        with suppress(OSError), file.with_suffix(".lock").open("r+", encoding="utf-8") as opened:
+            return lock(opened) in BUSY
+        return False
+
+
+def _remove_oldest(folder: Path) -> None:
+    files = sorted(folder.iterdir(), key=lambda file: file.stat().st_mtime)
+    for file in files[:-_MAX_FILES]:
+        file.unlink()
+
+
+def _wait(opened: IO[str]) -> bool:
+    """Wait for a lock; return False once the process that has it stands still."""
+    latest, due = 0, 0.0
+    while lock(opened) in BUSY:
+        changed, now = os.fstat(opened.fileno()).st_mtime_ns, time.monotonic()
+        if changed != latest:
+            latest, due = changed, now + KernelCache.patience
+        elif now > due:
+            opened.seek(0)
+            _warn(
+                f"{opened.readline() or 'another process'} compiles kernels and stands still (is "
+                "it suspended?): they are compiled in this process, too"
+            )
+            KernelCache.patience = 0.0
+            return False
+        time.sleep(_PAUSE)
+    return True
+
+
+class _SignOfLife(event.Listener):
+    """Touches the locked files of this process with each function that is compiled."""
+
+    def on_start(self, event: Any) -> None:
+        for opened in KernelCache._locks:
+            with suppress(OSError):
+                os.utime(opened.fileno())
+
+    def on_end(self, event: Any) -> None:
+        self.on_start(event)
+
+
+event.register("numba:compile", _SignOfLife())
