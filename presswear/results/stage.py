@@ -125,7 +125,7 @@ class WearStep:
 
     cycles_per_update: float  # cycles that the step stands for
     cycles: int  # simulated cycles that it multiplies
-    factor: float  # quotient of both
+    factor: float  # cycles that one cycle of a replicate stands for
     clearance_change: float  # largest change of a profile over its clearance
     max_depth: Mapping[str, Mapping[str, float]]  # by joint and side, after the step, m
     peak_force: Mapping[str, float]  # normal force by joint, N

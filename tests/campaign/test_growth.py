@@ -18,7 +18,13 @@ from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
-from presswear.recording.statistics import MapBatches, half_width, mean_map, smoothing_widths
+from presswear.recording.statistics import (
+    STARTUP_CYCLES,
+    MapBatches,
+    half_width,
+    mean_map,
+    smoothing_widths,
+)
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
@@ -162,6 +168,36 @@ def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycle
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
             volume = joint.statistics.wear_volume.mean
             assert volume == pytest.approx(area * added.sum(), rel=1e-12, abs=0.0)
+
+
+def test_factor_of_a_wear_step_is_the_number_of_strokes_that_a_cycle_wears(
+    campaign: Campaign,
+) -> None:
+    """The deepest place grows by the factor times the depth that a cycle wears."""
+    for step in campaign(SCENE, FakeEngine(constant)).stages[0].wear_steps:
+        assert (step.cycles, step.factor) == (2, REPRESENTED / CYCLES)
+    deepest = RATE * SHAPE[0].max()
+    for scene, wearing in (SCENE, CYCLES), (JUMPS, CYCLES - STARTUP_CYCLES):
+        steps = campaign(scene, FakeEngine(constant)).stages[0].wear_steps
+        assert sum(step.cycles for step in steps) == 2 * wearing
+        worn = sum(step.factor * step.cycles / 2 for step in steps) * deepest
+        assert worn == pytest.approx(steps[-1].max_depth["A"]["bearing"], rel=1e-12)
+
+
+def test_refinements_and_stages_start_differently(campaign: Campaign) -> None:
+    """Replicates of different refinements are independent; stages start alike."""
+    starts: list[bytes] = []
+
+    class Noting(FakeEngine):
+        def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
+            starts.append(start.position.tobytes())
+            return super().__call__(linkage, start, plan)
+
+    campaign(SCENE, Noting(constant), wear_updates=1)
+    stage, coarse, fine, worn = (set(starts[k : k + 2]) for k in (0, 2, 4, 6))
+    assert len(starts) == 8
+    assert len(stage | coarse | fine) == 6
+    assert worn == stage
 
 
 def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> None:

@@ -14,9 +14,10 @@ from bush import bush
 from endurance.sameness import folder_differences
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 import presswear as pw
-from presswear.campaign import service_life, wear_histories
+from presswear.campaign import replicates, service_life, wear_histories
 from presswear.engines import driver
 from presswear.physics.ideal import bottom_of
 from presswear.physics.wear import map_shape
@@ -112,6 +113,41 @@ def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
     plan = service_life.next_block(problem(DEPTH, services=(Service("A", 2e5, False),)), refinement)
     assert (plan.cycles, plan.extra) == (8, 0.0)
     assert plan.share == pytest.approx(1e-3 / 4e-8)
+
+
+@pytest.mark.parametrize("before", [4, 6])
+def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> None:
+    """Of a rate that rises linearly with the strokes, the sum of a block lacks a known part."""
+    rate, slope, stood_for, cycles = 1e-12, 3e-18, 1e4, 4
+
+    def block(strokes: float, cycles: int, stood_for: float) -> service_life.LoadBlock:
+        """Return a block in which each cycle wears at the rate of the strokes before it."""
+        starts = strokes - stood_for * np.arange(1, cycles + 1)
+        mean = rate + slope * float(starts.mean())
+        return load_block(strokes, cycles, {"A.depth": np.zeros(8)}, mean)
+
+    ends = 2.0, 2.0 + before * stood_for, 2.0 + (before + cycles) * stood_for
+    counts = 2, before, cycles
+    blocks = tuple(map(block, ends, counts, (1.0, stood_for, stood_for)))
+    plan = service_life.next_block(problem(DEPTH), service_life.Refinement(1e-3, 5, blocks))
+    # The integral over each cycle less the rate at its start.
+    lacking = cycles * 0.5 * slope * stood_for**2
+    assert plan.extra * plan.cycles == pytest.approx(np.full((1, 1, 1), lacking), rel=1e-9)
+
+
+def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
+    """A quantity that is proportional to the depth is fitted exactly at the ends of blocks."""
+    wear, stood_for, blocks, strokes = 1e-11, 1e4, [], 0.0
+    for k, cycles in enumerate((2, 4, 5, 3, 6, 4, 4)):
+        each = stood_for if k else 0.0
+        starts = strokes + each * np.arange(cycles)
+        strokes = float(starts[-1]) + each
+        means = 1.0 + 1e4 * wear * starts.mean() + np.array([-1e-6, 1e-6])
+        samples = {"A.force_max": means}
+        blocks.append(load_block(strokes, cycles, {"A.depth": np.zeros(2)}, wear, samples=samples))
+    refinement = service_life.Refinement(blocks=tuple(blocks))
+    expected = 1.0 + 1e4 * wear * refinement.strokes
+    assert refinement.curve("A.force_max") == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -359,9 +395,39 @@ def test_equal_replicates_leave_the_error_of_the_step(whole: tuple[Path, Any]) -
     assert at == pytest.approx(0.02 * GAP, rel=1e-9, abs=0.0)
 
 
+def test_wear_steps_of_a_life_are_its_blocks(whole: tuple[Path, Any]) -> None:
+    """Each of their cycles stands for as many strokes as their factor, in both replicates."""
+    steps = pw.load(whole[0]).stages[0].wear_steps
+    assert (steps[0].cycles, steps[0].factor) == (4, 1.0)
+    assert sum(step.factor * step.cycles / 2 for step in steps) == pytest.approx(whole[1].strokes)
+
+
 def test_no_number_depends_on_the_processes(whole: tuple[Path, Any], tmp_path: Path) -> None:
     pw.run(pw.load(whole[0]).scene, tmp_path / "two", jobs=2)
     assert folder_differences(whole[0], tmp_path / "two") == []
+
+
+def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Replicates of refinements and of stages are independent, if no two of them start alike."""
+    call, advance = replicates.WorkUnit.__call__, wear_histories.WearHistories.advance
+    started: list[int] = []
+    numbers: dict[int, set[int]] = {}  # of replicates, by refinement
+
+    def starting(self: replicates.WorkUnit, report: Any) -> Any:
+        started.extend(part.replicate for part in self.parts.values())
+        return call(self, report)
+
+    def noting(self: Any, refinements: service_life.Refinements, plan: Any) -> Any:
+        first, block = len(started), advance(self, refinements, plan)
+        numbers.setdefault(len(refinements), set()).update(started[first:])
+        return block
+
+    monkeypatch.setattr(replicates.WorkUnit, "__call__", starting)
+    monkeypatch.setattr(wear_histories.WearHistories, "advance", noting)
+    life = life_of_scene(scene_of())
+    assert len(numbers) == len(life.refinements) > 1
+    assert all(len(each) == 2 for each in numbers.values())
+    assert len(set.union(*numbers.values(), {0, 1})) == 2 * (len(numbers) + 1)
 
 
 class Stops(pw.Observer):
@@ -434,6 +500,18 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
     first = life.first
     assert (first.key, life.limits[0].step) == ("C.depth", None)
     assert (first.strokes, first.sampling, first.step) == (life.strokes, life.sampling, life.step)
+
+
+def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
+    """A lognormal coefficient with a standard deviation of half of its mean."""
+    settings = {"life": "limits", "life.until": "A.depth > 0.05 mm", "conventions": "refined"}
+    scene = changed(pw.scenes.wear_times(), settings)
+    assert [scene.bearing(name).materials.wear_scatter for name in ("A", "C")] == [0.5, 0.5]
+    life = wear_histories.life_result(
+        scene, problem(DEPTH), [evenly_worn(10, 2e6, A=5e-11, C=1e-11)]
+    )
+    low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
+    assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
 
 
 @pytest.mark.parametrize("depth", [0.976, 0.98])

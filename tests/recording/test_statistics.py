@@ -158,6 +158,21 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     assert turned / draws > 0.9
 
 
+def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_distance() -> None:
+    """The map of a wear update differs from the mean of the maps of its samples."""
+    groove = np.exp(-0.5 * ((np.arange(90) - 30.0) / 5.0) ** 2)
+    maps = groove * np.random.default_rng(2).gamma(20.0, 0.05, (8, 1))
+    draws, centre = statistics.resampled(maps, np.ones(8)), maps.mean(axis=0)
+    of_centre, _ = statistics.peak_of(centre, draws, 8)
+    mean, off = centre + 0.1, 0.1
+    depth, _ = statistics.peak_of(mean, draws, 8, centre)
+    assert depth.mean == pytest.approx(mean.max(), rel=1e-15)
+    # Half widths and the distance are added as the root of the sum of squares.
+    low, high = ends_of(of_centre)
+    below, above = math.hypot(of_centre.mean - low, off), math.hypot(high - of_centre.mean, off)
+    assert ends_of(depth) == pytest.approx((depth.mean - below, depth.mean + above))
+
+
 def test_a_smoothed_map_keeps_volume_and_nears_the_true_map() -> None:
     """A known map with known noise: error, flattening of its peak, and width by its samples."""
     generator = np.random.default_rng(3)

@@ -155,6 +155,17 @@ def test_ideal_peaks_include_work_that_is_shorter_than_a_piece() -> None:
         pw.changed(scene, {"torque_limit": 0.999 * greatest}).check()
 
 
+@pytest.mark.parametrize("run_up", [0, 2])
+def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(run_up: int) -> None:
+    """The work of the first cycle may start within its stroke."""
+    scene = replace(IDEAL, mechanism=replace(PRESS, run_up=run_up))
+    time, forces = ideal_forces(scene)
+    assert scene.run_up >= run_up * PERIOD
+    assert time[0] == pytest.approx(scene.run_up + PERIOD, rel=1e-12)
+    assert 0.0 < scene.run_up + 2.0 * PERIOD - time[-1] <= PERIOD / 720.0 * (1.0 + 1e-9)
+    assert {force.shape for force in forces.values()} == {time.shape}
+
+
 def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Result) -> None:
     strokes, moments = settled_strokes(IDEAL, ideal.stages[0]), ideal.strokes(0)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk / acceleration.
