@@ -123,7 +123,8 @@ def test_a_law_that_cannot_be_compiled_is_refused_by_name(body: str, message: st
 def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(tmp_path: Path) -> None:
     """A file may take seconds to execute, or print."""
     log = tmp_path / "log"
-    text = f"with open({str(log)!r}, 'a') as file:\n    file.write('x')\ndef law(a):\n    return a\n"
+    text = f"with open({str(log)!r}, 'a') as file:\n    file.write('x')\n"
+    text += "def law(a):\n    return a\n"
     function = UserFunction("law", text).trusted()
     for value in range(50):
         assert function.number("F1", KNOWN, {"a": value}) == value
@@ -134,5 +135,5 @@ def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(tmp_path:
 
 def test_a_law_file_that_fails_is_refused_by_name() -> None:
     function = UserFunction("law", "import not_there\ndef law(a):\n    return a\n").trusted()
-    with pytest.raises(InputError, match="^F1: law fails: No module named 'not_there'"):
+    with pytest.raises(InputError, match=r"^F1: law fails: No module named 'not_there'"):
         function.check_compiles("F1", KNOWN)
