@@ -1,7 +1,7 @@
 """Parts of a planar linkage as data: points, bodies, ideal joints and clearance joints."""
 
 from collections.abc import Mapping
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from typing import Annotated, Any, Literal, cast
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
@@ -190,8 +190,8 @@ class ClearanceJoint:
     map_frame : {"fixed", "body"}
         Wear maps stay fixed in direction, or turn with their bodies.
     contact : {"radial", "foundation"}
-        Worn surfaces meet at the pin's nearest point along e, or over the arc through an elastic
-        foundation. Round ones meet by the normal law in both.
+        Surfaces meet at the pin's nearest point along e by the elasticity of the normal law, or
+        over the arc through an elastic foundation, whatever that elasticity is.
     """
 
     name: str
@@ -212,6 +212,13 @@ class ClearanceJoint:
     def pin_radius(self) -> float:
         """R_j = R_i - c, m."""
         return self.bearing_radius - self.clearance
+
+    @property
+    def round_normal(self) -> NormalLaw:
+        """Normal law while both surfaces are round."""
+        if self.contact == "foundation":
+            return replace(self.normal, elasticity="foundation")
+        return self.normal
 
     @property
     def bins(self) -> int:

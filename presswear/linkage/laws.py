@@ -84,6 +84,15 @@ def hertz_stiffness(
     return 4.0 / (3.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
 
 
+def liu_stiffness(width: float, clearance: float, compliance: float) -> float:
+    """Return K, N/m^1.5, with which ``liu_force`` is the law of Liu, Zhang and Yang (2007).
+
+    They print F = (pi / 2) delta E* b sqrt(delta / (2 (c + delta))), so that small contacts have
+    K = pi b E* / (2 sqrt(2 c)). 1 / E* is the compliance, the sum of (1 - nu^2) / E of both, 1/Pa.
+    """
+    return math.pi * width / (2.0 * compliance * math.sqrt(2.0 * clearance))
+
+
 def delivered_restitution(damping: float) -> float:
     """Return the restitution e' that a law with damping factor chi delivers.
 
@@ -134,8 +143,8 @@ class NormalLaw:
     Attributes
     ----------
     elasticity : {"power", "liu", "foundation"}
-        F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which is Liu and
-        others' (2007) for cylinders that conform; the elastic foundation's, over all of the arc.
+        F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which Liu and others
+        (2007) fitted to cylinders that conform; the elastic foundation's, over all of the arc.
     user_law : UserFunction or None
         The whole force, N, as a function of NORMAL_PARAMETERS, in place of all these.
     """

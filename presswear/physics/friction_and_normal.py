@@ -5,6 +5,7 @@ machine code, so that no kernel is compiled again for them.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from presswear.linkage.laws import (
     FrictionLaw,
     NormalLaw,
 )
+from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     Records,
     address_of,
@@ -26,7 +28,8 @@ from presswear.tools.compile import (
 from presswear.tools.lanes import anywhere, where
 from presswear.tools.user_function import compile_function
 
-INLINE = 0  # address of a law that stands in the kernels
+# Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp, too
+INLINE, ROUND_FOUNDATION = 0, 1
 FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, beside it, user law
 
 # A normal law as the kernels see it
@@ -85,39 +88,81 @@ def liu_force(
 ) -> float:
     """Return the elastic force of a conforming pin, N: K delta^1.5 / sqrt(1 + delta / c).
 
-    Liu, Zhang and others (2007) print (pi / 2) delta E* b sqrt(delta / (2 (c + delta))).
+    With K of ``linkage.laws.liu_stiffness`` it is (pi / 2) delta E* b sqrt(delta / (2 (c + delta)))
+    of Liu, Zhang and Yang (2007).
     """
     return stiffness * penetration * math.sqrt(penetration / (1.0 + penetration / clearance))
 
 
-@compiled
-def foundation_force(
-    penetration: float,
-    rate: float,
-    onset_speed: float,
-    stiffness: float,
-    exponent: float,
-    damping: float,
-    clearance: float,
-) -> float:
-    """Return the force of a round pin on a foundation, N: k_w b R (e s - c sin s), cos s = c / e.
+def _power_series(count: int) -> tuple[Array, Array]:
+    """Return coefficients of g and h of ``round_foundation`` in powers of u.
 
-    The integral of the overlap e cos(x) - c times cos(x) over the arc up to s.
+    d(s - (1 - 2 u) sin s)/du = 8 sqrt(u (1 - u)) gives g. The second derivative of
+    (1 + 2 (1 - 2 u)^2) s - 3 (1 - 2 u) sin s is 16 s = 32 asin(sqrt(u)), which gives h.
     """
-    eccentricity = clearance + penetration
-    half = math.atan2(math.sqrt(penetration * (clearance + eccentricity)), clearance)
-    bed = 0.75 * stiffness * math.sqrt(0.5 * clearance)
-    # e s - c sin s = (e - c) s + c (s - sin s); the last bracket cancels for a small arc.
-    y = half * half
-    bracket = half - math.sin(half)
-    if half < 0.3:
-        series = 1.0 - y / 20.0 * (1.0 - y / 42.0 * (1.0 - y / 72.0 * (1.0 - y / 110.0)))
-        bracket = half * y / 6.0 * series
-    return bed * (penetration * half + clearance * bracket)
+    n = np.arange(1, count)
+    root = np.cumprod([1.0, *((n - 1.5) / n)])  # of sqrt(1 - u)
+    angle = np.cumprod([1.0, *((n - 0.5) / n)])  # of 1 / sqrt(1 - u)
+    n = np.arange(count)
+    force = 1.5 * root / (n + 1.5)
+    energy = 3.75 * angle / ((2 * n + 1) * (n + 1.5) * (n + 2.5))
+    return force, energy
 
 
-# Elastic forces of NORMAL_PARAMETERS by name; None stands in the kernels
-ELASTICITIES = {"power": None, "liu": liu_force, "foundation": foundation_force}
+def _polynomials(degree: int) -> list[tuple[float, ...]]:
+    """Return coefficients of g and h in x = (delta - sqrt(2) c) / (delta + sqrt(2) c), from x^0.
+
+    Over all penetrations x runs from -1 to 1, and interpolation at the points of Chebyshev
+    converges as 11.6^-degree: g and h are singular at u = 1 only, far beyond u = 1/2.
+    """
+    results = []
+    for series in _power_series(60):
+        polynomial = np.polynomial.Polynomial(series)
+
+        def at(x: Array, function: np.polynomial.Polynomial = polynomial) -> Array:
+            ratio = math.sqrt(2.0) * (1.0 + x)  # delta (1 - x) / c
+            return np.asarray(function(0.5 * ratio / (1.0 - x + ratio)))
+
+        chebyshev = np.polynomial.Chebyshev.interpolate(at, degree)
+        results.append(tuple(map(float, chebyshev.convert(kind=np.polynomial.Polynomial).coef)))
+    return results
+
+
+# Even degree; the error is 6e-15
+ROUND_FORCE, ROUND_ENERGY = _polynomials(12)
+
+
+@inlined
+def polynomial(coefficients: tuple[float, ...], x: float) -> float:
+    """Return a polynomial of even degree from its coefficients, the constant first."""
+    # Even and odd terms apart: two short chains of products take less time than a long one.
+    square, last = x * x, len(coefficients) - 1
+    even, odd = coefficients[last] + 0.0 * x, coefficients[last - 1] + 0.0 * x
+    for i in range(1, last // 2):
+        even = even * square + coefficients[last - 2 * i]
+        odd = odd * square + coefficients[last - 2 * i - 1]
+    return even * square + coefficients[0] + x * odd
+
+
+@inlined
+def round_foundation(penetration: float, stiffness: float, clearance: float) -> tuple[float, float]:
+    """Return force, N, and energy, J, of a round pin on an elastic foundation, if it is closed.
+
+    The overlap e cos(x) - c with e = c + delta is positive up to s, cos s = c / e. Its integrals
+    give F = k_w b R (e s - c sin s) = K delta sqrt(delta c / e) g(u) and
+    U = k_w b R / 2 [(e^2 + 2 c^2) s - 3 e c sin s] = 2/5 K delta^2 sqrt(delta c / e) h(u) with
+    u = sin^2(s / 2) = delta / (2 e). g and h are 1 at u = 0; as they stand, both cancel there.
+    """
+    reach = max(penetration, 0.0)
+    plain = stiffness * reach * math.sqrt(reach * clearance / (clearance + reach))
+    scale = math.sqrt(2.0) * clearance
+    x = (reach - scale) / (reach + scale)
+    force = plain * polynomial(ROUND_FORCE, x)
+    return force, 0.4 * reach * plain * polynomial(ROUND_ENERGY, x)
+
+
+# Elastic forces of NORMAL_PARAMETERS by name, or the address of one that stands in the kernels
+ELASTICITIES = {"power": INLINE, "liu": liu_force, "foundation": ROUND_FOUNDATION}
 
 
 @inlined
@@ -125,6 +170,8 @@ def elastic_at(law: Records, penetration: float) -> float:
     """Return the elastic force, N, at a penetration, m, by a record of NORMAL."""
     if law.address == INLINE:
         return elastic_force(penetration, law.stiffness, law.exponent)
+    if law.address == ROUND_FOUNDATION:
+        return round_foundation(penetration, law.stiffness, law.clearance)[0]
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
     return where(penetration <= 0.0, 0.0, call(law.address, (penetration, 0.0, 1.0, *rest)))
 
@@ -135,6 +182,8 @@ def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     energy = where(False, penetration, 0.0)
     if not anywhere(penetration > 0.0):
         return energy, energy
+    if law.address == ROUND_FOUNDATION:
+        return round_foundation(penetration, law.stiffness, law.clearance)
     elastic = elastic_at(law, penetration)
     reach = max(penetration, 0.0)
     if law.address == INLINE:
@@ -281,12 +330,13 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     record["stiffness"] = record["estimated_stiffness"] = law.stiffness
     record["exponent"] = record["estimated_exponent"] = law.exponent
     record["damping"], record["clearance"] = law.damping, clearance
-    force = ELASTICITIES[law.elasticity]
+    force: Any = ELASTICITIES[law.elasticity]
     if law.viscosity > 0.0:
         record["damping"], record["kind"] = law.viscosity, VISCOUS
     if law.user_law is not None:
         force, record["kind"] = compile_function(law.user_law, NORMAL_PARAMETERS), USER
-    record["address"] = INLINE if force is None else address_of(force, len(NORMAL_PARAMETERS))
+    is_inline = isinstance(force, int)
+    record["address"] = force if is_inline else address_of(force, len(NORMAL_PARAMETERS))
     if law.user_law is not None:
         first, last = (part * clearance for part in ESTIMATED_AT)
         low, high = (elastic_of(record, depth)[0] for depth in (first, last))

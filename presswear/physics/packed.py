@@ -77,7 +77,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         record["effective_mass"] = 1.0 / mobility if mobility > 0.0 else math.inf
         for name in ("bearing_radius", "pin_radius", "clearance", "width"):
             record[name] = getattr(joint, name)
-        record["normal"] = normal_record(joint.normal, joint.clearance)
+        record["normal"] = normal_record(joint.round_normal, joint.clearance)
         record["friction"] = friction_record(joint.friction)
         record["map_bins"] = joint.bins
         record["map_turns"] = float(joint.map_frame == "body")

@@ -8,11 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 
-from presswear.physics.friction_and_normal import elastic_force, foundation_force, liu_force
+from presswear.linkage.laws import Elasticity, NormalLaw
+from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.physics.ideal import bottom_of
 from presswear.physics.loads import sizes_over
 from presswear.physics.statics import constraint_forces, load_corners, needed_torques
@@ -23,7 +24,8 @@ from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import readable
+from presswear.tools.compile import Records
+from presswear.tools.numbers import quantity_text, readable
 from presswear.tools.user_function import UserFunction
 
 PHASES = ("approach", "work", "snap-through", "return")  # of a stroke
@@ -31,6 +33,7 @@ APPROACH, WORK, SNAP_THROUGH, RETURN = PHASES
 SNAP_THROUGH_S = 20e-3  # s after a fracture, in which press builders look for reversed loads
 ENERGY_BOUND = 1e-6  # residual over exchanged energy at the tolerances of a trajectory
 SMALL_CONTACT = 0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
+LAW_WORDS = {"power": "K delta^1.5", "liu": "Liu's law", "foundation": "an elastic foundation"}
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 _PIECES, _PIECES_BEFORE = 720, 90  # of the cycle of ideal torques, and of the one before it
 
@@ -492,45 +495,81 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
 # Deep contacts ------------------------------------------------------------------------------------
 
 
+def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float]:
+    """Return the largest recorded penetration of each joint over its clearance."""
+    ratios = {}
+    for name in scene.clearance_joints:
+        arrays = [stage.arrays for stage in stages if not stage.failed]
+        depths = [one[f"{name}_penetration"].max(initial=0.0) for one in arrays if _has(one, name)]
+        ratios[name] = float(max(depths, default=0.0)) / scene.bearing(name).clearance
+    return ratios
+
+
+def _has(arrays: Mapping[str, Array], joint: str) -> bool:
+    return f"{joint}_penetration" in arrays
+
+
+def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
+    """Return the peak force, N, of each elastic law for the elastic energy of a peak force, N.
+
+    The law of the scene stores that energy in round surfaces up to the force, and an impact of the
+    same energy is assumed for all laws. A force that the load prescribes is the same for all laws,
+    and a forced penetration makes them differ more. Empty for a user law, and for an exponent
+    other than 1.5, which the laws of conforming pins do not have.
+    """
+    bearing, conventions = scene.bearing(joint), scene.conventions
+    if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
+        return {}
+    records = {}
+    for law in get_args(Elasticity):
+        stiffness = bearing.stiffness(law, conventions.stiffness)
+        records[law] = normal_record(NormalLaw(stiffness, elasticity=law), bearing.clearance)
+    used = records[bearing.elastic_law(conventions.contact)]
+    energy = elastic_of(used, _depth_of(used, 0, force))[1]
+    return {law: elastic_of(one, _depth_of(one, 1, energy))[0] for law, one in records.items()}
+
+
+def _depth_of(law: Records, kind: int, value: float) -> float:
+    """Return the penetration, m, of a force, N (kind 0), or of an elastic energy, J (kind 1)."""
+    low, high = 0.0, float(law["clearance"])
+    while elastic_of(law, high)[kind] < value:
+        low, high = high, 2.0 * high
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if elastic_of(law, middle)[kind] < value else (low, middle)
+    return high
+
+
 def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on joints whose penetration is too large for a stiffness of small contacts.
 
-    Each is on the stage in which the pin is deepest. The surfaces overlap by e cos(x) - c at an
-    angle x from the line of centres: over an arc of which c / (c + penetration) is the cosine of
-    the half.
+    The surfaces overlap by e cos(x) - c at an angle x from the line of centres: over an arc of
+    which c / (c + penetration) is the cosine of the half.
     """
     sentences = []
-    for name in scene.clearance_joints:
-        bearing, depths = scene.bearing(name), [(0.0, False)]
-        for stage in (one for one in stages if not one.failed):
-            penetration = stage.arrays.get(f"{name}_penetration", np.zeros(1))
-            depths.append((float(penetration.max(initial=0.0)), stage.is_worn))
-        deepest, is_worn = max(depths)
-        ratio = deepest / bearing.clearance
+    for name, ratio in penetrations(scene, stages).items():
         if ratio <= SMALL_CONTACT:
             continue
         arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
+        deepest = 1e6 * ratio * scene.bearing(name).clearance
         text = (
-            f"Joint {name}: the pin penetrates its bearing by {readable(1e6 * deepest)} µm, "
+            f"Joint {name}: the pin penetrates its bearing by {readable(deepest)} µm, "
             f"{readable(ratio)} of the clearance, and touches it over {arc:.0f} degrees. The "
             "contact stiffness holds for small contacts: bottom dead centre under load is "
             "uncertain, forces less so."
         )
-        advice = "A measured contact_stiffness removes this doubt."
-        if not isinstance(bearing.normal_law, UserFunction) and bearing.exponent == 1.5:
-            law = (0.0, 1.0, 1.0, 1.5, 0.0, 1.0)
-            on_foundation = scene.conventions.contact == "foundation" and is_worn
-            forces = {
-                "power": ("K delta^1.5", elastic_force(ratio, 1.0, 1.5)),
-                "liu": ("Liu's law", liu_force(ratio, *law)),
-            }
-            if bearing.elasticity in forces and not on_foundation:
-                law_name, force = forces[bearing.elasticity]
-                times = force / foundation_force(ratio, *law)
-                text += f" {law_name} gives {times:.2f} times the force of an elastic foundation."
-                if bearing.elasticity == "power":
-                    advice = "Use elasticity = liu or foundation."
-        sentences.append(f"{text} {advice}")
+        last = next(one for one in reversed(stages) if not one.failed)
+        joint = last.statistics.joints.get(name)
+        if joint and (forces := forces_by_law(scene, name, joint.peak_force_per_cycle.mean)):
+            used = scene.bearing(name).elastic_law(scene.conventions.contact)
+            rest = [
+                f"{quantity_text(force, 'N')} by {LAW_WORDS[law]}"
+                for law, force in forces.items()
+                if law != used
+            ]
+            text += f" The peak force is {quantity_text(forces[used], 'N')} by {LAW_WORDS[used]}. "
+            text += f"An impact of the same elastic energy gives {' and '.join(rest)}; a load that "
+            text += "prescribes the force gives the same by all."
+        sentences.append(f"{text} A measured contact_stiffness reduces this doubt.")
     return sentences
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast, get_args
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
+AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
 
 
@@ -36,7 +37,8 @@ class Conventions(Checked):
         "bin", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
     )
     contact: elements.SurfaceContact = choice(
-        "radial", elements.SurfaceContact, "worn surfaces touch at a point, or over an elastic arc"
+        *("radial", elements.SurfaceContact),
+        "surfaces, new and worn, touch at a point by elasticity, or over an arc by a foundation",
     )
     wear_maps: elements.WearMaps = choice(
         "smoothed", elements.WearMaps, "wear maps smoothed by their sampling error, or with noise"
@@ -68,11 +70,13 @@ class Bearing(Checked):
     width: float = quantity(0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True)
     materials: laws.Materials | Any = named_set("paper", laws.MATERIALS, "materials, pin first")
     contact_stiffness: float | None = quantity(
-        None, "N/m^n", 1e3, 1e15, "chosen", "stiffness K; default: Hertz, from E, nu and radii"
+        *(None, "N/m^n", 1e3, 1e15, "chosen"),
+        "stiffness K of small contacts; default: from E and nu, by Hertz or by Liu",
     )
     exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "exponent n of the normal force")
-    elasticity: laws.Elasticity = choice(
-        "power", laws.Elasticity, "elastic force of round surfaces: K delta^n, Liu's, or foundation"
+    elasticity: str = choice(
+        *(AUTO, (AUTO, *get_args(laws.Elasticity))),
+        "elastic force: K delta^n, Liu's, or a foundation; auto: as contact has it, else power",
     )
     normal_law: Law = choice(
         "lankarani-nikravesh", tuple(laws.DAMPINGS), "normal force law", laws.NORMAL_PARAMETERS
@@ -133,7 +137,7 @@ class Bearing(Checked):
                 raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
         if not isinstance(friction_law, str) and self.friction == 0.0:
             raise InputError(f"friction = 0: with friction_law = {friction_law} allowed is above 0")
-        if self.elasticity != "power" and self.exponent != 1.5:
+        if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
             allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
         if self.clearance >= self.bearing_radius:
@@ -148,9 +152,13 @@ class Bearing(Checked):
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
 
     def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
-        """Raise InputError, beginning with ``where``, if worn surfaces cannot meet in this way."""
+        """Raise InputError, beginning with ``where``, if surfaces cannot meet in this way."""
         if contact != "foundation":
             return
+        if self.elasticity not in (AUTO, "foundation"):
+            allowed = "with contact = 'foundation' allowed is auto or foundation, so that new and"
+            advice = f"worn surfaces have one law; use contact = 'radial' with {self.elasticity}"
+            raise InputError(f"{where}elasticity = {self.elasticity}: {allowed} {advice}")
         if self.exponent != 1.5:
             allowed = "with contact = 'foundation' allowed is 1.5, which a linear foundation gives"
             raise InputError(f"{where}exponent = {self.exponent:g}: {allowed}")
@@ -159,25 +167,35 @@ class Bearing(Checked):
             law = f"{where}normal_law = {self.normal_law}"
             raise InputError(f"{law}: with contact = 'foundation' allowed is {allowed}")
 
-    def hertz(self, reading: laws.StiffnessReading) -> float:
-        """Return K, N/m^n: the contact stiffness, or Hertz's."""
+    def elastic_law(self, contact: elements.SurfaceContact) -> laws.Elasticity:
+        """Return the elastic law of a contact of surfaces, new and worn."""
+        if contact == "foundation":
+            return "foundation"
+        return "power" if self.elasticity == AUTO else cast(laws.Elasticity, self.elasticity)
+
+    def stiffness(self, elasticity: laws.Elasticity, reading: laws.StiffnessReading) -> float:
+        """Return K, N/m^n: the contact stiffness, else Liu's for his law, else Hertz's."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
+        compliance = self.materials.compliance
+        if elasticity == "liu":
+            return laws.liu_stiffness(self.width, self.clearance, compliance)
         radii = self.bearing_radius, self.bearing_radius - self.clearance
-        return laws.hertz_stiffness(*radii, self.materials.compliance, reading)
+        return laws.hertz_stiffness(*radii, compliance, reading)
 
-    def normal(self, reading: laws.StiffnessReading) -> laws.NormalLaw:
+    def normal(self, conventions: Conventions) -> laws.NormalLaw:
         """Return the normal force law with its parameters."""
         function = self.normal_law if isinstance(self.normal_law, UserFunction) else None
         damping = laws.DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
         factors = damping.factor(self.restitution), self.viscous_damping
-        stiffness = self.hertz(reading)
-        return laws.NormalLaw(stiffness, self.exponent, *factors, self.elasticity, function)
+        elasticity = self.elastic_law(conventions.contact)
+        stiffness = self.stiffness(elasticity, conventions.stiffness)
+        return laws.NormalLaw(stiffness, self.exponent, *factors, elasticity, function)
 
-    def check_user_laws(self, joint: str, reading: laws.StiffnessReading) -> None:
+    def check_user_laws(self, joint: str, conventions: Conventions) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         if isinstance(law := self.normal_law, UserFunction):
-            key, normal = f"{joint}.normal_law", self.normal(reading)
+            key, normal = f"{joint}.normal_law", self.normal(conventions)
             state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
             laws.check_normal(key, law, {**state, "clearance": self.clearance})
             law.check_compiles(key, laws.NORMAL_PARAMETERS)
@@ -202,7 +220,7 @@ class Bearing(Checked):
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.width
-        forces = self.normal(conventions.stiffness), friction
+        forces = self.normal(conventions), friction
         law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
         return elements.ClearanceJoint(
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn

@@ -221,7 +221,7 @@ class Scene(Checked):
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         self.check_trusted()
         for joint in self.clearance_joints:
-            self.bearing(joint).check_user_laws(joint, self.conventions.stiffness)
+            self.bearing(joint).check_user_laws(joint, self.conventions)
         for key, law in self.user_laws.items():
             if key.startswith("loads["):
                 law.check_compiles(key, loads.LOAD_PARAMETERS)

@@ -114,7 +114,10 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         new = first.statistics.joints[at].peak_force_per_cycle.mean
         strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
         text += f" Before the wear of {strokes} strokes: {numbers.quantity_text(new, 'N')}."
-    result = [measured("Peak joint force", forces[at], "N", text)]
+    peak = measured("Peak joint force", forces[at], "N", text)
+    if press.penetrations(scene, stages)[at] > press.SMALL_CONTACT:
+        peak = _with_laws(peak, press.forces_by_law(scene, at, forces[at].mean))
+    result = [peak]
     for key, loads in _bearing_loads(scene, last).items():
         limits = {name: getattr(scene.bearing(name), key) for name in loads}
         ratios = {name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one}
@@ -125,6 +128,19 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
         result.append(measured(title, loads[at], unit, text))
     return result
+
+
+def _with_laws(peak: KeyNumber, forces: Mapping[str, float]) -> KeyNumber:
+    """Return the peak force of a deep contact with the range of the elastic laws."""
+    if not forces:
+        return peak
+    factor, unit = numbers.unit_scale("N", max(forces.values()))
+    low, high = (numbers.readable(factor * end(forces.values())) for end in (min, max))
+    laws = f"{low} to {high} {unit} by contact law"
+    meaning = f"{peak.meaning} The pin sinks in deep: the range of the contact laws power, liu and "
+    meaning += "foundation is that of an impact of the same elastic energy."
+    interval = f"{peak.interval}; {laws}" if peak.interval else laws
+    return peak._replace(interval=interval, meaning=meaning)
 
 
 def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:

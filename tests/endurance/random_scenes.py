@@ -84,7 +84,7 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     """Bearing whose quantities fit together, no larger than the shortest link, m."""
     values = _drawn(draw, Bearing(), ("contact_stiffness",))
     values["materials"] = Materials(**_drawn(draw, Materials(), ("bearing_modulus",)))
-    if values["elasticity"] != "power":
+    if values["elasticity"] in ("liu", "foundation"):
         values["exponent"] = 1.5
     held = max(values["static_friction"], values["friction"])
     values["static_friction"] = held if values["friction_law"] == LUGRE else None
@@ -163,7 +163,7 @@ def scene_of(draw: Random) -> Scene:
     lengths = [item.name for item in fields(mechanism) if item.name.startswith(_LENGTHS)]
     bearings = _bearings(draw, min(getattr(mechanism, name) for name in lengths))
     if conventions.contact == "foundation":
-        bearings = replace(bearings, exponent=1.5)
+        bearings = replace(bearings, exponent=1.5, elasticity="auto")
     joints = draw.choice([*mechanism.allowed_joints, ",".join(mechanism.allowed_joints), "none"])
     parts: dict[str, Any] = {
         "mechanism": mechanism,

@@ -4,19 +4,24 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import (
     DAMPINGS,
     KELVIN_VOIGT,
+    Materials,
     NormalLaw,
     delivered_restitution,
     greatest_penetration,
 )
+from presswear.linkage.surface import Surface
 from presswear.physics.friction_and_normal import elastic_of, normal_record
+from presswear.scene.bearing import Bearing, Conventions
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact
@@ -114,10 +119,11 @@ def test_kelvin_and_voigt_have_the_closed_form(part: float, engine: Engine, boun
 def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
     """Liu's as printed; the foundation's by quadrature over the arc; their energies too."""
     depth = part * CLEARANCE
-    liu = normal_record(NormalLaw(STIFFNESS, elasticity="liu"), CLEARANCE)
-    # K = (pi / 2) E* b / sqrt(2 c), and with it (pi / 2) delta E* b sqrt(delta / (2 (c + delta))).
-    modulus = STIFFNESS * 2.0 / math.pi * math.sqrt(2.0 * CLEARANCE)
-    printed = 0.5 * math.pi * depth * modulus * math.sqrt(depth / (2.0 * (CLEARANCE + depth)))
+    bearing = Bearing(CLEARANCE, width=0.03, materials=Materials(206e9, 110e9), elasticity="liu")
+    liu = normal_record(bearing.normal(Conventions()), CLEARANCE)
+    modulus = 1.0 / (0.91 / 206e9 + 0.91 / 110e9)
+    printed = 0.5 * math.pi * depth * modulus * 0.03
+    printed *= math.sqrt(depth / (2.0 * (CLEARANCE + depth)))
     assert elastic_of(liu, depth)[0] == pytest.approx(printed, rel=1e-13)
 
     bed = normal_record(NormalLaw(STIFFNESS, elasticity="foundation"), CLEARANCE)
@@ -142,11 +148,41 @@ def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
         assert elastic_of(law, depth)[1] == pytest.approx(work, rel=1e-9)
 
 
+def test_small_contacts_have_the_stiffness_of_the_law() -> None:
+    """That of Liu is 8.6e10 N/m^1.5 for the press of the paper, the printed one 1.25e10."""
+    press = Bearing(0.8e-3)
+    conforming = replace(press, elasticity="liu")
+    measured = replace(conforming, contact_stiffness=2e9)
+    assert conforming.normal(Conventions()).stiffness == pytest.approx(8.63e10, rel=1e-3)
+    assert press.normal(Conventions()).stiffness == pytest.approx(1.25e10, rel=0.01)
+    assert measured.normal(Conventions()).stiffness == 2e9
+
+
 @pytest.mark.parametrize("elasticity", ["liu", "foundation"])
 def test_conforming_pins_deliver_the_same_restitution(elasticity: Any) -> None:
     damping = DAMPINGS["lankarani-nikravesh"].factor(0.5)
     run = impact(NormalLaw(STIFFNESS, 1.5, damping, elasticity=elasticity), ENGINES[0][0])
     assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=1e-8)
+
+
+@pytest.mark.parametrize("worn", [False, True])
+@pytest.mark.parametrize(("engine", "bound"), ENGINES)
+def test_new_and_worn_surfaces_have_one_law(worn: bool, engine: Engine, bound: float) -> None:
+    """An elastic impact on a foundation turns at U(delta) = m v^2 / 2, its force at F(delta).
+
+    Round surfaces, whose law is a closed form, and a wear of a femtometre, whose arc is summed.
+    """
+    case = references.Impact(1.0, STIFFNESS, SPEED, CLEARANCE)
+    joint = replace(case.linkage.clearances[0], normal=NormalLaw(STIFFNESS), contact="foundation")
+    if worn:
+        joint = replace(joint, bearing_surface=Surface(np.full(360, 1e-15)))
+    run = engine.simulate(replace(case.linkage, clearances=(joint,)), case.start, PLAN)
+    law = normal_record(NormalLaw(STIFFNESS, elasticity="foundation"), CLEARANCE)
+    energy = 0.5 * MASS * SPEED**2
+    deepest = brentq(lambda x: elastic_of(law, x)[1] - energy, 0.0, CLEARANCE, xtol=1e-16)
+    assert delivered(run, SPEED) == pytest.approx(1.0, abs=bound)
+    contact = first_contact(run)
+    assert contact["peak_force"] == pytest.approx(elastic_of(law, deepest)[0], rel=1e-4)
 
 
 SOFT = """

@@ -9,8 +9,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from two_bodies import JOINT, Pair, placed
 
+from presswear.linkage.elements import WearLaw
 from presswear.linkage.surface import Surface, bin_centres
+from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.foundation import foundation_stiffness, pack_rows, press
+from presswear.physics.friction_and_normal import round_foundation
+from presswear.physics.packed import pack
 from presswear.physics.segment import ArcIntegrals
 from presswear.tools.arrays import Array
 
@@ -106,6 +110,45 @@ def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) 
     force = foundation_stiffness(1e10, C) * bed(flat, flat, C + penetration, 0.3, 0.9).along
     ratio = force / (1e10 * penetration**1.5)
     assert ratio == pytest.approx(1.0 - 0.65 * penetration / C, abs=0.03 * penetration / C)
+
+
+@pytest.mark.parametrize("bins", [BINS, 97])
+@pytest.mark.parametrize("part", [1e-9, 1e-6, 1e-4, 0.01, 0.1, 0.5, 1.0, 3.0, 30.0])
+def test_round_surfaces_have_the_closed_form(part: float, bins: int) -> None:
+    """The sums over maps of no depth, and both formulas where they do not cancel."""
+    flat, penetration = Surface(np.zeros(bins)), part * C
+    eccentricity = C + penetration
+    sums = bed(flat, flat, eccentricity, 0.3, 0.9)
+    stiffness = foundation_stiffness(1e10, C)
+    force, energy = round_foundation(penetration, 1e10, C)
+    # The penetration of the sums is a difference, and has the round-off of the clearance.
+    allowed = 3e-11 + 4e-16 / part
+    assert stiffness * sums.along == pytest.approx(force, rel=allowed)
+    assert 0.5 * stiffness * sums.square == pytest.approx(energy, rel=allowed)
+    if part >= 0.5:
+        half = math.acos(C / eccentricity)
+        exact = eccentricity * half - C * math.sin(half)
+        assert force == pytest.approx(stiffness * exact, rel=2e-14)
+        exact = (eccentricity**2 + 2.0 * C**2) * half - 3.0 * eccentricity * C * math.sin(half)
+        assert energy == pytest.approx(0.5 * stiffness * exact, rel=1e-13)
+
+
+@given(st.floats(-6.0, 2.0), st.floats(0.0, 6.0))
+def test_a_round_contact_is_that_of_maps_without_depth(power: float, direction: float) -> None:
+    """Closed form and sums over the arc fill all numbers of a contact alike."""
+    joint = replace(JOINT, contact="foundation", wear=WearLaw(1e-15))
+    rates = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
+    pair = placed(joint, C * 10.0**power, direction, rates=rates)
+    whole = pack(pair.linkage, wearing=True)
+    contacts = np.zeros(1, CONTACT)
+    note_contacts(whole, contacts, pair.q, pair.v)
+    plain = pair.contact()
+    assert pair.packed.joints[0]["surface_bins"] == 0 < whole.joints[0]["surface_bins"]
+    scale = {"elastic": plain.elastic, "energy": plain.energy, "couple": plain.elastic * C}
+    for name in CONTACT.names or ():
+        if name not in ("place", "normal", "tangential", "bristle", "bristle_rate"):
+            allowed = 1e-9 * scale.get(name, 1.0)  # lengths in m, speeds in m/s, directions
+            assert contacts[0][name] == pytest.approx(plain[name], abs=allowed), name
 
 
 def worn(bearing: Surface, pin: Surface) -> Pair:

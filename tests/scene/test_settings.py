@@ -126,6 +126,8 @@ refined | A.clearence=1mm | unknown key 'A.clearence'; did you mean A.clearance\
 refined | A.angles=8 | A\.angles = 8: allowed is 16 to 100000
 refined | A.clearance=20mm | A\.clearance = 20 mm: allowed is below the bearing
 refined | A.clearance=1 | A\.clearance = '1' has no unit
+refined | elasticity=liu | elasticity = liu: .* allowed is auto or foundation.* = 'radial'
+refined | A.elasticity=power | A\.elasticity = power: .* new and worn surfaces have one law
 refined | A.exponent=1.2 | A\.exponent = 1\.2: with contact = 'foundation'
 ideal | process=blank | .*'blank': .*did you mean blanking
 ideal | process.force=1N | process\.force: process = none; it needs process = bla
