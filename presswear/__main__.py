@@ -67,7 +67,8 @@ def _run(words: Sequence[str]) -> int:
     module, _, function = COMMANDS[arguments.command]["call"].partition(":")
     command = getattr(import_module(f"presswear.cli.{module}"), function)
     with logging_to_stderr("verbose" in arguments):
-        return int(command(arguments, Console()))
+        # Names of files and scenes are no markup.
+        return int(command(arguments, Console(markup=False, highlight=False, emoji=False)))
 
 
 def _is_output_broken() -> bool:

@@ -169,7 +169,7 @@ def load_result(path: Path, console: Console) -> "Result":
         arguments = Namespace(command="run", scene=str(path))
         raise InputError(f"{note}; {resume_command(arguments, path, result.scene)}")
     if note:
-        console.print(f"{note}: only these are used", highlight=False, soft_wrap=True)
+        print_lines(console, f"{note}: only these are used")
     return result
 
 
@@ -226,7 +226,7 @@ def progress_bar(console: Console) -> Progress:
     """Return a progress bar with the time left; silent without a terminal."""
     words = Column(ratio=1, overflow="fold")
     columns = (
-        TextColumn("{task.description}", table_column=words),
+        TextColumn("{task.description}", markup=False, table_column=words),
         BarColumn(None, table_column=Column(min_width=MIN_BAR, max_width=MIN_BAR)),
         TaskProgressColumn(table_column=Column(no_wrap=True)),
         _TimeLeft(Column(no_wrap=True)),

@@ -173,7 +173,7 @@ def _print_methods(console: Console, points: Any) -> None:
     for point in points:
         if point.failure:
             words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
-            console.print(words, highlight=False, markup=False)
+            print_lines(console, words)
 
 
 def _print_features(console: Console, table: Any) -> None:
@@ -185,4 +185,4 @@ def _print_features(console: Console, table: Any) -> None:
     heads = ("feature", "engine", ">s/s", ">us/step", ">ratio/step", ">ratio/s")
     print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"
-    console.print(meaning, highlight=False)
+    print_lines(console, meaning)

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import termios
+from argparse import Namespace
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +20,7 @@ from rich.progress import Progress as ProgressBar
 from presswear.campaign.wear_update import refinement_spec
 from presswear.cli import run
 from presswear.cli.run import RunObserver, step_text
-from presswear.cli.terminal import named_progress, print_lines, progress_bar
+from presswear.cli.terminal import load_result, named_progress, print_lines, progress_bar
 from presswear.recording.observer import COMPILING, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.stage import JointStatistics, StageResult, StageStatistics
@@ -231,3 +232,15 @@ def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
         monkeypatch.setattr("presswear.tools.processes._received", [2])
         with pytest.raises(KeyboardInterrupt):
             report("second", 0.2)
+
+
+def test_names_are_no_markup(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    result = Namespace(stages=["first"])
+    monkeypatch.setattr("presswear.results.result.load", lambda _path: result)
+    monkeypatch.setattr("presswear.results.result.unfinished", lambda _: "the run in a[/red]b")
+    console = console_of(80, clock)
+    assert load_result(Path(), console) is result
+    assert "a[/red]b: only these are used" in console.export_text()
+    bar = progress_bar(console)
+    bar.add_task("a[/red]b")
+    assert lines_of(bar, 80, clock)[0].startswith("a[/red]b")
