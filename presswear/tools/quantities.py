@@ -13,7 +13,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from numbers import Integral, Real
 from typing import Any, ClassVar, get_args
 
-from presswear.tools.errors import InputError, nearest, shown, unknown
+from presswear.tools.errors import InputError, nearest, shown
 from presswear.tools.numbers import short_number
 from presswear.tools.user_function import UserFunction
 
@@ -27,11 +27,12 @@ SYMBOLS = {  # of the paper and of the contact laws, by which settings are named
 }
 
 _DEGREE = math.pi / 180.0
-_PER_MINUTE = dict.fromkeys(("rpm", "spm", "1/min", "/min"), math.pi / 30.0)
+_PER_MINUTE = dict.fromkeys(("rpm", "spm", "1/min", "/min", "rev/min", "r/min"), math.pi / 30.0)
+_PER_SECOND = dict.fromkeys(("rps", "rev/s", "r/s", "Hz"), 2.0 * math.pi)
 _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "": {"": 1.0, "%": 0.01, "percent": 0.01},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
-    "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, "Hz": 2.0 * math.pi},
+    "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, **_PER_SECOND},
     "rad": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg m^2": {"kg m^2": 1.0, "kgm^2": 1.0, "kg cm^2": 1e-4, "kg mm^2": 1e-6, "g mm^2": 1e-9},
@@ -201,8 +202,8 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
         raise InputError(f"{label} has no unit; known are {', '.join(units)}; {allowed}")
     if symbol not in units:
         pure = f"a pure number{', or one in %,' * (not meaning.whole)} is expected"
-        fault = unknown("unit", symbol, units) if meaning.unit else pure
-        raise InputError(f"{label}: {fault}")
+        fault = f"unknown unit {shown(symbol)}; known are {', '.join(units)}"
+        raise InputError(f"{label}: {fault if meaning.unit else pure}")
     value *= units[symbol]
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     try:

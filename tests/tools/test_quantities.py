@@ -151,3 +151,14 @@ def test_any_text_is_read_or_refused_in_one_line(text: str, unit: str, whole: bo
 def test_a_number_as_python_prints_it_is_read_exactly(value: float, unit: str) -> None:
     plain = "/Pa" if unit == "1/Pa" else unit
     assert _read(f"{value!r} {plain}", unit) == value
+
+
+@pytest.mark.parametrize("text", ["2 rev/s", "2rps", "120 1/min", "120rpm", "2Hz"])
+def test_speeds_are_read_in_turns(text: str) -> None:
+    assert _read(text, "rad/s") == pytest.approx(4.0 * math.pi, rel=1e-15)
+
+
+def test_a_unit_of_another_quantity_is_answered_with_the_units_of_this_one() -> None:
+    for unit in ("N", "mmm", "inch"):
+        with pytest.raises(InputError, match=f"unit '{unit}'; known are m, cm, mm, um, µm, in$"):
+            _read(f"5 {unit}", "m")
