@@ -399,7 +399,7 @@ def check_reach(process: Process, stroke: float, body: str) -> None:
     depth = process.curve[-1][0]
     if not depth <= process.height < stroke:
         raise InputError(
-            f"process.height = {written(process.height, 'm')} above bottom dead centre of the "
+            f"process.height = {written(process.height, 'm')} above bottom dead centre of "
             f"{body}: must be at least {written(depth, 'm')}, the depth of the work, and below "
             f"{written(stroke, 'm')}, the stroke"
         )

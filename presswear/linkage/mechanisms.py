@@ -22,6 +22,7 @@ from presswear.tools.quantities import choice, named_set, one_of, quantity, writ
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
+MIN_SPEED = 0.1 * math.pi / 30.0  # of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
 LITERATURE = "literature, from memory"
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
@@ -46,7 +47,7 @@ _side = partial(_length, "paper, reading chosen")
 _p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
 _l_length, _l_mass = (partial(make, LITERATURE) for make in (_length, _mass))
 _c_length, _c_mass, _c_inertia = (partial(make, "chosen") for make in (_length, _mass, _inertia))
-_c_speed = partial(_number, "rad/s", 0.1 * math.pi, 5000.0, "chosen")
+_c_speed = partial(_number, "rad/s", MIN_SPEED, 5000.0, "chosen")
 
 
 class Mechanism(Checked, ABC):
@@ -158,7 +159,7 @@ class Press(Mechanism):
     speed: float = quantity(
         3.5 * math.pi,
         "rad/s",
-        0.1 * math.pi,
+        MIN_SPEED,
         40.0 * math.pi,
         "paper, per study",
         "crank speed omega: crank 7 turns at +omega, crank 2 at -omega",
@@ -274,7 +275,7 @@ class SliderCrank(Mechanism):
     rod_inertia: float | None = _c_inertia(None, f"inertia of the rod{_ROD}")
     gravity: float = gravity()
     speed: float = quantity(
-        5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed omega"
+        5000.0 * math.pi / 30.0, "rad/s", MIN_SPEED, 5000.0, LITERATURE, "crank speed omega"
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()

@@ -97,6 +97,7 @@ def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
 
 # Least default force for a total clearance, N, and over the weight
 LEAST_PULL, PULL_OVER_WEIGHT = 100.0, 10.0
+CARRYING = 0.1  # part of the largest force by a pull, above which a joint carries it
 _FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
 _SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
 MAX_UNBALANCED = 1e-8  # part of the joint forces that a solution may leave
@@ -209,13 +210,32 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     return rest.equilibrium()
 
 
-def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
-    """Return heights at bottom dead centre under static forces, m, the drives held there."""
+def _instant_of_bottom(linkage: Linkage) -> float:
     bottom = bottom_of(ideal_motion(closed(linkage), linkage.period))
     if bottom is None:
         raise InputError(f"{linkage.name} has no bottom dead centre: its output point stands still")
-    time = linkage.run_up_time + linkage.period + bottom.time
+    return linkage.run_up_time + linkage.period + bottom.time
+
+
+def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
+    """Return heights at bottom dead centre under static forces, m, the drives held there."""
+    time = _instant_of_bottom(linkage)
     return np.array([equilibrium(linkage, time, force).height for force in forces])
+
+
+def least_pull(linkage: Linkage) -> float:
+    """Return the pull, N, above which the joints that carry it change sides at bottom dead centre.
+
+    The force of an ideal joint is that of the weight, springs and constant loads, and a part of the
+    pull. Joints that carry less than ``CARRYING`` of the largest part are left out.
+    """
+    time = _instant_of_bottom(linkage)
+    still, pulled = (_Rest(linkage, time, pull).unbalanced(False) for pull in (0.0, 1.0))
+    part = pulled - still
+    size = np.hypot(*part.T)
+    carries = size > CARRYING * float(size.max(initial=0.0))
+    along = np.abs((still * part).sum(axis=1))[carries] / size[carries] ** 2
+    return float(along.max(initial=0.0))
 
 
 def pull_of(linkage: Linkage) -> float:
@@ -241,12 +261,18 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     Raises
     ------
     InputError
-        If the force is out of range, or the output point does not move.
+        If the force is out of range or below ``least_pull``, or the output point does not move.
     RunFailed
         If no static equilibrium is found.
     """
-    force = pull_of(linkage) if force is None else force
-    _SIZE.check("force", force)
+    if force is None:
+        force = pull_of(linkage)
+    else:
+        force = float(_SIZE.convert("force", force))
+        least = least_pull(linkage)
+        if force <= least:
+            carried = f"allowed is above {written(least, 'N')}, the weight that the joints carry"
+            raise InputError(f"force = {written(force, 'N')}: {carried}")
     up, down = heights_at_bottom(linkage, (force, -force))
     return float(up - down)
 
@@ -257,7 +283,6 @@ def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
     ``force`` and ``idle`` act on the output point along its direction, N. Without ``idle`` only the
     weight acts. Errors are those of ``total_clearance``.
     """
-    _FORCE.check("force", force)
-    _FORCE.check("idle", idle)
+    force, idle = (float(_FORCE.convert(*one)) for one in (("force", force), ("idle", idle)))
     loaded, unloaded = heights_at_bottom(linkage, (force, idle))
     return float(loaded - unloaded)

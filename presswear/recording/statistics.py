@@ -70,8 +70,11 @@ class Estimate:
         return Estimate(self.mean, self.mean / factor, self.mean * factor, self.samples)
 
     def __str__(self) -> str:
-        """Return the mean with its interval; ``±`` where both ends are about as far away."""
-        if self.low is None or self.high is None:
+        """Return the mean with its interval; ``±`` where both ends are about as far away.
+
+        An interval over more than ``MAX_FACTOR`` squared says no more than too few cycles.
+        """
+        if self.low is None or self.high is None or 0.0 < MAX_FACTOR**2 * self.low < self.high:
             return with_interval(self.mean, None)
         half = 0.5 * (self.high - self.low)
         if abs(0.5 * (self.low + self.high) - self.mean) <= 0.05 * half:

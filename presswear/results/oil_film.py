@@ -45,7 +45,11 @@ class OilFilm:
         weights /= weights.sum()
         full = float(weights @ (self.thickness > FULL_FILM * self.roughness))
         dry = float(weights @ (self.thickness < self.roughness))
-        return {FULL: full, MIXED: max(1.0 - full - dry, 0.0), DRY: dry}
+        # One minus the others would be round-off where it is zero.
+        has_rest = (self.thickness >= self.roughness) & (
+            self.thickness <= FULL_FILM * self.roughness
+        )
+        return {FULL: full, MIXED: float(weights @ has_rest), DRY: dry}
 
     @property
     def under_load(self) -> str:

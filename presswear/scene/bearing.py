@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from typing import Any, cast, get_args
 
 import numpy as np
@@ -11,7 +11,7 @@ from presswear.linkage import elements, laws
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import choice, count, named_set, quantity, written
+from presswear.tools.quantities import Quantity, choice, count, named_set, quantity, written
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
@@ -52,13 +52,21 @@ CONVENTIONS: dict[str, Conventions] = {
 }
 
 Law = str | UserFunction | Callable[..., float]
+DIAMETRAL = "diametral_clearance"  # setting that stands for twice the clearance
+_DIAMETRAL = Quantity("m", 2e-9, 2.0, text="clearance in diameter")
+
+
+def radial_clearance(diametral: float | str) -> float:
+    """Return the radial clearance, m, half the diametral one, m or a text with its unit."""
+    return 0.5 * float(_DIAMETRAL.convert(DIAMETRAL, diametral))
 
 
 @dataclass(frozen=True)
 class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
-    Numbers are in SI, or texts with units such as "0.5 mm". A law can be a function of some of
+    Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance`` stands for
+    twice the clearance, in its place. A law can be a function of some of
     NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a force, N.
     """
 
@@ -117,9 +125,12 @@ class Bearing(Checked):
         None, "W/m^2", 1.0, 1e12, "chosen", "largest mean of p times sliding speed; default: none"
     )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
+    diametral_clearance: InitVar[float | str | None] = None  # in place of ``clearance``
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, diametral_clearance: float | str | None) -> None:
         """Check each value, and the values against each other."""
+        if diametral_clearance is not None:
+            object.__setattr__(self, "clearance", radial_clearance(diametral_clearance))
         super().__post_init__()
         law, friction_law = self.normal_law, self.friction_law
         if isinstance(law, str):

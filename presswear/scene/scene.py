@@ -119,7 +119,7 @@ class Scene(Checked):
             self._set(mechanism=_mechanism_from(self.mechanism))
         if (
             isinstance(self.bearings, Mapping)
-            and not self.bearings.keys() & Bearing().__dict__.keys()
+            and not self.bearings.keys() & Bearing.__dataclass_fields__.keys()
         ):
             self._set(
                 joints=self._joint_choice.combine(self.bearings),

@@ -14,6 +14,7 @@ import numpy as np
 
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
+from presswear.scene.bearing import DIAMETRAL, radial_clearance
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
@@ -33,6 +34,7 @@ TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
 DEFAULT = "default"  # origin of a value that a file leaves out
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 _MAX_VALUES = 1_000_000  # of a range
+_RADIAL = re.compile(rf"(?:^|(?<=\.)){DIAMETRAL}$")
 _DIGITS = 12  # of the values of a range: those of a finer range meet them
 _RANGE = re.compile(
     r"\s*([^:]+?)\s*:\s*([^:]+?)\s*:\s*([0-9]{1,8})(?: ([^:]+?))?\s*(?::\s*(log)(?: ([^:]+))?\s*)?$"
@@ -146,11 +148,11 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     InputError
         For an unknown key, a key that stands twice, or a value that does not fit.
     """
-    named = {name_of_key(key): value for key, value in settings.items()}
+    named = dict(_radial(name_of_key(key), value) for key, value in settings.items())
     if len(named) < len(settings):
-        keys = [name_of_key(key) for key in settings]
+        keys = [_RADIAL.sub("clearance", name_of_key(key)) for key in settings]
         twice = next(key for key in keys if keys.count(key) > 1)
-        both = " and ".join(key for key in settings if name_of_key(key) == twice)
+        both = " and ".join(key for key, name in zip(settings, keys, strict=True) if name == twice)
         raise InputError(f"{both} are the same setting; set one of them")
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     common = {}
@@ -179,8 +181,17 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     return result
 
 
+def _radial(key: str, value: Any) -> tuple[str, Any]:
+    """Return a setting; of a diametral clearance that of the radial one, m."""
+    name = _RADIAL.sub("clearance", key)
+    return name, value if name == key else radial_clearance(value)
+
+
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
     first, _, last = name_of_key(key).rpartition(".")
+    if last == DIAMETRAL:
+        radial = _RADIAL.sub("clearance", key)
+        return InputError(f"{key}: use {radial}, which is half the diametral clearance")
     part = allowed.get(first)
     if part is not None and part.value == NONE:
         kinds = ", ".join(name for name in cast(Choice, part.meaning).words if name != NONE)

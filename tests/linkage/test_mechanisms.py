@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from presswear.campaign.campaign import run
 from presswear.linkage.drives import Dwell, Forming, Pendulum
 from presswear.linkage.loads import Blanking, Coining, Drawing
 from presswear.linkage.mechanisms import (
@@ -18,6 +19,7 @@ from presswear.linkage.mechanisms import (
     SliderCrank,
 )
 from presswear.physics.ideal import bottom_of, motion_of
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, meaning_of
 
@@ -140,3 +142,24 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
     mirrored = bottom_of(motion_of(replace(bar, crank_x=-bar.crank_x)))
     assert mirrored is not None
     assert (mirrored.height, mirrored.stroke) == pytest.approx((low, top - low), abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar])
+def test_slow_presses_are_allowed(kind: Any) -> None:
+    assert kind(speed="0.1 rpm").period == pytest.approx(600.0)
+    with pytest.raises(InputError, match=r"speed = 0\.09 rpm"):
+        kind(speed="0.09 rpm")
+
+
+def test_a_press_runs_at_six_strokes_a_minute() -> None:
+    """B carries the slider and holds the weights of slider and rod aside; clearance is 0.5 %."""
+    mechanism = SliderCrank(speed="6 rpm", slide_angle="-90 deg")
+    scene = Scene(mechanism, joints="B", engine="dae", wear_updates=0, cycles=2)
+    result = run(scene)
+    assert result.status == "completed"
+    stage = result.stages[0]
+    aside = math.tan(math.asin(mechanism.crank_length / mechanism.rod_length))
+    aside *= mechanism.slider_mass + 0.5 * mechanism.rod_mass
+    expected = 9.81 * math.hypot(mechanism.slider_mass, aside)
+    force = stage.joints["B"].force[stage.time > mechanism.period, 0]
+    assert force.max() == pytest.approx(expected, rel=8e-3)

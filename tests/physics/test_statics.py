@@ -21,6 +21,7 @@ from presswear.physics.statics import (
     check_drives,
     equilibrium,
     heights_at_bottom,
+    least_pull,
     load_corners,
     needed_torques,
     pull_of,
@@ -226,3 +227,17 @@ def test_a_limit_is_that_of_the_greatest_torque() -> None:
         check_drives(little, motion_of(little))
     with pytest.raises(InputError, match="torque_limit of crank = 0 N m: allowed is 1e-06 to"):
         made(0.0)
+
+
+def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
+    """At bottom dead centre B carries the slider, and A slider and rod."""
+    mechanism = pw.SliderCrank(slide_angle="-90 deg", slider_mass="100 kg", rod_mass="2 kg")
+    linkage = pw.Scene(mechanism, joints="AB", wear_updates=0).linkage()
+    weight = 102.0 * 9.81
+    assert least_pull(linkage) == pytest.approx(weight, rel=1e-9)
+    message = r"force = 1\.00062 kN: allowed is above 1\.00062 kN, the weight that the joints carry"
+    with pytest.raises(pw.InputError, match=message):
+        pw.total_clearance(linkage, weight - 1e-3)
+    plays = 2.0 * sum(joint.clearance for joint in linkage.clearances)
+    assert pw.total_clearance(linkage, weight + 1.0) > plays
+    assert pw.total_clearance(linkage) > plays

@@ -273,3 +273,9 @@ def test_quantiles_and_variances_are_those_of_scipy() -> None:
         assert statistics.differ(groups) == (stats.f_oneway(*groups).pvalue < 0.01)
         found.add(statistics.differ(groups))
     assert found == {True, False}
+
+
+def test_an_interval_over_a_factor_of_a_hundred_is_not_written() -> None:
+    assert f"{statistics.Estimate(21.0, 0.012, 1.1e6, 6)}" == "21.0 (too few cycles)"
+    assert f"{statistics.Estimate(21.0, 3.0, 290.0, 6)}" == "21 (3.0 to 290)"
+    assert f"{statistics.Estimate(21.0, -1.0, 1.1e6, 6)}" == "21 (−1.0 to 1.1·10⁶)"

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.results.oil_film import DRY, FULL, dry_contact, oil_films, sommerfeld, thickness
+from presswear.results.oil_film import (
+    DRY,
+    FULL,
+    MIXED,
+    OilFilm,
+    dry_contact,
+    oil_films,
+    sommerfeld,
+    thickness,
+)
 from presswear.scene.bearing import Bearing
 
 # Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over diameter and
@@ -89,3 +98,13 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
 def test_sentences_say_where_dry_contact_holds(values: dict[str, str], words: str) -> None:
     (sentence,) = dry_contact(pw.scenes.slider_crank(**values))
     assert words in sentence
+
+
+def test_shares_of_a_film_add_up_without_round_off() -> None:
+    """One minus 13 tenths of thirteenths is 1e-16 and not 0."""
+    for count in range(20, 60):
+        time = np.linspace(0.0, 0.1, count) ** 1.3
+        thick = np.where(np.arange(count) % 3, 1e-5, 1e-9)
+        film = OilFilm(time, np.ones(count), np.ones(count), thick, 1e-6, False)
+        assert film.shares[MIXED] == 0.0
+        assert sum(film.shares.values()) == pytest.approx(1.0, rel=1e-12)

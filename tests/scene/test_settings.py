@@ -43,7 +43,7 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Sce
 @pytest.mark.parametrize("scene", [PRESS, CRANK, pw.scenes.press_blanking()])
 def test_described_values_are_in_units_of_engineers_and_can_be_set(scene: pw.Scene) -> None:
     assert _described(PRESS, "clearance").startswith("0.8 mm  (1e-06 to 1000 mm;")
-    assert _described(PRESS, "speed").startswith("105 rpm  (3 to 1200 rpm;")
+    assert _described(PRESS, "speed").startswith("105 rpm  (0.1 to 1200 rpm;")
     assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")
     assert "(0 to 1 mm^3/(N m);" in _described(PRESS, "wear_coefficient")
     for setting in settings_of(scene):
@@ -361,3 +361,26 @@ def test_a_scene_of_a_file_lists_changes_from_the_defaults(tmp_path: Path) -> No
     assert title_of(scene) == "My four-bar"
     scene = changed(scene, {"clearance": "0.5 mm"})
     assert title_of(scene) == "My four-bar, changed: clearance 0.5 mm"
+
+
+def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
+    assert pw.Bearing(diametral_clearance="0.2 mm") == pw.Bearing(clearance=1e-4)
+    assert replace(pw.Bearing(diametral_clearance=2e-4), width=0.03).clearance == 1e-4
+    assert pw.scenes.wear_times(diametral_clearance="0.4 mm").bearings.clearance == 2e-4
+    scene = pw.Scene(pw.FourBar(), bearings={"B": {"diametral_clearance": "0.6 mm"}})
+    assert scene.bearing("B").clearance == 3e-4
+    assert pw.changed(scene, {"B.diametral_clearance": "0.2 mm"}).bearing("B").clearance == 1e-4
+    file = tmp_path / "press.toml"
+    tables = '[mechanism]\nkind = "press"\n[bearings]\ndiametral_clearance = "0.5 mm"\n'
+    file.write_text(tables + 'C.diametral_clearance = "0.2 mm"\n')
+    scene = pw.scene_from(file)
+    assert [scene.bearing(joint).clearance for joint in "AC"] == [2.5e-4, 1e-4]
+    for settings, message in (
+        ({"diametral_clearance": "0 mm"}, "diametral_clearance = 0 mm: allowed is"),
+        ({"diametral_clearance": "5"}, "diametral_clearance = '5' has no unit"),
+        ({"c": "1 mm", "diametral_clearance": "1 mm"}, "c and diametral_clearance are the same"),
+    ):
+        with pytest.raises(pw.InputError, match=message):
+            pw.changed(scene, settings)
+    with pytest.raises(pw.InputError, match=r"use A\.clearance, which is half the diametral"):
+        setting_of(scene, "A.diametral_clearance")
