@@ -33,9 +33,9 @@ Place = tuple[Annotated[float, LENGTH], Annotated[float, LENGTH]]
 """Coordinates, m."""
 
 
-def place(text: str = "") -> Any:
+def place(text: str = "", default: float | None = 0.0) -> Any:
     """Return a data class field for a coordinate, m."""
-    return quantity(0.0, "m", -MAX_LENGTH, MAX_LENGTH, "", text)
+    return quantity(default, "m", -MAX_LENGTH, MAX_LENGTH, "", text)
 
 
 def angle(text: str = "", default: float | None = 0.0) -> Any:
@@ -77,18 +77,24 @@ class Body(Checked):
     """Rigid body: mass, kg, inertia about the mass centre, kg m^2, and points by name, m.
 
     Points are in the frame of the body with origin at the mass centre, or in a drawing in which
-    ``centre`` is the mass centre, m. The inertia may be 0 where the body cannot turn.
+    ``centre`` is the mass centre, m. All bodies with a ``centre`` are in one drawing, in which the
+    points of a joint coincide. The inertia may be 0 where the body cannot turn.
     """
 
     name: str
     mass: Annotated[float, MASS]
     inertia: Annotated[float, INERTIA] = 0.0
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
-    centre: InitVar[Any] = (0.0, 0.0)
+    centre: InitVar[Any] = None
+    # Mass centre in the drawing, m; None: points are counted from the mass centre
+    drawn_at: Place | None = field(default=None, init=False, compare=False, repr=False)
 
     def __post_init__(self, centre: Any) -> None:
         super().__post_init__()
-        left, below = converted(f"centre of {self.name}", centre, Place)
+        left, below = 0.0, 0.0
+        if centre is not None:
+            left, below = converted(f"centre of {self.name}", centre, Place)
+            object.__setattr__(self, "drawn_at", (left, below))
         points = {name: (x - left, y - below) for name, (x, y) in dict(self.points).items()}
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
             raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
@@ -151,12 +157,15 @@ class Revolute:
 
 @dataclass(frozen=True)
 class Guide(Checked):
-    """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn."""
+    """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn.
+
+    By default the line goes through the mass centre as drawn, or else through the origin.
+    """
 
     name: str
     body: str
-    x: float = place("point of the line, to the right of the origin")
-    y: float = place("point of the line, above the origin")
+    x: float = place("point of the line, to the right of the origin; default: as drawn", None)
+    y: float = place("point of the line, above the origin; default: as drawn", None)
     direction: float = angle("angle of the line")
     angle: float = angle("fixed angle of the body")
 

@@ -35,6 +35,7 @@ from presswear.tools.quantities import Quantity, count, quantity, written
 from presswear.tools.serialize import Checked, checked_names, make, plain
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
+DRAWING_TOL = 1e-6  # distance of the points of a joint in the drawing, relative to its size
 MAX_TURNS = 1000  # of a drive in a cycle
 MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
 _SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
@@ -269,6 +270,11 @@ def assemble(
         where = f"{where} {part.name}" if where in ("joint", "guide", "spring") else where
         if hasattr(part, "body"):
             check_body(part.body, where)
+        if isinstance(part, Guide):
+            x, y = by_name[part.body].drawn_at or (0.0, 0.0)
+            return replace(
+                part, x=x if part.x is None else part.x, y=y if part.y is None else part.y
+            )
         if isinstance(part, Pin | Revolute):
             return Revolute(part.name, point(part.first, where), point(part.second, where))
         if isinstance(part, Spring):
@@ -298,6 +304,7 @@ def assemble(
         tuple(clearances),
     )
     _check(linkage)
+    _check_drawing(linkage)
     return linkage
 
 
@@ -332,6 +339,40 @@ def _check(linkage: Linkage) -> None:
             )
             allowed = f"must be {MIN_INERTIA:g} kg m^2 or more; {exception}"
             raise InputError(f"inertia of {body.name} = {body.inertia:g} kg m^2: {allowed}")
+
+
+def _check_drawing(linkage: Linkage) -> None:
+    """Raise InputError where points of a joint do not coincide in the drawing.
+
+    Bodies that are drawn in a frame of their own have another angle at the start.
+    """
+    angles = dict(linkage.guess) | {one.body: one.angle for one in linkage.guides}
+    angles |= {drive.body: drive.angle for drive in linkage.drives}
+    places = {one.name: one.drawn_at for one in linkage.bodies if not angles.get(one.name)}
+    places[GROUND] = 0.0, 0.0
+    ends = [_ends(joint) for joint in linkage.joints]
+    size = max((math.hypot(one.x, one.y) for pair in ends for one in pair), default=0.0)
+    for joint, pair in zip(linkage.joints, ends, strict=True):
+        drawn = [(places[one.body], one) for one in pair if places.get(one.body) is not None]
+        if len(drawn) < len(pair):
+            continue
+        (x0, y0), (x1, y1) = ((x + one.x, y + one.y) for (x, y), one in drawn)
+        across, up = x1 - x0, y1 - y0
+        if isinstance(joint, Guide):  # along the line any place is allowed
+            off = up * math.cos(joint.direction) - across * math.sin(joint.direction)
+            across, up = off, 0.0
+        distance = math.hypot(across, up)
+        if distance > DRAWING_TOL * size:
+            first, second = (
+                f"{'the line' if isinstance(joint, Guide) and one.body == GROUND else one.body} "
+                f"({1e3 * x:.6g}, {1e3 * y:.6g}) mm"
+                for one, x, y in ((pair[0], x0, y0), (pair[1], x1, y1))
+            )
+            raise InputError(
+                f"joint {joint.name}: its points lie {written(distance, 'm')} apart in the "
+                f"drawing, {first} and {second}; allowed is {written(DRAWING_TOL * size, 'm')}. "
+                "Without centre, points are counted from the mass centre of their body"
+            )
 
 
 def _parts_of(linkage: Linkage) -> _Parts:

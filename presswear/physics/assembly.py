@@ -323,6 +323,9 @@ def assembled(linkage: Linkage) -> Array:
     except AssemblyError as error:
         bodies = {body.name for body in linkage.bodies} - prescribed - guess.keys()
         hint = f"; guess has no angle of {', '.join(sorted(bodies))}" if bodies else ""
+        for guide in linkage.guides:
+            where = f"({1e3 * guide.x:.6g}, {1e3 * guide.y:.6g}) mm"
+            hint += f"; the line of {guide.name} goes through {where}"
         raise AssemblyError(f"{error}{hint}") from None
     for place, body in enumerate(linkage.bodies):
         if body.name not in prescribed:

@@ -280,3 +280,40 @@ def test_a_process_out_of_reach_is_refused() -> None:
     says = "height = 7 mm above bottom .* least 8 mm, .* 100 mm, the"
     with pytest.raises(pw.InputError, match=says):
         replace(SLIDER_CRANK, process=high).check()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            'B = ["0 mm", "-560 mm"] }\n\n[[mechanism.joints]]',
+            'B = ["5 mm", "-560 mm"] }\n\n[[mechanism.joints]]',
+            r"joint B: its points lie 5 mm apart in the drawing, rod \(0, -560\) mm and slide \(5,",
+        ),
+        ('first = ["0 mm", "0 mm"]', 'first = ["0 mm", "40 mm"]', "joint O: .* 40 mm apart"),
+        (
+            'direction = "90 deg"',
+            'direction = "90 deg"\nx = "3 mm"',
+            "guide: .* 3 mm apart.*the line",
+        ),
+    ],
+)
+def test_points_of_a_joint_coincide_in_the_drawing(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    text = example_file("points")
+    changed_text = re.sub(r" +#.*", "", text).replace(old, new)
+    assert changed_text.count(new) == 1
+    with pytest.raises(pw.InputError, match=message):
+        scene_from(written(tmp_path, changed_text))
+
+
+def test_a_slide_is_guided_where_it_is_drawn(tmp_path: Path) -> None:
+    """The drawing of a press, moved to the right, is the same press."""
+    text = example_file("points")
+    moved = re.sub(r'\["0 mm", ', '["730 mm", ', text)
+    first, second = (
+        motion_of(scene_from(written(tmp_path, one)).mechanism).at(np.zeros(1)).position
+        for one in (text, moved)
+    )
+    assert second - first == pytest.approx(np.tile([0.73, 0.0, 0.0], 3)[np.newaxis], abs=1e-9)
