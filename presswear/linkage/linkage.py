@@ -39,6 +39,7 @@ DRAWING_TOL = 1e-6  # distance of the points of a joint in the drawing, relative
 MAX_TURNS = 1000  # of a drive in a cycle
 MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
 _SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
+_FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreadsheet
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")
 
 Joint = Revolute | Guide
@@ -321,6 +322,9 @@ def _check(linkage: Linkage) -> None:
         if not name.isprintable() or name != name.strip() or not name or set(name) & _SIGNS:
             signs = " ".join(sorted(_SIGNS))
             raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
+        if name.startswith(_FORMULA):
+            fault = "must not begin with + - or @, which begin formulas in a spreadsheet"
+            raise InputError(f"name of a {what} = {name!r}: {fault}")
         if names[what].count(name) > 1:
             raise InputError(f"{what} {name}: the name is used twice")
     for one, longer in permutations(joints, 2):
@@ -348,12 +352,14 @@ def _check_drawing(linkage: Linkage) -> None:
     """
     angles = dict(linkage.guess) | {one.body: one.angle for one in linkage.guides}
     angles |= {drive.body: drive.angle for drive in linkage.drives}
-    places = {one.name: one.drawn_at for one in linkage.bodies if not angles.get(one.name)}
-    places[GROUND] = 0.0, 0.0
+    places = {GROUND: (0.0, 0.0)}
+    for body in linkage.bodies:
+        if body.drawn_at is not None and not angles.get(body.name):
+            places[body.name] = body.drawn_at
     ends = [_ends(joint) for joint in linkage.joints]
     size = max((math.hypot(one.x, one.y) for pair in ends for one in pair), default=0.0)
     for joint, pair in zip(linkage.joints, ends, strict=True):
-        drawn = [(places[one.body], one) for one in pair if places.get(one.body) is not None]
+        drawn = [(places[one.body], one) for one in pair if one.body in places]
         if len(drawn) < len(pair):
             continue
         (x0, y0), (x1, y1) = ((x + one.x, y + one.y) for (x, y), one in drawn)

@@ -15,7 +15,7 @@ from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
 
@@ -150,7 +150,9 @@ class JointResult:
 
     def _series(self, name: str) -> Array:
         if name not in self.arrays:
-            raise InputError(f"joint {self.name}: its {name} was not stored; use series = all")
+            has_series = any(one in self.arrays for one in JOINT_SERIES)
+            advice = "run the scene again" if has_series else "use series = all"
+            raise NotStored(f"joint {self.name}: its {name} was not stored; {advice}")
         return self.arrays[name]
 
     @property

@@ -19,6 +19,10 @@ class AssemblyError(InputError):
     """Linkage that cannot be assembled in some position."""
 
 
+class NotStored(InputError):
+    """Series that a result does not contain."""
+
+
 class RunFailed(RuntimeError):
     """Failed run.
 

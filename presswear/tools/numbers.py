@@ -2,7 +2,7 @@
 
 import math
 
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
 _SAME = 1e-6  # half width relative to the mean, up to which all samples are the same
 _MIN_VALUE = 1e-300  # below it the powers of ten that a number is divided by have no digits left
@@ -47,7 +47,7 @@ def _decimals(value: float, digits: int) -> int:
 def _written(number: str, power: int = 0) -> str:
     """Return the text of a number with narrow spaces, a minus sign and a power of ten."""
     text = number.replace(",", "\u202f").replace("-", "−")
-    return f"{text}·10{str(power).translate(_SUPERSCRIPT)}" if power else text
+    return f"{text}·10{str(power).translate(SUPERSCRIPT)}" if power else text
 
 
 def readable(value: float | None, digits: int = 3) -> str:

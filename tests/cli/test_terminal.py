@@ -235,7 +235,7 @@ def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
 
 
 def test_names_are_no_markup(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
-    result = Namespace(stages=["first"])
+    result: Any = Namespace(stages=["first"])
     monkeypatch.setattr("presswear.results.result.load", lambda _path: result)
     monkeypatch.setattr("presswear.results.result.unfinished", lambda _: "the run in a[/red]b")
     console = console_of(80, clock)

@@ -123,6 +123,10 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"joints": [Pin("O", (0, 0), "crnk.tail")]}, "body in joint O 'crnk'; did you mean crank"),
         ({"joints": [Pin("O", (0, 0), "crank.tial")]}, "unknown point of crank in joint O 'tial'"),
         ({"joints": [Guide("g", "slider")]}, "unknown body in guide g 'slider'"),
+        *(
+            ({"joints": [Pin(f"{sign}A", (0, 0), "crank.tail")]}, "must not begin with + - or @")
+            for sign in "+-@＝"
+        ),
         (
             {"drives": [Drive("crank", 1.0), Drive("crank", 2.0)]},
             "drive of crank: the name is used",

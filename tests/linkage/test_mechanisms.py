@@ -153,7 +153,7 @@ def test_slow_presses_are_allowed(kind: Any) -> None:
 
 def test_a_press_runs_at_six_strokes_a_minute() -> None:
     """B carries the slider and holds the weights of slider and rod aside; clearance is 0.5 %."""
-    mechanism = SliderCrank(speed="6 rpm", slide_angle="-90 deg")
+    mechanism = SliderCrank(speed=6.0 * math.pi / 30.0, slide_angle=-0.5 * math.pi)
     scene = Scene(mechanism, joints="B", engine="dae", wear_updates=0, cycles=2)
     result = run(scene)
     assert result.status == "completed"

@@ -231,7 +231,7 @@ def test_a_limit_is_that_of_the_greatest_torque() -> None:
 
 def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
     """At bottom dead centre B carries the slider, and A slider and rod."""
-    mechanism = pw.SliderCrank(slide_angle="-90 deg", slider_mass="100 kg", rod_mass="2 kg")
+    mechanism = pw.SliderCrank(slide_angle=-0.5 * math.pi, slider_mass=100.0, rod_mass=2.0)
     linkage = pw.Scene(mechanism, joints="AB", wear_updates=0).linkage()
     weight = 102.0 * 9.81
     assert least_pull(linkage) == pytest.approx(weight, rel=1e-9)

@@ -30,7 +30,7 @@ from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_ti
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled
-from presswear.show.figures.style import LINES, label_values, panels
+from presswear.show.figures.style import LINES, Drawing, label_values, panels
 from presswear.show.figures.wear import seam
 from presswear.tools.numbers import readable
 
@@ -379,3 +379,47 @@ def test_loads_are_drawn_at_their_points() -> None:
         gaps = [np.abs(np.asarray(p.get_path().vertices) - place).max(axis=1) for p in red]
         # The head of an arrow is rounded; its tail is 40 mm away.
         assert min(float(gap.min()) for gap in gaps) < 2e-3
+
+
+def test_names_are_no_formulas(tmp_path: Path) -> None:
+    """A joint, body or spring named $x^$ ended in an error of mathtext, after the run."""
+    body, joint = "$^2$", "$x^$"
+    bar = pw.Bar(body, 0.05, 0.3)
+    bodies = [bar, *(b for b in FOUR_BAR.bodies if b.name != "crank")]
+    pins = [
+        pw.Pin("O", (0.0, 0.0), f"{body}.tail"),
+        pw.Pin(joint, f"{body}.head", "coupler.tail"),
+        pw.Pin("B", "coupler.head", "rocker.head"),
+        pw.Pin("P", (0.18, 0.0), "rocker.tail"),
+    ]
+    spring = pw.Spring("$_$", "rocker.head", (0.18, 0.3), stiffness=100.0, length=0.1)
+    linkage = pw.assemble(
+        bodies, pins, [pw.Drive(body, 30.0)], body, FOUR_BAR.guess, name="$^$", springs=[spring]
+    )
+    scene = pw.Scene(linkage, "$a^$", "$b^$", pw.Bearing(), joints=f"{joint},B", wear_updates=1)
+    for drawing in drawings(made_up(scene, 2)):
+        save(drawing, tmp_path)
+
+
+def test_powers_of_ten_are_plain_text() -> None:
+    sheet, ((axes,),) = panels(1, 1, 3.0)
+    axes.plot([1e-3, 1e3], [1.0, 20.0])
+    axes.set(xscale="log", yscale="log", xlim=(1e-3, 1e3), ylim=(1.0, 9.0))
+    Drawing("", "", "", sheet)
+    FigureCanvasAgg(sheet).draw()
+    assert [text.get_text() for text in axes.get_xticklabels()][1:3] == ["10⁻³", "10⁻²"]
+    minor = [text.get_text() for text in axes.get_yticklabels(minor=True)]
+    assert "2·10⁰" in minor
+
+
+def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out() -> None:
+    result = made_up(made.BOTH, 2)
+    for stage in result.stages:
+        for joint in stage.joint_names:
+            del stage.arrays[f"{joint}_eccentricity"]  # type: ignore[attr-defined]
+    files = [drawing.file for drawing in drawings(result)]
+    assert "contact-force.png" in files
+    assert "centre-trajectory.png" not in files
+    message = "eccentricity was not stored; run the scene again; presswear 0.1.0 wrote the result"
+    with pytest.raises(pw.InputError, match=message):
+        next(drawings(result, ["path"]))

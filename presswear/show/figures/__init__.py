@@ -16,7 +16,7 @@ from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.show.figures import dynamics, life, mechanism, motion, style, wear
 from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, WIDTH, Axes, Drawing, Stages
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.files import write_whole
 
 __all__ = ["NAMES", "Drawing", "drawings", "plot", "rendered", "save", "write"]
@@ -51,14 +51,21 @@ def drawings(
 ) -> Iterator[Drawing]:
     """Draw figures of ``NAMES``, or all that show something, of one stage or all.
 
-    InputError for an unknown stage or name, and a name for which there is nothing to draw.
+    Of all, those whose series the result does not contain are left out. InputError for an unknown
+    stage or name, and a name for which there is nothing to draw.
     """
     for name in names:
         if not (isinstance(name, str) and name in NAMES):
             raise unknown("figure", name, NAMES)
     stages = result.stages if stage is None else (result.stage(stage),)
     for name in names or NAMES:
-        figures = drawn(name, result, stages)
+        try:
+            figures = drawn(name, result, stages)
+        except NotStored as error:
+            if not names:
+                continue  # an earlier version did not record what the figure shows
+            version = result.provenance["packages"]["presswear"]
+            raise NotStored(f"{error}; presswear {version} wrote the result") from None
         if names and not figures:
             of_stage = f"stage {stage} of " if stage is not None else ""
             raise InputError(f"{of_stage}{result.scene.name} has nothing to draw as {name!r}")

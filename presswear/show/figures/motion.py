@@ -273,7 +273,7 @@ def pin_panels(
     edge = 1.06 * factor * widest
     places[0][0].set(xlim=(-edge, edge), ylim=(-edge, edge))
     for axes in lowest:
-        axes.set_xlabel(f"$e_x$ ({unit})")
+        axes.set_xlabel(f"$e_x$ ({unit})", parse_math=True)
     joints: dict[str, list[str]] = {}
     for joint, gap in gaps.items():
         joints.setdefault(quantity_text(gap, "m"), []).append(joint)

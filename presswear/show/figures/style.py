@@ -16,11 +16,13 @@ from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogFormatterSciNotation
 from numpy.typing import ArrayLike
 
 from presswear.results.result import Result
 from presswear.results.stage import JOINT_SERIES, StageResult
 from presswear.tools.numbers import (
+    SUPERSCRIPT,
     large,
     quantity_text,
     readable,
@@ -65,6 +67,15 @@ TEMPLATES.filters |= {
 _CAPTIONS = tomllib.loads((_TEMPLATES / "captions.toml").read_text("utf-8"))
 
 
+class _PlainPowers(LogFormatterSciNotation):
+    """Powers of ten without mathtext, which is off: a name such as ``$x^$`` is no formula."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        text = super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+        text = text.replace(r"\times", "·")
+        return re.sub(r"\^\{(.*)\}", lambda power: power[1].translate(SUPERSCRIPT), text)
+
+
 @dataclass(frozen=True)
 class Drawing:
     """Figure before it is written: file name, title, caption and sheet."""
@@ -73,6 +84,14 @@ class Drawing:
     title: str
     caption: str
     sheet: Sheet
+
+    def __post_init__(self) -> None:
+        for axis in (axis for axes in self.sheet.axes for axis in (axes.xaxis, axes.yaxis)):
+            major, minor = axis.get_major_formatter(), axis.get_minor_formatter()
+            if isinstance(major, LogFormatterSciNotation):
+                axis.set_major_formatter(_PlainPowers(labelOnlyBase=major.labelOnlyBase))
+            if isinstance(minor, LogFormatterSciNotation):
+                axis.set_minor_formatter(_PlainPowers(labelOnlyBase=minor.labelOnlyBase))
 
 
 @dataclass(frozen=True)
@@ -186,7 +205,7 @@ def joint_panels(
     for axes, (joint, stage) in zip(shown, places, strict=True):
         axes.set_title(f"joint {joint}, {stage.pen.label}", loc="left", fontweight="bold")
     for axes in shown[:: len(lowest)]:
-        axes.set_ylabel(label)
+        axes.set_ylabel(label, parse_math=True)
     return sheet, [(axes, *place) for axes, place in zip(shown, places, strict=True)], lowest
 
 

@@ -276,6 +276,6 @@ def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
     axes.set_xlim(degrees[0], degrees[-1])
     axes.xaxis.set_major_formatter(lambda value, _: f"{value % 360.0:g}")
     symbol = "R_i" if view.side == "bearing" else "R_j"
-    axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)")
+    axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)", parse_math=True)
     scale = "the same as" if view.scale == 1.0 else f"{readable(view.scale, 1)} times"
     axes.set_title(f"radial scale {scale} that along the surface", fontsize=8.0)
