@@ -4,7 +4,7 @@
 import math
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -285,19 +285,26 @@ def test_peaks_between_rows_are_those_of_contacts_in_the_phase() -> None:
 
 
 def test_light_contacts_of_the_approach_do_not_need_rows() -> None:
-    """In a simulated stroke the greatest force of a phase is that of a contact between rows."""
+    """In simulated strokes the greatest force of a phase is that of a row, or of a contact.
+
+    A stroke may have no contact in its approach: the motion is chaotic.
+    """
     scene = replace(pw.scenes.press_blanking(conventions="refined"), engine="dae", wear_updates=0)
     result = pw.run(replace(scene, cycles=4), jobs=1)
     stage = result.stages[0]
-    stroke = settled_strokes(scene, stage)[0]
-    for joint in stage.joints.values():
+    strokes = settled_strokes(scene, stage)
+    is_between_rows = []
+    for joint, stroke in product(stage.joints.values(), strokes):
         start, end = stroke.phases["approach"]
         begins, ends, peak = map(joint.contact, ("touchdown", "separation", "peak_force"))
-        strongest = peak[(begins >= start) & (ends < end)].max()
+        strongest = peak[(begins >= start) & (ends < end)].max(initial=0.0)
         rows = (stage.time >= start) & (stage.time < end)
-        assert strongest > np.hypot(*joint.force[rows].T).max()  # between rows
+        highest = np.hypot(*joint.force[rows].T).max()
         tonnage = joint_tonnage(stage.time, joint, [stroke])
-        assert tonnage.peak_by_phase["approach"].mean == pytest.approx(strongest)
+        assert tonnage.peak_by_phase["approach"].mean == pytest.approx(max(strongest, highest))
+        is_between_rows.append(strongest > highest)
+    assert len(strokes) > 1
+    assert any(is_between_rows)
 
 
 def test_peaks_are_told_by_phase_with_their_scatter() -> None:
