@@ -15,6 +15,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
 from presswear.tools.serialize import Checked
@@ -70,6 +72,20 @@ FRICTIONS: Mapping[str, str] = {
 LUGRE = "lugre"
 FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper_speed")
 """Parameters of a user friction law: m/s, N, -, m/s, m/s."""
+
+
+def greatest_bristle_damping(coefficient: float, static: float, stribeck: float) -> float:
+    """Return the greatest sigma_1, s/m, with which LuGre's friction never drives the sliding.
+
+    Bristles that are bent fully, sigma_0 z = c_s, and then slide at a speed v resist with
+    c_s + sigma_1 exp(-(v/v_s)^2) v (1 - c_s/g(v)) per unit of normal force. Bristles bent less
+    resist at any speed if these do, because the force is linear in z and at z = 0 it resists.
+    """
+    x = np.linspace(0.0, 6.0, 6001)  # v / v_s; above 6 the exponential is below 1e-15
+    part = np.exp(-x * x)
+    held = coefficient + (static - coefficient) * part  # g
+    steepest = float((part * x * (static / held - 1.0)).max()) * stribeck
+    return static / steepest if steepest > 0.0 else math.inf
 
 
 def hertz_stiffness(

@@ -313,7 +313,8 @@ def bristle_force(
 ) -> float:
     """Return the friction of bristles, N: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
 
-    Damping that did not fade with the sliding would make energy (Olsson 1996).
+    Damping that did not fade would make energy in steady sliding (Olsson 1996). Where z changes,
+    ``linkage.laws.greatest_bristle_damping`` keeps the force from driving the sliding.
     """
     ratio = sliding / law.stribeck
     damping = law.bristle_damping * math.exp(-ratio * ratio)

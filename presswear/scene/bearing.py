@@ -146,6 +146,17 @@ class Bearing(Checked):
                 raise InputError(f"{fault}: allowed is {self.friction:g}, the friction, up to 2")
             if friction_law != laws.LUGRE:
                 raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
+        if friction_law == laws.LUGRE and self.static_friction is not None and self.friction > 0.0:
+            coefficients = self.friction, self.static_friction
+            highest = laws.greatest_bristle_damping(*coefficients, self.stribeck_speed)
+            if self.bristle_damping > highest:
+                speed = written(self.stribeck_speed, "m/s")
+                raise InputError(
+                    f"bristle_damping = {self.bristle_damping:g} s/m: with friction = "
+                    f"{self.friction:g}, static_friction = {self.static_friction:g} and "
+                    f"stribeck_speed = {speed} allowed is up to {0.999 * highest:.4g} s/m; "
+                    "more drives the sliding and creates energy"
+                )
         if not isinstance(friction_law, str) and self.friction == 0.0:
             raise InputError(f"friction = 0: with friction_law = {friction_law} allowed is above 0")
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:

@@ -8,13 +8,21 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+import presswear as pw
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.laws import FrictionLaw, greatest_bristle_damping
 from presswear.linkage.loads import Force, OverTime
-from presswear.physics.friction_and_normal import bristle_in_contact, friction_record
+from presswear.physics.friction_and_normal import (
+    bristle_force,
+    bristle_in_contact,
+    bristle_rate,
+    friction_record,
+)
 from presswear.validation import reference_problems as references
 
 PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
@@ -98,3 +106,54 @@ def test_bristles_do_not_oscillate_where_steps_are_long() -> None:
     """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
     law = friction_record(LUGRE)
     assert bristle_in_contact(0.0, 10.0, 10.0, 1e-3, law) == pytest.approx(DYNAMIC / STIFF)
+
+
+def greatest_push(coefficient: float, static: float, stribeck: float, damping: float) -> float:
+    """Return the greatest force along the sliding, N, of bristles bent by 0 to c_s / sigma_0."""
+    ramp = coefficient, 0.0, 1e-3
+    law = friction_record(
+        FrictionLaw(*ramp, "lugre", None, static, stribeck, STIFF, bristle_damping=damping)
+    )
+    return max(
+        bristle_force(1.0, speed, bristle, bristle_rate(speed, bristle, True, law), law)
+        for speed in stribeck * np.linspace(0.01, 4.0, 200)
+        for bristle in np.linspace(0.0, static / STIFF, 5)
+    )
+
+
+@given(
+    coefficient=st.floats(1e-3, 0.8),
+    ratio=st.floats(1.01, 20.0),
+    stribeck=st.floats(1e-6, 1.0),
+)
+def test_allowed_damping_never_drives_the_sliding(
+    coefficient: float, ratio: float, stribeck: float
+) -> None:
+    """Bristles bent fully at low speed push forwards at a higher one if damped more than that."""
+    static = ratio * coefficient
+    limit = greatest_bristle_damping(coefficient, static, stribeck)
+    assert greatest_push(coefficient, static, stribeck, 0.999 * limit) < 0.0
+    assert greatest_push(coefficient, static, stribeck, 1.01 * limit) > 0.0
+
+
+def test_without_a_fall_of_friction_every_damping_is_allowed() -> None:
+    assert greatest_bristle_damping(0.1, 0.1, 1e-3) == math.inf
+    assert greatest_push(0.1, 0.1, 1e-3, 1e5) < 0.0
+
+
+def test_damping_that_drives_the_sliding_is_refused_with_the_greatest() -> None:
+    def bearing(damping: float) -> pw.Bearing:
+        return pw.Bearing(
+            friction_law="lugre",
+            friction=0.1,
+            static_friction=0.2,
+            stribeck_speed=0.05,
+            bristle_damping=damping,
+        )
+
+    assert bearing(10.0).bristle_damping == 10.0
+    with pytest.raises(pw.InputError, match=r"^bristle_damping = 1000 s/m: ") as refusal:
+        bearing(1e3)
+    allowed = float(str(refusal.value).split("up to ")[1].split()[0])
+    assert allowed == pytest.approx(greatest_bristle_damping(0.1, 0.2, 0.05), rel=2e-3)
+    bearing(allowed)
