@@ -190,6 +190,25 @@ def _check_rising(table: Table) -> None:
 
 LAWS: Mapping[str, Any] = {law.kind: law for law in (Harmonics, OverTime, OverPosition)}
 LOAD_PARAMETERS = ("time", "position", "speed")  # of a user law: s; m or rad; m/s or rad/s
+
+
+def check_load(key: str, law: UserFunction) -> None:
+    """Raise InputError where a user law of a load jumps with the speed.
+
+    Two forces that push towards a speed from both sides hold it by endless switching.
+    """
+    for time in (0.0, 0.1, 1.0):
+        for size in (0.0, 1e-3, 0.01, 0.1, 1.0):
+            for position in (size, -size):
+                if jump := law.jump("speed", {"time": time, "position": position}):
+                    place, below, above = jump
+                    raise InputError(
+                        f"{key}: {law.name} jumps from {below:g} to {above:g} N or N m at a speed "
+                        f"of {place:g} m/s or rad/s: it must be continuous, as with tanh(speed / "
+                        "0.001), which changes over 1 mm/s or 1 mrad/s"
+                    )
+
+
 Law = float | Harmonics | OverTime | OverPosition | UserFunction | Callable[..., float] | str
 
 

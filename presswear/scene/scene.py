@@ -224,6 +224,7 @@ class Scene(Checked):
             self.bearing(joint).check_user_laws(joint, self.conventions)
         for key, law in self.user_laws.items():
             if key.startswith("loads["):
+                loads.check_load(key, law)
                 law.check_compiles(key, loads.LOAD_PARAMETERS)
 
     @property

@@ -12,12 +12,15 @@ import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
 
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
 
+_JUMP_WIDTH = 1e-9  # m/s or rad/s; a change that is as narrow is a jump
+_JUMP_SIZE = 1e-4  # smallest jump, part of the greatest value
 _POINTS = 20  # at which a law is run in Python before it is compiled
 
 _trusted: set[str] = set()  # texts that may be executed in this process
@@ -144,6 +147,39 @@ class UserFunction:
         if not is_number or not math.isfinite(result):
             raise InputError(f"{key}: {self.name} gives {result!r} at {place}: must be a number")
         return float(result)
+
+    def jump(self, name: str, values: dict[str, float]) -> tuple[float, float, float] | None:
+        """Return where the law jumps as one parameter varies from -1 to 1, or None.
+
+        The place and the values below and above it, with the other parameters held. The interval
+        with a change is halved until the change is spread, as in a steep function, or is a jump.
+        """
+        used = self.parameters(self.name, (*values, name))
+        if name not in used:
+            return None
+        function = self.in_python()
+
+        def value(x: float) -> float:
+            try:
+                return float(function(**{key: x if key == name else values[key] for key in used}))
+            except (ArithmeticError, ValueError):
+                return math.nan
+
+        above = [10.0 ** (0.25 * k) for k in range(-24, 1)]
+        places = [-x for x in reversed(above)] + [0.0] + above
+        sizes = [value(x) for x in places]
+        least = _JUMP_SIZE * max(abs(size) for size in sizes)
+        for (low, below), (high, beyond) in pairwise(zip(places, sizes, strict=True)):
+            while abs(beyond - below) > least and high - low > _JUMP_WIDTH:
+                middle = 0.5 * (low + high)
+                between = value(middle)
+                if abs(between - below) > abs(beyond - between):
+                    high, beyond = middle, between
+                else:
+                    low, below = middle, between
+            if abs(beyond - below) > least:
+                return round(low, 8), below, beyond
+        return None
 
     def check_compiles(self, key: str, allowed: tuple[str, ...]) -> None:
         """Raise InputError with the key for a function that fails or cannot be compiled.

@@ -13,10 +13,21 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, Guide, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Spring
+from presswear.linkage.loads import (
+    Force,
+    Harmonics,
+    Law,
+    Moment,
+    OverPosition,
+    OverTime,
+    Spring,
+    check_load,
+)
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import wear_times
 from presswear.tools.arrays import Array, State
+from presswear.tools.errors import InputError
+from presswear.tools.user_function import UserFunction
 from presswear.validation.cases import order_of
 
 UP = 0.5 * math.pi
@@ -272,3 +283,55 @@ def test_a_function_of_ones_own_is_a_load(engine: Engine, within: float) -> None
 
     exact = solve_ivp(rates, (0.0, 1.3), (-0.5, 1.0), "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
     assert along(ran, linkage) == pytest.approx(tuple(exact), abs=within)
+
+
+def brake(time: float, position: float, speed: float) -> float:
+    return 0.75 - 4.25 * math.tanh(speed / 1e-3)
+
+
+@pytest.mark.parametrize(
+    "engine",
+    [
+        InHouse(),
+        ExudynTree(tree_tolerance=1e-9, free_step=FREE),
+        ExudynJoints(50, 10, free_step=3e-4, newton=1e-10),
+    ],
+    ids=["dae", "exudyn-tree", "exudyn-joints"],
+)
+def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(engine: Engine) -> None:
+    """-3.5 N above zero speed and 5 N below hold 1 kg from 2/7 s on at 1/7 m, up to the creep."""
+    check_load("law", UserFunction.read("law", brake))
+    linkage = guided(brake)
+    place, speed = along(run(engine, linkage, 0.0, 1.0, 0.5), linkage)
+    creep = 1e-3 * math.atanh(0.75 / 4.25)
+    assert speed == pytest.approx(creep, rel=1e-2)
+    # The tail of tanh adds less than 1 mm/s times the time.
+    assert place == pytest.approx(1.0 / 7.0, abs=1e-3 * 0.5)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("-3.5 if speed > 0.0 else 5.0", "jumps from 5 to -3.5 N or N m at a speed of 0 m/s"),
+        ("-math.copysign(1.0, speed)", "jumps from 1 to -1"),
+        ("-speed * (2.0 if speed < 0.3 else 3.0)", "jumps from -0.6 to -0.9 .* speed of 0.3 m/s"),
+        ("-math.copysign(position, speed)", "jumps from"),
+        ("-math.tanh(speed / 1e-9)", "jumps from"),
+        ("-math.tanh(speed / 1e-3)", ""),
+        ("-math.tanh(speed / 1e-4) * abs(position)", ""),
+        ("-20.0 * speed - 5.0 * abs(speed) * speed", ""),
+        ("-min(max(speed, -0.1), 0.1)", ""),
+        ("1.0 / speed", "jumps from"),
+        ("5.0 if position > 0.5 else 0.0", ""),
+        ("math.sqrt(position)", ""),
+    ],
+)
+def test_a_law_that_jumps_with_the_speed_is_refused(body: str, words: str) -> None:
+    source = f"def law(position, speed):\n    return {body}\n"
+    function = UserFunction("law", source).trusted()
+    if not words:
+        check_load("loads[0].law", function)
+        return
+    with pytest.raises(InputError, match=words) as refusal:
+        check_load("loads[0].law", function)
+    assert "tanh(speed / 0.001)" in str(refusal.value)
