@@ -13,7 +13,7 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.forces import LEDGER, SETTLED
-from presswear.physics.loads import place_loads
+from presswear.physics.loads import check_springs, place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wear import map_shape
@@ -116,7 +116,11 @@ def with_velocity(linkage: Linkage, position: Array, velocity: Array) -> Start:
 
 
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
-    """Return the empty recorder of a run, the branches of its loads those of the start."""
+    """Return the empty recorder of a run, the branches of its loads those of the start.
+
+    InputError where a spring has no direction in the start.
+    """
+    check_springs(linkage, start.position)
     count, drives, cycle = len(linkage.clearances), len(linkage.drives), plan.cycle
     counters = np.zeros(count, COUNTERS)
     counters["fewest_steps"] = np.iinfo(np.int64).max

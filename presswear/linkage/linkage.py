@@ -279,7 +279,10 @@ def assemble(
         if isinstance(part, Pin | Revolute):
             return Revolute(part.name, point(part.first, where), point(part.second, where))
         if isinstance(part, Spring):
-            return replace(part, first=point(part.first, where), second=point(part.second, where))
+            first, second = point(part.first, where), point(part.second, where)
+            if first.body == second.body:
+                raise InputError(f"{where}: both ends are on {first.body}, allowed are two bodies")
+            return replace(part, first=first, second=second)
         if isinstance(part, Force):
             return replace(part, point=point(part.point, where))
         if isinstance(part, Drive) and part.follow is not None:

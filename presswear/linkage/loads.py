@@ -35,7 +35,10 @@ Table = Sequence[tuple[float, float]]
 
 @dataclass(frozen=True)
 class Spring(Checked):
-    """Linear spring and damper between two points."""
+    """Linear spring and damper between two points, along the line between them.
+
+    With length 0 the spring is -k e, without force where the points meet.
+    """
 
     name: str
     first: End

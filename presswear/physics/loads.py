@@ -32,12 +32,15 @@ from presswear.tools.compile import (
     inlined,
     lazily_compiled,
 )
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction, compile_function
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
 # Branches of a load in one sense of motion: none, growing with the speed, all of it; the elastic
 # line back from the deepest place, OFF behind its end; none until the table begins again.
 OFF, RISING, WHOLE, ELASTIC, RELEASED = range(5)
+ENDS_MEET = 1e-9  # distance of the ends of a spring, part of its length, without a direction
 RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
 # A load as the kernels see it. One that acts against its direction is turned round: its direction,
@@ -546,7 +549,11 @@ def spring_energy(springs: Records, q: Array) -> float:
 
 @lazily_compiled(0, np.zeros(0, SPRING), 1, 1, 1)
 def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
-    """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
+    """Add the forces of the springs to the generalized forces; returns their dampers' power, W.
+
+    A spring of length 0 is linear, -k e, and has no force where its ends meet. With another length
+    the force has no direction there, and is not finite.
+    """
     power = 0.0
     for i in range(springs.shape[0]):
         spring = springs[i]
@@ -558,8 +565,14 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
                 dvx += sign * (v[b] - v[b + 2] * y)
                 dvy += sign * (v[b + 1] + v[b + 2] * x)
         length = math.sqrt(dx * dx + dy * dy)
+        elastic = spring.stiffness * (length - spring.length)
+        if length == 0.0 and spring.length == 0.0:
+            # Ends that meet have the direction in which they part.
+            dx, dy = dvx, dvy
+            speed = math.sqrt(dvx * dvx + dvy * dvy)
+            length = speed if speed > 0.0 else 1.0
         rate = (dx * dvx + dy * dvy) / length
-        pull = spring.stiffness * (length - spring.length) + spring.damping * rate
+        pull = elastic + spring.damping * rate
         power -= spring.damping * rate * rate
         for b, x, y, sign in ends:
             if b >= 0:
@@ -580,3 +593,15 @@ def pack_springs(linkage: Linkage) -> Records:
         record["stiffness"], record["damping"] = spring.stiffness, spring.damping
         record["length"] = spring.length
     return springs
+
+
+def check_springs(linkage: Linkage, position: Array) -> None:
+    """Raise InputError for a spring whose ends meet in a position, unless its length is 0."""
+    for spring, record in zip(linkage.springs, pack_springs(linkage), strict=True):
+        distance = math.hypot(*spring_vectors(record, position)[4:])
+        if distance <= ENDS_MEET * spring.length and spring.length > 0.0:
+            raise InputError(
+                f"spring {spring.name}: its ends meet at the start, where a spring of length = "
+                f"{written(spring.length, 'm')} has no direction; allowed is length = 0, a linear "
+                "spring without force there, or ends that lie apart"
+            )

@@ -14,6 +14,7 @@ from presswear.linkage.linkage import Linkage, branches_of, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
+from presswear.physics.loads import check_springs
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.scene.servo import servo_fault
@@ -174,6 +175,7 @@ class Scene(Checked):
             if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
                 raise
             raise servo_fault(self.mechanism) or error from None
+        check_springs(self.base_linkage, self.ideal.at(np.zeros(1)).position[0])
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded
