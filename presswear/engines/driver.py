@@ -18,7 +18,7 @@ from presswear.physics.constraints import Constraints
 from presswear.physics.forces import Ledger
 from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Condition, Finding, examine
+from presswear.recording.soundness import Condition, Finding, examine, with_cause
 from presswear.tools.arrays import Array, State, named, part
 
 
@@ -109,6 +109,8 @@ def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
         recorder.load(part(plan.resume, "recorder"))
     status, finding = yield from _cycles(linkage, recorder, plan, running)
     time, position, velocity = running.state()
+    if finding is not None:
+        finding = with_cause(finding, linkage, recorder, position, velocity)
     run = Run(
         status=status,
         finding=finding,

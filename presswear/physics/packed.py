@@ -1,12 +1,13 @@
 """A linkage as the kernels see it: arrays and records instead of objects."""
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import (
@@ -60,21 +61,13 @@ class Packed(NamedTuple):
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     """Pack a linkage for the kernels; ``wearing``: surfaces that are round now wear in a run."""
-    driven, prescribed = {drive.body for drive in linkage.drives}, prescribed_of(linkage)
-    bodies = {body.name: body for body in linkage.bodies if body.name not in prescribed}
     offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     joints = np.zeros(len(linkage.clearances), JOINT)
     for record, joint in zip(joints, linkage.clearances, strict=True):
-        # Of free bodies: 1/m = sum of 1/m + r^2/I. Drives hold angles, and prescribed bodies whole.
-        mobility = 0.0
         for end, point in (("bearing", joint.bearing), ("pin", joint.pin)):
             record[f"{end}_body"] = offset[point.body]
             record[f"{end}_x"], record[f"{end}_y"] = point.x, point.y
-            if body := bodies.get(point.body):
-                mobility += 1.0 / body.mass
-                if body.name not in driven:
-                    mobility += (point.x**2 + point.y**2) / body.effective_inertia
-        record["effective_mass"] = 1.0 / mobility if mobility > 0.0 else math.inf
+        record["effective_mass"] = effective_mass(linkage, (joint.bearing, joint.pin))
         for name in ("bearing_radius", "pin_radius", "clearance", "width"):
             record[name] = getattr(joint, name)
         record["normal"] = normal_record(joint.round_normal, joint.clearance)
@@ -105,6 +98,35 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
+
+
+def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
+    """Return the mass, kg, that resists a force between two points; infinite if neither can move.
+
+    1/m is the sum of 1/m + r^2/I of the free bodies. Drives hold angles, and prescribed bodies
+    whole; other joints are left out, so that the mass is rather too small.
+    """
+    driven, prescribed = {drive.body for drive in linkage.drives}, prescribed_of(linkage)
+    bodies = {body.name: body for body in linkage.bodies if body.name not in prescribed}
+    mobility = 0.0
+    for point in points:
+        if body := bodies.get(point.body):
+            mobility += 1.0 / body.mass
+            if body.name not in driven:
+                mobility += (point.x**2 + point.y**2) / body.effective_inertia
+    return 1.0 / mobility if mobility > 0.0 else math.inf
+
+
+def spring_period(linkage: Linkage) -> float:
+    """Return the shortest period of a body on a spring, s: 2 pi sqrt(m / k)."""
+    return min(
+        (
+            2.0 * math.pi * math.sqrt(effective_mass(linkage, spring.ends) / spring.stiffness)
+            for spring in linkage.springs
+            if spring.stiffness > 0.0
+        ),
+        default=math.inf,
+    )
 
 
 def mass_of(linkage: Linkage) -> Array:

@@ -4,14 +4,16 @@ Each limit lies far beyond the values of a sound run, so that a run ends where o
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
-from presswear.physics.forces import Ledger, made_remedy
+from presswear.physics.contact import note_contacts
+from presswear.physics.forces import Ledger, made_remedy, note_forces
+from presswear.physics.loads import load_forces, spring_forces
 from presswear.physics.packed import mass_of
 from presswear.recording.recorder import Recorder
 from presswear.tools.arrays import Array
@@ -137,3 +139,56 @@ def _check_constraints(linkage: Linkage, now: Condition) -> Finding | None:
     what = f"the joint has drifted apart by {error[worst]:.3g} m or rad, limit {limit:.3g}"
     remedy = "engine = dae with projection = on prevents it"
     return Finding("constraints", what, now.time, constraints.names[worst], remedy)
+
+
+# Times after a state, s, at which forces are evaluated. Those up to the second limit are also the
+# distances of positions and speeds to both sides of it, m, rad, m/s or rad/s.
+_AFTER = (0.0, *np.geomspace(1e-15, 1e-2, 53))
+_BESIDE = 1e-6
+
+
+def with_cause(
+    finding: Finding, linkage: Linkage, recorder: Recorder, q: Array, v: Array
+) -> Finding:
+    """Return a finding on a state that is not finite with the element whose force is not.
+
+    The forces are evaluated at the last finite state and close to it: along the motion and, for
+    what depends on the speed, to both sides of it. Without such an element, or a finite state, the
+    finding stays.
+    """
+    if finding.kind != "state" or not (np.isfinite(q).all() and np.isfinite(v).all()):
+        return finding
+    one = np.ones_like(q)
+    for h in _AFTER:
+        for way in (v, one, -one) if h <= _BESIDE else (v,):
+            name = _without_force(linkage, recorder, finding.time_s + h, q + h * way, v + h * way)
+            if name:
+                what = f"the force of {name} is not finite"
+                return replace(finding, what=what, remedy="its law must give a number everywhere")
+    return finding
+
+
+def _without_force(linkage: Linkage, recorder: Recorder, t: float, q: Array, v: Array) -> str:
+    """Return the first element whose force is not finite in a state, or nothing."""
+    packed, onset = recorder.records.packed, recorder.records.onset
+    for k, spring in enumerate(linkage.springs):
+        force = np.zeros_like(q)
+        spring_forces(packed.springs[k : k + 1], q, v, force)
+        if not np.isfinite(force).all():
+            return f"spring {spring.name}"
+    for k, load in enumerate(linkage.live_loads):
+        force = np.zeros_like(q)
+        loads = packed.loads
+        assert loads is not None
+        part = loads._replace(records=loads.records[k : k + 1], modes=loads.modes[k : k + 1])
+        load_forces(part, t, q, v, force)
+        if not np.isfinite(force).all():
+            kind = type(load).__name__.lower()
+            return f"{kind} {getattr(load, 'name', '') or f'on {load.body}'}"
+    contacts = recorder.records.contacts.copy()
+    note_contacts(packed, contacts, q, v)
+    note_forces(packed.joints, onset, contacts)
+    for joint, contact in zip(linkage.clearances, contacts, strict=True):
+        if not (math.isfinite(contact["normal"]) and math.isfinite(contact["tangential"])):
+            return f"joint {joint.name}"
+    return ""

@@ -1,4 +1,4 @@
-"""Springs whose ends meet."""
+"""Springs whose ends meet, stiff springs, and elements whose force is not finite."""
 
 import math
 
@@ -9,7 +9,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import Spring
+from presswear.linkage.loads import Force, Spring
 from presswear.tools.errors import InputError
 
 ENGINES: list[tuple[Engine, float]] = [
@@ -84,3 +84,27 @@ def test_a_spring_joins_two_bodies() -> None:
         ends = Attachment(body, 0.0, 0.0), Attachment(body, 0.1, 0.0)
         with pytest.raises(InputError, match=f"^spring s: both ends are on {body}"):
             floating(Spring("s", *ends, 100.0, 0.1))
+
+
+def rooted(time: float, position: float, speed: float) -> float:
+    return math.sqrt(0.1 - position)
+
+
+@EVERY
+def test_a_law_without_a_finite_force_is_named(engine: Engine, within: float) -> None:
+    """Not the tolerance, of which no choice helps."""
+    linkage = floating(loads=[Force("mass.tip", 0.0, 1.0), Force("mass", 0.0, rooted, "pull")])
+    ran = run(engine, linkage, [0.0, 0.0, 0.0], [0.3, 0.0, 0.0])
+    assert ran.status == "failed"
+    assert "force pull" in ran.message
+    assert "tolerance" not in ran.message
+    assert "steps" not in ran.message
+
+
+def test_steps_follow_the_stiffest_spring() -> None:
+    """A frame of 112 Hz at 60 strokes a minute: a hundred steps in its period."""
+    frequency, mass = 2.0 * math.pi * 112.0, 2.0
+    ends = Attachment(GROUND, 0.0, 0.0), Attachment("mass", 0.0, 0.0)
+    linkage = floating(Spring("frame", *ends, mass * frequency**2, 0.0))
+    ran = run(ExudynJoints(free_steps=1000), linkage, [1e-3, 0.0, 0.0], [0.0, 0.0, 0.0])
+    assert int(ran.diagnostics["steps"]) >= 100 * 112

@@ -427,6 +427,9 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         elif state.event >= 0:
             h = state.length
             state.events += 1
+        for i in range(2 * n):
+            if not abs(motion.trial[i]) < 1e30:
+                return BROKEN
         copy_to(motion.y, motion.trial)
         # What is left of a step that was cut follows by itself.
         state.due = t + whole if h < whole else 0.0
@@ -435,9 +438,6 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
         q, v, a, _, _ = system.state
         settle_loads(system.packed.loads, t, q, v, a)
-        for i in range(2 * n):
-            if not abs(motion.y[i]) < 1e30:
-                return BROKEN
         note_contacts(records.packed, records.contacts, q, v)
         settle(records, t, LEAST_STEPS)
         keep_constraints(system.held, state.projected, t, motion.y)

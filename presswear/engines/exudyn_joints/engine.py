@@ -29,6 +29,7 @@ from presswear.engines.exudyn_joints.kernels import (
     Frame,
     accept_joint_step,
     connector_forces,
+    refresh,
     shorter_joint_step,
 )
 from presswear.engines.settings import ExudynJoints
@@ -39,6 +40,7 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
+from presswear.physics.packed import spring_period
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
 from presswear.recording.recorder import Recorder
@@ -50,6 +52,8 @@ from presswear.tools.exudyn import exudyn_module
 exu = exudyn_module()
 
 REMEDY = "more steps_per_contact, or engine = dae, may help"  # advice that makes a run finer
+
+SPRING_STEPS = 100  # fewest steps in the period of a body on its spring
 
 # Names that Exudyn gives to coordinates, rates, accelerations and multipliers
 _SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
@@ -234,7 +238,7 @@ def prepare(
     linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
 ) -> Simulation:
     """Build the bodies and joints in a start; see ``Simulation``."""
-    longest = settings.longest(plan.cycle)
+    longest = min(settings.longest(plan.cycle), spring_period(linkage) / SPRING_STEPS)
     steps = np.zeros(1, STEPS)
     steps["free"], steps["least"] = longest, settings.least_step
     steps["per_contact"], steps["sustained"] = settings.steps_per_contact, settings.steps_sustained
@@ -301,6 +305,12 @@ def prepare(
         return solver.run(system, dict(zip(_SOLVED, solved, strict=True)), end)
 
     def state() -> tuple[float, Array, Array]:
+        if not (np.isfinite(frame.q).all() and np.isfinite(frame.v).all()):
+            # A run that failed ends with the state before its last step.
+            for name, values in zip(_SOLVED[:3], solved, strict=False):
+                get = getattr(system.systemData, f"Get{name}")
+                values[:] = get(exu.ConfigurationType.StartOfStep)
+            refresh(frame, solver.time)
         return solver.time, np.array(frame.q), np.array(frame.v)
 
     def ledger() -> Ledger:

@@ -26,6 +26,7 @@ from presswear.engines.exudyn_tree.kernels import (
     hinge_power_integral,
     stage_bristles,
     stage_forces,
+    tree_state,
 )
 from presswear.engines.settings import FINEST, ExudynTree
 from presswear.linkage.elements import Body
@@ -290,12 +291,18 @@ def prepare(
             "wall_solve_s": solver.sums["wall"],
         }
 
+    def positions() -> tuple[float, Array, Array]:
+        if not np.isfinite(system.state[:2]).all():
+            # A run that failed ends with the state before its last step.
+            tree_state(system, records, solver.time, *system.start)
+        return solver.time, system.state[0].copy(), system.state[1].copy()
+
     arrays = {name: np.asarray(array) for name, array in state.items()}
     arrays |= {name: getattr(system, name) for name in ("expected", "pace", "state", "bristles")}
     arrays |= {"prescribed": system.prescribed.work, "step_start": system.start}
     return Simulation(
         lambda until: solver.run(mbs, state, until),
-        lambda: (solver.time, system.state[0].copy(), system.state[1].copy()),
+        positions,
         ledger,
         arrays,
         solver.sums,
