@@ -1,6 +1,7 @@
 """Springs whose ends meet, stiff springs, and elements whose force is not finite."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ EVERY = pytest.mark.parametrize(
 FREQUENCY = 20.0  # rad/s
 
 
-def floating(*springs: Spring, **rest: object) -> Linkage:
+def floating(*springs: Spring, **rest: Any) -> Linkage:
     """A free body of 2 kg."""
     bodies = [Body("mass", 2.0, 1.0, {"tip": (0.1, 0.0)})]
     output = OutputPoint("mass")
