@@ -373,9 +373,15 @@ class _Campaign:
     def _run_life(self) -> None:
         runner, scene = self.runner, self.runner.scene
         state, initial = self.at.life or LifeState(), initial_depth(scene)
-        refinements, life = run_life(runner, initial, state, lambda life: self._keep(life=life))
-        for observer in runner.observers:
-            observer.on_life(life)
+
+        def report(life: LifeResult) -> None:
+            for observer in runner.observers:
+                observer.on_life(life)
+
+        refinements, life = run_life(
+            runner, initial, state, lambda life: self._keep(life=life), report
+        )
+        report(life)
         self.unconverged += unknown_life(scene, life)
         self.at, self.strokes = replace(self.at, life=LifeState(refinements)), life.strokes
         # The wear update after a stage is for the part of the life up to the next stage.

@@ -235,9 +235,16 @@ def run_refinements(
     advance: Advance,
     refinements: Refinements = (),
     keep: Callable[[tuple[Refinement, ...]], None] = lambda refinements: None,
+    report: Callable[[tuple[Refinement, ...]], None] = lambda refinements: None,
 ) -> tuple[Refinement, ...]:
-    """Run refinements until the life is known; InputError if a limit is exceeded when new."""
+    """Run refinements until the life is known; InputError if a limit is exceeded when new.
+
+    ``report`` is called with the finished refinements whenever another one follows.
+    """
     done = list(refinements) or [Refinement()]
+    is_unfinished = len(done) > 1 and next_block(problem, done[-1]) is not None
+    if is_unfinished and next_refinement(problem, done[:-1]) is None:
+        done.pop()  # a looser tolerance is met without the refinement that was interrupted
     while True:
         last = done[-1]
         plan = next_block(problem, last)
@@ -245,6 +252,7 @@ def run_refinements(
             further = next_refinement(problem, done)
             if further is None:
                 return tuple(done)
+            report(tuple(done))
             done.append(further)
             continue
         done[-1] = replace(last, blocks=(*last.blocks, advance(done, plan)))

@@ -196,10 +196,15 @@ class WearHistories:
 
 
 def run_life(
-    runner: Runner, initial: Array, state: LifeState, keep: Callable[[LifeState], None]
+    runner: Runner,
+    initial: Array,
+    state: LifeState,
+    keep: Callable[[LifeState], None],
+    report: Callable[[LifeResult], None],
 ) -> tuple[tuple[Refinement, ...], LifeResult]:
     """Run the service life of a scene, or resume it; return its refinements as well.
 
+    ``report`` is called with a preliminary life after each refinement that another one follows.
     InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
     scene = runner.scene
@@ -209,9 +214,27 @@ def run_life(
     problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
     histories = WearHistories(runner, initial, problem, state, keep)
     done = run_refinements(
-        problem, histories.advance, state.refinements, lambda r: histories.store(refinements=r)
+        problem,
+        histories.advance,
+        state.refinements,
+        lambda refinements: histories.store(refinements=refinements),
+        lambda refinements: report(preliminary_life(scene, problem, refinements)),
     )
     return done, life_result(scene, problem, done)
+
+
+def preliminary_life(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:
+    """Return the life of some refinements that others follow, with the state as its message."""
+    life = life_result(scene, problem, refinements)
+    error = "has an unknown error"
+    if life.error is not None:
+        error = f"has an error of {100.0 * life.error:.2g} %"
+    elif life.sampling is not None:
+        sampling = f"{100.0 * life.sampling:.2g} % by the scatter of the motion"
+        error = f"has an error of {sampling}, and an unknown error of the wear steps"
+    count = len(refinements)
+    message = f"refinement {count} is finished and {error}; refinement {count + 1} runs next"
+    return replace(life, ended="preliminary", message=message)
 
 
 def _finite(value: float) -> float | None:

@@ -165,7 +165,7 @@ def load_result(path: Path, console: Console) -> "Result":
     check_folder(path)
     result = load(path)
     note = unfinished(result)
-    if note and not result.stages:
+    if note and not result.stages and result.life is None:
         arguments = Namespace(command="run", scene=str(path))
         raise InputError(f"{note}; {resume_command(arguments, path, result.scene)}")
     if note:

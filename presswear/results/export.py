@@ -107,6 +107,8 @@ def life_table(result: Result) -> dict[str, Array]:
     """Return the quantities of a service life over strokes; InputError without a life."""
     if result.life is None:
         raise InputError(f"{result.scene.name} has no life to write: its scene has no `life`")
+    if not result.life.curves:
+        raise InputError(f"{result.scene.name}: its life is preliminary, without curves to write")
     curves = dict(result.life.curves)
     columns = {"strokes": curves.pop("strokes")}
     for key, values in curves.items():

@@ -23,7 +23,7 @@ import numpy as np
 
 from presswear.recording.observer import Observer
 from presswear.results.life import FILE as LIFE
-from presswear.results.life import LifeResult
+from presswear.results.life import PRELIMINARY, LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
@@ -149,11 +149,16 @@ def read_stored(path: Path) -> StoredResult:
     stored = typed(read_json(file, missing, SCHEMA), StoredResult, f"{file}")
     indices = [stage.index for stage in stored.stages]
     files = {name for index in indices for name in files_of(index)}
-    files |= {LIFE} if stored.life else set()
+    files |= {LIFE} if stored.life and stored.life.ended != PRELIMINARY else set()
     if indices != list(range(len(indices))) or files != stored.files.keys():
         unlike = ", ".join(sorted(files ^ stored.files.keys()))
         raise InputError(f"{file}: the stages {indices} and 'files' differ: {unlike}")
     return stored
+
+
+def _is_looser(scene: Scene, key: str, old: Any, new: Any) -> bool:
+    """Return whether a value is a looser tolerance of a service life."""
+    return key == "tolerance" and scene.life is not None and new > old
 
 
 class ResultFolder(Observer):
@@ -217,10 +222,14 @@ class ResultFolder(Observer):
         """
         stored, here = self._stored, provenance()
         start = f"folder {self.path}: it holds a run of another scene: "
-        self._refuse(start, differences(stored.scene, plain(scene.as_dict())))
+        changes = differences(stored.scene, plain(scene.as_dict()))
+        looser = [change for change in changes if _is_looser(scene, *change)]
+        self._refuse(start, [change for change in changes if change not in looser])
         before, now = _versions(stored.provenance), _versions(here)
         start = f"folder {self.path}: another program started this run, and numbers would differ: "
         self._refuse(start, [(name, before.get(name, "missing"), now[name]) for name in now])
+        for _, old, new in looser:
+            self._loosen(old, new)
         if self.is_finished:
             return
         checkpoint, first = stored.checkpoint, 0
@@ -249,6 +258,19 @@ class ResultFolder(Observer):
         origin["resumed"] = [*origin.get("resumed", []), again]
         stored.status, stored.message = "running", ""
 
+    def _loosen(self, old: float, new: float) -> None:
+        """Continue a service life with a looser tolerance; a known life may meet it already."""
+        stored = self._stored
+        error = stored.life.error if stored.life else None
+        is_met = stored.status == "unconverged" and error is not None and error <= new
+        if self.is_finished and not is_met:
+            return
+        stored.scene["tolerance"] = new
+        self.remarks.append(f"the tolerance is {new:g} from here on; it was {old:g}")
+        if is_met:
+            stored.status, stored.message = "completed", ""
+            stored.write(self.path)
+
     @staticmethod
     def _refuse(start: str, pairs: Iterable[tuple[str, Any, Any]]) -> None:
         """Raise InputError if any value there differs from the value here."""
@@ -268,9 +290,10 @@ class ResultFolder(Observer):
         self._write()
 
     def on_life(self, life: LifeResult) -> None:
-        """Store a service life."""
-        with self._writing():
-            self._stored.files[LIFE] = write_arrays(self.path / LIFE, life.curves)
+        """Store a service life; the curves of a preliminary one are left out."""
+        if life.ended != PRELIMINARY:
+            with self._writing():
+                self._stored.files[LIFE] = write_arrays(self.path / LIFE, life.curves)
         self._stored.life = life
         self._write()
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from presswear.recording.statistics import Estimate, quantile
 from presswear.scene.options import FOLLOWED
@@ -13,7 +13,8 @@ from presswear.tools.serialize import NOT_STORED
 
 FILE = "life.npz"  # of the curves
 _FINE = 0.05  # half width of a logarithm below which a life has three digits
-Ended = Literal["limit", "at_most", "worn", "cycles"]
+PRELIMINARY: Final = "preliminary"
+Ended = Literal["limit", "at_most", "worn", "cycles", "preliminary"]
 
 
 def _error(sampling: float | None, step: float | None) -> float | None:
@@ -67,18 +68,18 @@ class LifeResult:
 
     Attributes
     ----------
-    ended : {"limit", "at_most", "worn", "cycles"}
+    ended : {"limit", "at_most", "worn", "cycles", "preliminary"}
         A limit was exceeded; the strokes reached their maximum; a surface was worn deeper than the
-        model allows or a run failed; the cycles reached their maximum.
+        model allows or a run failed; the cycles reached their maximum; refinements follow.
     strokes : float
         Life; if no limit was exceeded, strokes for which the wear was computed.
     curves : mapping of str to ndarray
         ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): mean, and the ends of
-        its interval.
+        its interval. A folder does not store those of a preliminary life.
     """
 
     ended: Ended
-    message: str  # reason, unless a limit was exceeded
+    message: str  # reason, unless a limit was exceeded; of a preliminary life its state
     strokes: float
     sampling: float | None  # half width of ln(strokes) by the scatter of the motion
     step: float | None  # half width of ln(strokes) by the wear step
@@ -131,7 +132,8 @@ class LifeResult:
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
         limit = f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
-        return f"life: {self.words} until {limit}{scatter}"
+        line = f"life: {self.words} until {limit}{scatter}"
+        return f"{PRELIMINARY} {line}; {self.message}" if self.ended == PRELIMINARY else line
 
 
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:

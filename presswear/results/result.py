@@ -15,7 +15,7 @@ from presswear.recording.film import Film
 from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
-from presswear.results.life import LifeResult
+from presswear.results.life import PRELIMINARY, LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
@@ -192,7 +192,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
         read = partial(_film, path / film, stored.files[film], len(linkage.bodies), joints)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
     life = stored.life
-    if life is not None:
+    if life is not None and life.ended != PRELIMINARY:
         life = replace(life, curves=read_numbers(path / LIFE, stored.files[LIFE]))
     ended = stored.status, stored.message, stored.provenance, stored.wall_s
     return Result(scene, tuple(stages), *ended, path, life)
@@ -209,10 +209,10 @@ def unfinished(result: Result) -> str:
     process = holder(result.path)
     how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
     how = f"{process} is writing to it" if process else how
-    return (
-        f"{result.path} is unfinished ({how}): {len(result.stages)} of "
-        f"{result.scene.wear_updates + 1} stages are stored"
-    )
+    stages = f"{len(result.stages)} of {result.scene.wear_updates + 1} stages"
+    if result.life is not None and result.life.ended == PRELIMINARY:
+        stages = f"a preliminary life and {stages}"
+    return f"{result.path} is unfinished ({how}): {stages} are stored"
 
 
 def read_surfaces(source: str | Path) -> Surfaces:

@@ -154,6 +154,8 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
         twice = next(key for key in keys if keys.count(key) > 1)
         both = " and ".join(key for key, name in zip(settings, keys, strict=True) if name == twice)
         raise InputError(f"{both} are the same setting; set one of them")
+    if scene.life is not None and f"{named.get('wear_updates')}".strip() == "0":
+        named.setdefault("life", NONE)  # without wear there is no life
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     common = {}
     for key, value in named.items():

@@ -6,7 +6,7 @@ from typing import Any
 
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
-from presswear.results.life import LifeResult, digits_of, span_of, words_of
+from presswear.results.life import PRELIMINARY, LifeResult, digits_of, span_of, words_of
 from presswear.results.oil_film import oil_films
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
@@ -48,12 +48,12 @@ def measured(
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
-    """Return the key numbers of the last stage that did not fail; empty if there is none."""
+    """Return the key numbers of a life, and of the last stage that did not fail, if any."""
     stages = [stage for stage in result.stages if stage.statistics.output and not stage.failed]
+    life = [] if result.life is None else [_life(result.scene, result.life)]
     if not stages:
-        return []
+        return life
     scene, last = result.scene, stages[-1]
-    life = [] if result.life is None else [_life(scene, result.life)]
     return [
         *life,
         *_joint_numbers(scene, stages),
@@ -66,16 +66,17 @@ def key_numbers(result: Result) -> list[KeyNumber]:
 
 def _life(scene: Scene, life: LifeResult) -> KeyNumber:
     hours = numbers.readable(life.strokes * scene.mechanism.period / 3600.0, 2)
-    first = life.first
+    first, name = life.first, "Service life"
+    name += ", preliminary" if life.ended == PRELIMINARY else ""
     if first is None:
         value = f"more than {numbers.large(life.strokes)} strokes"
-        return KeyNumber("Service life", value, "", f"No limit is exceeded in {hours} hours.")
+        return KeyNumber(name, value, "", f"No limit is exceeded in {hours} hours.")
     value = f"{numbers.large(life.strokes, digits=digits_of(life.total_error))} strokes"
     interval = span_of(life.strokes, life.total_error)
     meaning = f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
     if interval:
         meaning += " The interval contains the scatter of the wear coefficients."
-    return KeyNumber("Service life", value, interval and f"{interval} strokes", meaning)
+    return KeyNumber(name, value, interval and f"{interval} strokes", meaning)
 
 
 def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Estimate]]:

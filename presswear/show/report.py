@@ -27,7 +27,14 @@ from presswear.recording.soundness import RESIDUAL
 from presswear.recording.statistics import Estimate
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
-from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
+from presswear.results.life import (
+    PRELIMINARY,
+    LifeResult,
+    LimitResult,
+    digits_of,
+    span_of,
+    words_of,
+)
 from presswear.results.oil_film import dry_contact
 from presswear.results.result import Result
 from presswear.results.stage import StageResult, WearStep
@@ -458,7 +465,7 @@ def provenance_table(result: Result) -> Table | None:
 
 def _life(result: Result, life: LifeResult) -> Record:
     """Return what the template reads on the service life of a result."""
-    first = life.first if life.ended == "limit" else None
+    first = life.first if life.ended in ("limit", PRELIMINARY) else None
     high = (life.interval.high if first else None) or 0.0
     rivals = [
         words_of(limit.key)
@@ -476,7 +483,7 @@ def _life(result: Result, life: LifeResult) -> Record:
         )
         for phase in life.phases
     ]
-    end = numbers.large(float(life.curves["strokes"][-1]))
+    end = numbers.large(float(life.curves["strokes"][-1]) if life.curves else life.strokes)
     return {
         "result": life,
         "first": first,

@@ -4,11 +4,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from presswear.campaign import campaign as campaigns
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
@@ -25,11 +27,16 @@ from presswear.recording.statistics import (
     mean_map,
     smoothing_widths,
 )
+from presswear.results.export import life_table
+from presswear.results.result import load, unfinished
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
+from presswear.scene.options import Life
 from presswear.scene.scene import Scene
+from presswear.show.report import render_report
 from presswear.tools.arrays import Array, named, part
+from presswear.tools.errors import InputError
 
 Law = Callable[[int, Array], Array]
 """Number of the run, and depth of the surfaces, shape (joints, 2, m): depth of one cycle, m."""
@@ -132,22 +139,33 @@ def half_of(*values: float) -> float:
 
 
 Campaign = Callable[..., Seen]
+Use = Callable[[FakeEngine], None]
 
 
 @pytest.fixture
-def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
-    """Return a function that runs a campaign with a fake engine in place of any."""
+def use(monkeypatch: pytest.MonkeyPatch) -> Use:
+    """Return a function that puts a fake engine in place of any."""
 
-    def run(scene: Scene, engine: FakeEngine, **settings: Any) -> Seen:
+    def replace_all(engine: FakeEngine) -> None:
         for kind in (ExudynTree, ExudynJoints, InHouse):
             monkeypatch.setattr(kind, "lanes", lambda self, linkage: 1)
             monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
             monkeypatch.setattr(kind, "simulate_together", lambda self, cases: [engine(*cases[0])])
+
+    return replace_all
+
+
+@pytest.fixture
+def campaign(use: Use) -> Campaign:
+    """Return a function that runs a campaign with a fake engine."""
+
+    def run_with(scene: Scene, engine: FakeEngine, **settings: Any) -> Seen:
+        use(engine)
         seen = Seen()
         seen.status, seen.message, _ = run_campaign(replace(scene, **settings), [seen])
         return seen
 
-    return run
+    return run_with
 
 
 @pytest.mark.parametrize("cycles", [1, 2, 7])
@@ -395,3 +413,81 @@ def test_progress_never_falls_and_names_the_refinement(
     assert wholes == sorted(wholes)
     assert wholes[-1] > 0.95
     assert any(each.word.startswith("second wear in ") for each in progress if each.stage == 1)
+
+
+LIFE = replace(
+    SCENE, conventions=CONVENTIONS["refined"], life=Life(until="A.depth > 0.3 mm"), wear_updates=1
+)
+"""Joints that wear by ``exponential`` in equal replicates: only the steps have an error."""
+
+
+class Stops(Observer):
+    """Interrupts a life in a refinement."""
+
+    def __init__(self, number: int) -> None:
+        self._word = f"refinement {number}"
+
+    def on_progress(self, progress: Progress) -> None:
+        if self._word in progress.word:
+            raise KeyboardInterrupt
+
+
+def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Scene:
+    """Interrupt a life in a refinement; return its scene."""
+    scene = replace(LIFE, tolerance=tolerance)
+    use(FakeEngine(exponential))
+    with pytest.raises(KeyboardInterrupt):
+        campaigns.run(scene, path, observers=[Stops(number)], jobs=1)
+    return scene
+
+
+def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path: Path) -> None:
+    """It is stored with its state, and reported, while the next refinement runs."""
+    path = tmp_path / "life"
+    scene = interrupted_life(path, use, 2, 0.1)
+    result = load(path)
+    life = result.life
+    assert life is not None
+    assert (life.ended, result.stages, life.step) == ("preliminary", (), None)
+    exact = REPRESENTED * math.log(1.0 + 0.3e-3 / (RATE * REPRESENTED))
+    assert life.strokes == pytest.approx(exact, rel=0.1)
+    state = "refinement 1 is finished and has an error of"
+    assert f"{life}".startswith("preliminary life: ")
+    assert state in f"{life}"
+    assert "an unknown error of the wear steps; refinement 2 runs next" in f"{life}"
+    assert "a preliminary life and 0 of 2 stages are stored" in unfinished(result)
+    page = render_report(result)
+    assert state in page
+    assert "Service life, preliminary" in page
+    with pytest.raises(InputError, match="its life is preliminary, without curves"):
+        life_table(result)
+    finished = campaigns.run(scene, path, jobs=1).life
+    assert finished is not None
+    assert finished.ended == "limit"
+    assert finished.refinements[0] == life.refinements[0]
+
+
+def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
+    """Refinements that meet it already give the life at once; a tighter one is refused."""
+    path = tmp_path / "life"
+    scene = interrupted_life(path, use, 3, 2e-3)
+    with pytest.raises(InputError, match=r"tolerance is 0\.002 there and 0\.001 here"):
+        campaigns.run(replace(scene, tolerance=1e-3), path, jobs=1)
+    words = Seen()
+    result = campaigns.run(replace(scene, tolerance=0.3), path, observers=[words], jobs=1)
+    assert not any("refinement" in progress.word for progress in words.progress)
+    assert (result.status, result.scene.tolerance) == ("completed", 0.3)
+    assert result.life is not None
+    assert result.life.ended == "limit"
+    assert len(result.life.refinements) == 2
+    assert 2e-3 < (result.life.error or 0.0) < 0.3
+
+
+def test_a_looser_tolerance_completes_a_life_that_was_not_known(use: Use, tmp_path: Path) -> None:
+    path = tmp_path / "life"
+    assert LIFE.life is not None
+    scene = replace(LIFE, tolerance=1e-3, life=replace(LIFE.life, max_cycles=300))
+    use(FakeEngine(exponential))
+    assert campaigns.run(scene, path, jobs=1).status == "unconverged"
+    result = campaigns.run(replace(scene, tolerance=0.3), path, jobs=1)
+    assert (result.status, result.message, result.scene.tolerance) == ("completed", "", 0.3)

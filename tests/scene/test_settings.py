@@ -154,6 +154,15 @@ def test_a_setting_that_does_not_fit_is_refused(case: str) -> None:
         changed(SCENES_BY_NAME[name], settings).check()
 
 
+def test_a_scene_without_wear_updates_has_no_life() -> None:
+    """A file with a life also runs on new surfaces."""
+    scene = changed(pw.scenes.press_blanking(conventions="refined"), {"life": "limits"})
+    for value in ("0", 0):
+        assert changed(scene, {"wear_updates": value}).life is None
+    with pytest.raises(pw.InputError, match="wear_updates = 0: with a life allowed is 1 to 20"):
+        changed(scene, {"wear_updates": "0", "life": "limits"})
+
+
 FACTORS = ["", "mm", "m", "pi rad/s", "GPa", "/Pa", "kg", "m/s", "m/s^2", "kg m^2"]
 values = st.text(max_size=20) | st.builds(
     lambda number, factor: f"{number}{factor}",

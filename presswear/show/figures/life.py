@@ -24,7 +24,7 @@ _SERVICE = Pen("bushing serviced", style.REFERENCE, "dotted", 0.9)
 def service_life(result: Result, stages: Stages) -> list[Drawing]:
     """Draw each monitored quantity over strokes with its band, its limits and the life."""
     life, services = result.life, services_done(result)
-    if life is None or len(stages) < len(result.stages):
+    if life is None or not life.curves or len(stages) < len(result.stages):
         return []
     joints = result.scene.clearance_joints
     keys = [key for name in joints for key in life.curves if key.startswith(f"{name}.")]
@@ -111,7 +111,7 @@ def _draw_marks(
 def services_done(result: Result) -> list[Service]:
     """Return the services of bushings during the simulated life."""
     settings, life = result.scene.life, result.life
-    if settings is None or life is None:
+    if settings is None or life is None or not life.curves:
         return []
     last = float(life.curves["strokes"][-1])
     services = settings.services(result.scene.clearance_joints)
