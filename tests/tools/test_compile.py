@@ -20,7 +20,11 @@ from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 import presswear
-from presswear.physics.friction_and_normal import foundation_force, liu_force
+from presswear.physics.friction_and_normal import (
+    liu_force,
+    smooth_friction,
+    threlfall_friction,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     Kernel,
@@ -238,11 +242,11 @@ def test_cache_belongs_to_the_user_alone(
 
 
 def test_entry_of_another_kernel_is_not_used(stored: Path) -> None:
-    kernels = foundation_force, liu_force
-    arguments = 1e-5, 0.0, 0.1, 1e9, 1.5, 0.0, 1e-4
+    kernels = smooth_friction, threlfall_friction
+    arguments = 5e-4, 100.0, 0.1, 1e-4, 1e-3
     forces = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
-    foundation, liu = sorted(stored.iterdir(), key=lambda file: file.stat().st_mtime_ns)[-2:]
-    shutil.copy(liu, foundation)
+    smooth, threlfall = sorted(stored.iterdir(), key=lambda file: file.stat().st_mtime_ns)[-2:]
+    shutil.copy(threlfall, smooth)
     again = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
     assert again == forces
     assert forces[0] != forces[1]
