@@ -217,7 +217,7 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
 
 
 def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
-    """Raise InputError where a user friction law gives no number or creates energy."""
+    """Raise InputError where a user friction law gives no number, creates energy or jumps."""
     for speed in (0.1 * values["upper_speed"], values["upper_speed"], 0.01, 0.1, 0.4, 1.0, 4.0):
         for sliding in (speed, -speed):
             state = {**values, "sliding": sliding, "normal": 100.0}
@@ -226,6 +226,10 @@ def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> 
                 fault = f"it gives {force:g} N where the surfaces slide at {sliding:g} m/s"
                 remedy = "a force against the sliding has the other sign"
                 raise InputError(f"{key}: {law.name} makes energy: {fault}; {remedy}")
+    if jump := law.jump("sliding", {**values, "normal": 100.0}):
+        place, below, above = jump
+        fault = f"{law.name} jumps from {below:g} to {above:g} N at sliding = {place:g} m/s"
+        raise InputError(f"{key}: {fault}: it must be continuous; use tanh(sliding / upper_speed)")
 
 
 @dataclass(frozen=True)

@@ -178,7 +178,7 @@ class UserFunction:
                 else:
                     low, below = middle, between
             if abs(beyond - below) > least:
-                return round(low, 8), below, beyond
+                return round(low, 8) + 0.0, below, beyond  # no negative zero
         return None
 
     def check_compiles(self, key: str, allowed: tuple[str, ...]) -> None:

@@ -35,6 +35,9 @@ def pull(penetration, rate, onset_speed, stiffness):
 def along(sliding, normal):
     return 0.1 * normal * sliding
 
+def stick(sliding, normal, coefficient):
+    return -math.copysign(coefficient * normal, sliding)
+
 def words(penetration):
     return "much"
 
@@ -124,6 +127,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
         ("normal_law", "pull", "makes energy"),
         ("normal_law", "words", "must be a number"),
         ("friction_law", "along", "makes energy"),
+        ("friction_law", "stick", "jumps from 10 to -10 N at sliding = 0 m/s"),
         ("normal_law", "lists", r"A\.normal_law: lists cannot be compiled"),
     ],
 )
