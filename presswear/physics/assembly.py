@@ -84,9 +84,13 @@ class Rows:
         sizes = np.zeros(self.bodies + 1)
         for body, x, y, _ in self.ends:
             np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])
-        self.size = float(sizes.max(initial=0.0)) or 1.0  # farthest joint of a body, m
+        # Farthest joint of a body or point on the frame, m: the place of the linkage in the drawing
+        # is part of its round-off, but not of the scale of its angles.
+        points = [math.hypot(guide.x, guide.y) for guide in linkage.guides]
+        self.size = max(float(sizes.max(initial=0.0)), *points, 0.0) or 1.0
+        arm = float(sizes[:-1].max(initial=0.0)) or 1.0
         self.scale = np.ones(3 * self.bodies)  # makes metres and radians comparable
-        self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.size)
+        self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], arm)
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
             initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
