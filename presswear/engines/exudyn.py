@@ -12,7 +12,7 @@ import numpy as np
 from presswear.engines.base import Plan
 from presswear.physics.forces import made_energy, made_remedy
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Finding
+from presswear.recording.soundness import Finding, Progress
 from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
@@ -52,13 +52,15 @@ class Solver:
     _has_ended: bool = False  # the cycle ran to its end
     _is_broken: bool = False
     _limit: float = 0.0  # of the step to come, s
-    _made: str = ""  # why energy that contacts made ends the run
+    _finding: Finding | None = None  # what ends the run between two cycles
+    _progress: Progress = field(init=False)
     _error: BaseException | None = None
     _iteration: Any = None
 
     def __post_init__(self) -> None:
         names = ("steps", "sent_back", *self.counts, "wall", "time", "following", "proposed")
         self.sums = dict.fromkeys(names, 0.0)
+        self._progress = Progress(self.plan.cycle)
 
     @property
     def time(self) -> float:
@@ -88,7 +90,7 @@ class Solver:
 
     def _post_step(self, system: Any, t: float) -> bool:
         """Account for a step and hand on the next; False ends the solve."""
-        sums, plan, records = self.sums, self.plan, self.recorder.records
+        sums, plan = self.sums, self.plan
         try:
             iteration = self._iteration
             if iteration is None:
@@ -116,14 +118,21 @@ class Solver:
             self._take(min(following, self._end - t))
             if sums["steps"] % _PROGRESS_STEPS == 0:
                 plan.advanced(t, self.recorder)
-                if t > plan.settled:
-                    lost, exchange = records.ledger[0][["contact_loss", "drive_exchange"]]
-                    self._made = made_energy(records.packed, lost, exchange)
-                return not self._made
+                self._finding = self._judge(t)
+                return self._finding is None
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
             self._error = error
             return False
         return True
+
+    def _judge(self, t: float) -> Finding | None:
+        """Return a finding if contacts have created energy, or if time stands still."""
+        records = self.recorder.records
+        if t > self.plan.settled:
+            lost, exchange = records.ledger[0][["contact_loss", "drive_exchange"]]
+            if made := made_energy(records.packed, lost, exchange):
+                return Finding("energy", made, t, "", made_remedy(records.packed, self.remedy))
+        return self._progress.judge(int(self.sums["steps"]), t)
 
     def run(self, system: Any, live: Mapping[str, Any], end: float) -> Finding | None:
         """Run from the present state up to the end of a cycle; return what went wrong.
@@ -171,9 +180,8 @@ class Solver:
             self.sums[name] += getattr(solver.it, counter)
         if self._has_ended:
             return None
-        if self._made:
-            advice = made_remedy(self.recorder.records.packed, self.remedy)
-            return Finding("energy", self._made, self.time, "", advice)
+        if self._finding is not None:
+            return self._finding
         if solver.output.simulationStoppedByUser and not self._is_broken:
             raise KeyboardInterrupt
         if not message and not self._is_broken:

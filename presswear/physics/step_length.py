@@ -17,6 +17,7 @@ from presswear.physics.touchdown import (
     joint_crossing,
     load_crossing,
     step_to_event,
+    time_across,
     time_to_event,
 )
 from presswear.tools.arrays import Array
@@ -36,6 +37,7 @@ LANDING = 0.02  # a step towards a touchdown ends this part of a contact step be
 FLIGHT_STEPS_PER_BIN = 4.0  # in which a pin that skims a worn surface crosses one bin of its map
 STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
 SKIM_STEPS = 2.0  # of an error-controlled method, at least, in which a pin crosses one bin
+BORE_PART = 0.5  # a step that ends behind a separation goes on for this part of the clearance
 OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
 EVENT_TOL = 1e-9  # what passes a change of a load's law no further is not sent back; SI units
 EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
@@ -113,16 +115,21 @@ def late_touchdown(
 
 
 @compiled
-def early_separation(last: Records, steps: Records, contact: Records, h: float) -> float:
+def early_separation(
+    last: Records, steps: Records, contact: Records, clearance: float, h: float
+) -> float:
     """Return the step, s, that divides a contact which the trial state has ended; or infinity.
 
     A pin that skims a bump can leave sooner than the state at its touchdown let expect.
     The shorter step holds for the rest of the contact.
     """
     missing = LEAST_STEPS - last.steps
-    if contact.penetration > 0.0 or missing <= 0 or last.started_closed:
+    s, value, _, leaving = joint_crossing(last, contact, True, h)
+    if contact.penetration > 0.0 and value > 0.0:
+        # Through the bore and closed on the other side: the step ends inside the bore.
+        return max(min(s, 1.0) * h + BORE_PART * clearance / leaving, steps.least)
+    if contact.penetration > 0.0 or missing <= 0:
         return math.inf
-    s = joint_crossing(last, contact, True, h)[0]
     wanted = max(min(s, 1.0) * h / (missing + 1), steps.least)
     if wanted > 0.7 * h:
         return math.inf
@@ -144,7 +151,7 @@ def shorter_step(
         last, contact = records.memory[k], contacts[k]
         note_contact(packed, k, q, v, contact)
         if records.onset[k] > 0.0:
-            wanted = early_separation(last, steps[0], contact, h)
+            wanted = early_separation(last, steps[0], contact, packed.joints[k].clearance, h)
         else:
             wanted = late_touchdown(packed.joints[k], last, steps[0], contact, h)
         shortest = min(shortest, wanted)
@@ -194,6 +201,10 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             part = contact_step(joint, depth, rate, parts)
             wanted = min(wanted, step_in_contact(last, steps[0], part, acceleration))
             last.acceleration = acceleration
+            # A pin that leaves is seen inside its bore before it is closed on the other side.
+            departure, leaving, _ = time_to_event(-depth, -rate, -acceleration, 0.0)
+            if departure < math.inf:
+                wanted = min(wanted, departure + BORE_PART * joint.clearance / leaving)
         else:
             # Part of the time in which the present acceleration crosses the clearance, and the
             # time at which the present motion closes the gap.
@@ -201,6 +212,9 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
                 flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
                 wanted = min(wanted, flight / STEPS_PER_FLIGHT)
             arrival, closing, doubt = time_to_event(depth, rate, acceleration, 0.0)
+            across, speed_across = time_across(records.contacts[k], joint.clearance)
+            if across < arrival:
+                arrival, closing = across, speed_across
             if arrival < min(chosen, max(wanted, steps[0].least)):
                 behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
                 landing = step_to_event(arrival, doubt, True, behind, joint.normal.abrupt)

@@ -24,7 +24,7 @@ from presswear.physics.friction_and_normal import (
 )
 from presswear.physics.loads import Loads, transition_at_start, transition_value
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, floats, inlined
 
 # Memory of a joint between accepted steps: its last state and its present contact
 MEMORY = np.dtype(
@@ -40,6 +40,7 @@ MEMORY = np.dtype(
         ("energy", np.float64),  # elastic, J
         ("step_peak", np.float64),  # normal force at a maximum within the last step, N; else 0
         ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
+        *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
         ("touchdown_time", np.float64),  # of the present contact, s
         ("started_closed", np.bool_),  # the run began inside the present contact
         ("steps", np.int64),  # accepted in the present contact
@@ -163,6 +164,23 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float,
 
 
 @compiled
+def time_across(contact: Records, clearance: float) -> tuple[float, float]:
+    """Return when a pin that flies inwards meets the opposite wall, s, and its speed there, m/s.
+
+    The flight is straight and the bore round. The distance from the wall has a kink in the centre,
+    beyond which its derivatives say nothing. Infinite where the pin rests or flies outwards.
+    """
+    ex, ey = contact.eccentricity_x, contact.eccentricity_y
+    vx, vy = contact.velocity_x, contact.velocity_y
+    outwards = ex * vx + ey * vy
+    square = vx * vx + vy * vy
+    root = outwards * outwards + square * (clearance * clearance - ex * ex - ey * ey)
+    if square == 0.0 or outwards > 0.0 or root <= 0.0:
+        return math.inf, 0.0
+    return (math.sqrt(root) - outwards) / square, math.sqrt(root) / clearance
+
+
+@compiled
 def step_to_event(
     arrival: float, doubt: float, is_near: bool, behind: float, is_abrupt: bool
 ) -> float:
@@ -176,17 +194,43 @@ def step_to_event(
 
 
 @compiled
+def is_reversed(last: Records, contact: Records) -> bool:
+    """Return whether a pin has passed the centre of its bore since its last accepted state."""
+    along = last.eccentricity_x * contact.eccentricity_x
+    return along + last.eccentricity_y * contact.eccentricity_y < 0.0
+
+
+@compiled
+def seen_from_opposite(penetration: float, eccentricity: float) -> float:
+    """Return the penetration of a pin into the wall beyond the centre of its bore, m.
+
+    The pin is farther from that wall than the centre, by its eccentricity. The rate changes sign.
+    """
+    return penetration - 2.0 * eccentricity
+
+
+@compiled
 def joint_crossing(
     last: Records, contact: Records, is_closed: bool, h: float
 ) -> tuple[float, float, float, float]:
     """Return the part of a step at which a joint touches down or separates; 2 if it does not.
 
     Also the penetration at the end of the step, m, its rate at the start and at the event, m/s,
-    all with the sign in which they grow towards the event.
+    all with the sign in which they grow towards the event. All are those of the wall that the pin
+    leaves, or on which it lands: a pin that runs through the centre of its bore is closed on both
+    sides of it, and open between them.
     """
-    sign = -1.0 if is_closed else 1.0
-    start, end = sign * last.penetration, sign * contact.penetration
-    first, final = sign * last.rate, sign * contact.rate
+    start, end = last.penetration, contact.penetration
+    first, final = last.rate, contact.rate
+    if is_reversed(last, contact):
+        if is_closed:
+            end = seen_from_opposite(end, contact.eccentricity)
+            final = -final
+        else:
+            start = seen_from_opposite(start, math.hypot(last.eccentricity_x, last.eccentricity_y))
+            first = -first
+    if is_closed:
+        start, end, first, final = -start, -end, -first, -final
     s = crossing(min(start, 0.0), first, end, final, h)
     return s, end, first, hermite(start, first, end, final, h, s)[1]
 
@@ -341,6 +385,8 @@ def remember(last: Records, joint: Records, onset_speed: float, contact: Records
     last.closing = contact.closing
     last.elastic = contact.elastic
     last.energy = contact.energy
+    last.eccentricity_x = contact.eccentricity_x
+    last.eccentricity_y = contact.eccentricity_y
     if joint.friction.bristle_stiffness > 0.0:
         last.bristle = contact.bristle
         last.sliding = contact.sliding
@@ -398,7 +444,9 @@ def settle(records: Any, t: float, needed: int) -> int:
             touch_down(records, k, touchdown, closing, started_closed)
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
-            separate(records, k, t, contact.rate, needed)
+            h = t - last.time
+            s, _, _, leaving = joint_crossing(last, contact, True, h)
+            separate(records, k, last.time + min(s, 1.0) * h, -leaving, needed)
             onset[k] = 0.0
             events += 1
         remember(last, joints[k], onset[k], contact, t)

@@ -33,6 +33,9 @@ MIN_CONTACTS = 20  # of a joint, before these are judged
 DRIFT = 0.01  # error of a constraint, m or rad, of the smallest clearance
 MIN_DRIFT = 1e-7  # m or rad, which harms no linkage
 DRIFT_IDEAL = 1e-4  # m, without clearance
+STALL_STEPS = 1000  # after which the progress of a run is judged
+# Least mean step, s, and as a part of a cycle; in a clearance of 1 nm it is far longer
+STALL = 1e-12
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,27 @@ class Finding:
         # Wear that a wear update would remove is not of a time within the run.
         when = "" if self.kind == "wear" else f" (t = {self.time_s:.6g} s)"
         return f"{where}{self.what}{when}{remedy}"
+
+
+@dataclass
+class Progress:
+    """Progress of a run, which ends where time stands still."""
+
+    cycle: float  # s
+    steps: int = 0  # at the last judgement
+    time: float = 0.0  # s
+
+    def judge(self, steps: int, time: float) -> Finding | None:
+        """Return a finding if the last thousand steps or more did not advance the time, s."""
+        added, advanced = steps - self.steps, time - self.time
+        if added < STALL_STEPS:
+            return None
+        self.steps, self.time = steps, time
+        if advanced > added * STALL * max(self.cycle, 1.0):
+            return None
+        what = f"the time stands still: {added} steps advanced it by {advanced:.3g} s"
+        remedy = "a law of force without a jump, or a larger tolerance, may help"
+        return Finding("state", what, time, "", remedy)
 
 
 @dataclass(frozen=True)

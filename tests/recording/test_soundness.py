@@ -12,15 +12,17 @@ from four_bar_linkage import FOUR_BAR
 from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
-from presswear.engines.settings import ExudynJoints
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.forces import Ledger, made_energy, made_remedy
+from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Condition, Finding, examine
+from presswear.recording.soundness import Condition, Finding, Progress, examine
 from presswear.scene.catalog import scene_named
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.validation.hard_cases import twins
 
 SCENE = scene_named("wear-times")
 LINKAGE = SCENE.linkage()
@@ -192,3 +194,33 @@ def test_run_ends_with_time_joint_and_remedy(
     assert (out / "report.html").read_text().count("Failed") >= 1
     if len(document["stages"]) == 1 and kind != "wear":  # nothing sound to be drawn
         assert [path.name for path in out.glob("figures/*.png")] == ["mechanism.png"]
+
+
+@pytest.mark.parametrize(
+    ("steps", "advanced", "cycle", "is_stalled"),
+    [
+        (999, 0.0, 0.2, False),  # too few to be judged
+        (1000, 3e-11, 0.2, True),
+        (1000, 2e-9, 0.2, False),
+        (1000, 2e-9, 3600.0, True),
+    ],
+)
+def test_a_run_ends_where_time_stands_still(
+    steps: int, advanced: float, cycle: float, is_stalled: bool
+) -> None:
+    progress = Progress(cycle)
+    assert progress.judge(5000, 1.0) is None
+    finding = progress.judge(5000 + steps, 1.0 + advanced)
+    assert (finding is not None) == is_stalled
+    if finding is not None:
+        assert finding.words.startswith(f"the time stands still: {steps} steps advanced it by")
+
+
+@pytest.mark.parametrize("engine", [InHouse(), ExudynTree(), ExudynJoints(50, 10, free_step=1e-6)])
+def test_every_engine_ends_a_run_whose_time_stands_still(
+    engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(soundness, "STALL", 1.0)  # no run advances by a second a step
+    run = engine.simulate(*twins(), Plan(1.0, 1, recorded_cycles=1))
+    assert run.status == "failed"
+    assert run.message.startswith("the time stands still")

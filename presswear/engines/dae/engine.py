@@ -1,5 +1,6 @@
 """The in-house solver as an engine."""
 
+import math
 import time as clock
 from functools import partial
 
@@ -27,7 +28,7 @@ from presswear.physics.forces import (
 )
 from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Finding
+from presswear.recording.soundness import Finding, Progress
 from presswear.tools.arrays import Array
 from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
@@ -36,6 +37,8 @@ __all__ = ["prepare", "together"]
 
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
+
+RESOLVED_DIGITS = 8.0  # units in the last place of a coordinate that round-off may reach
 
 _CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
@@ -81,6 +84,18 @@ def _problem(state: int, constraints: Constraints, time: float, q: Array, v: Arr
     return Finding("state", "the step vanished", time, "", remedy)
 
 
+def resolution_of(linkage: Linkage, start: Start) -> float:
+    """Return the distance, m, below which differences of coordinates are round-off.
+
+    It grows with the distance of the linkage from the origin.
+    """
+    ends = [end for joint in linkage.revolutes for end in (joint.first, joint.second)]
+    ends += [end for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
+    arm = max((math.hypot(end.x, end.y) for end in ends), default=0.0)
+    farthest = float(np.abs(start.position.reshape(-1, 3)[:, :2]).max())
+    return RESOLVED_DIGITS * float(np.finfo(float).eps) * (farthest + arm)
+
+
 def prepare(
     linkage: Linkage, start: Start, settings: InHouse, plan: Plan, recorder: Recorder
 ) -> Simulation:
@@ -108,6 +123,7 @@ def prepare(
     control["step"] = settings.step if is_fixed else 1e-6
     control["longest"] = settings.longest(plan.cycle)
     control["shortest"] = 1e-14
+    control["resolution"] = resolution_of(linkage, start)
     control["parts"] = settings.impact_steps
     control["tolerance"] = tolerance
     control["projected"] = settings.projection == "on"
@@ -135,6 +151,7 @@ def prepare(
 
     energy_before = stored()
     sums = {"solve": 0.0}
+    progress = Progress(plan.cycle)
 
     def start_again() -> None:
         # The state to go on from may be that of a coarser run.
@@ -149,8 +166,9 @@ def prepare(
         made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
         if made:
             return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
-        is_sound = status not in (BROKEN, STUCK)
-        return None if is_sound else _problem(status, constraints, *state())
+        if status in (BROKEN, STUCK):
+            return _problem(status, constraints, *state())
+        return progress.judge(int(control["steps"][0]), time)
 
     def advance(end: float) -> Finding | None:
         control["tolerance"] = tolerance

@@ -30,9 +30,11 @@ from presswear.physics.loads import count_transitions, next_break, settle_loads,
 from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import (
     LEAST_STEPS,
+    is_reversed,
     joint_crossing,
     load_crossing,
     remember,
+    seen_from_opposite,
     separate,
     settle,
     touch_down,
@@ -85,8 +87,12 @@ def event_value(
     system, records = run.system, run.records
     joints = system.contacts.shape[0]
     if k < joints:
-        depth, rate = system.contacts[k].penetration, system.contacts[k].rate
-        return (-depth, -rate) if records.onset[k] > 0.0 else (depth, rate)
+        contact = system.contacts[k]
+        if records.onset[k] <= 0.0:
+            return contact.penetration, contact.rate
+        if is_reversed(records.memory[k], contact):
+            return -seen_from_opposite(contact.penetration, contact.eccentricity), contact.rate
+        return -contact.penetration, -contact.rate
     k -= joints
     transitions = count_transitions(system.packed.loads)
     if k < transitions:
@@ -99,6 +105,55 @@ def event_value(
     corner = corner_ahead(start, sense, system.packed.joints[k].friction)
     # The mean rate over the step: sliding bends little in one.
     return sense * (end - corner), sense * (end - start) / h
+
+
+@compiled
+def is_repeated(
+    last: Records, is_closed: bool, after: float, value: float, rate: float, resolution: float
+) -> bool:
+    """Return whether a crossing is the event on which the last step ended, seen once more.
+
+    A joint that was just placed on an event moves away from it. Round-off alone brings it back, by
+    less than the resolution of its coordinates, m. ``value`` and ``rate`` are those of
+    ``joint_crossing``; ``after`` is the time from the start of the step, s.
+    """
+    if rate > 0.0:
+        return False
+    if value <= 0.0:
+        return after <= MIN_SEPARATION
+    start = -last.penetration if is_closed else last.penetration
+    return value <= max(start, 0.0) + resolution
+
+
+@compiled
+def settle_joints(address: PackedArguments, event: int, t: float) -> int:
+    """Begin and end the contacts whose events come with the end of a step; return their number.
+
+    Those are joint ``event`` and each joint nearer to its event than the resolution of its
+    coordinates, m, on its way there: handled one after the other, they would need steps in which
+    no coordinate changes.
+    """
+    (run,) = unpack(address)
+    system, records, state = run.system, run.records, run.control[0]
+    events = 0
+    for k in range(system.contacts.shape[0]):
+        contact = system.contacts[k]
+        is_closed = records.onset[k] > 0.0
+        rate = contact.rate
+        if k != event:
+            is_near = abs(contact.penetration) <= state.resolution
+            moves_on = rate < 0.0 if is_closed else rate > 0.0
+            if not (is_near and moves_on):
+                continue
+        if is_closed:
+            separate(records, k, t, rate, 0)
+            records.onset[k] = HELD_OPEN
+        else:
+            touch_down(records, k, t, rate, False)
+        part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
+        state.step = min(state.step, part)
+        events += 1
+    return events
 
 
 @compiled
@@ -124,11 +179,10 @@ def first_event(
     for k in range(joints):
         if k == excluded:
             continue
+        last = records.memory[k]
         is_closed = records.onset[k] > 0.0
-        s, value, rate, _ = joint_crossing(records.memory[k], system.contacts[k], is_closed, h)
-        # A state that was just placed on an event moves away from it and does not repeat it, but
-        # where it is drawn back at once.
-        if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > DEPTH_TOL):
+        s, value, rate, _ = joint_crossing(last, system.contacts[k], is_closed, h)
+        if s < part and not is_repeated(last, is_closed, s * h, value, rate, control[0].resolution):
             event, part = k, s
     if transitions > 0:
         reach_end(address, classical, t, h)
@@ -180,7 +234,7 @@ def search_event(
     (run,) = unpack(address)
     state, contacts = run.control[0], run.system.contacts.shape[0]
     if state.moves > 0:
-        aim, near, accepted = 0.0, EVENT_DEPTH, DEPTH_TOL
+        aim, near, accepted = 0.0, EVENT_DEPTH, max(DEPTH_TOL, state.resolution)
         if state.event >= contacts:
             aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
         value, rate = event_value(address, classical, state.event, t, state.length)
@@ -321,7 +375,7 @@ def judge_step(
     be proposed.
     """
     (run,) = unpack(address)
-    system, records, motion, last = run.system, run.records, run.motion, run.last
+    system, motion, last = run.system, run.motion, run.last
     joints, state = system.contacts.shape[0], run.control[0]
     t = state.time
     state.evaluations += last
@@ -355,15 +409,7 @@ def judge_step(
     copy_to(motion.y, motion.trial)
     q, v, a, _, _ = system.state
     changed = settle_loads(system.packed.loads, t, q, v, a)
-    if 0 <= k < joints:
-        rate = system.contacts[k].rate
-        if records.onset[k] > 0.0:
-            separate(records, k, t, rate, 0)
-            records.onset[k] = HELD_OPEN
-        else:
-            touch_down(records, k, t, rate, False)
-        part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
-        state.step = min(state.step, part)
+    changed += settle_joints(address, k, t)
     if state.projected or k >= 0 or changed > 0:
         keep_constraints(system.held, state.projected, t, motion.y)
         rates(address, t, motion.y, START)

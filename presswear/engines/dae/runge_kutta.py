@@ -45,6 +45,7 @@ CONTROL = np.dtype(
         ("due", np.float64),  # time at which an equal step that was cut is to end, s; or 0
         ("longest", np.float64),  # s
         ("shortest", np.float64),  # s
+        ("resolution", np.float64),  # of the coordinates, m: below it lies round-off
         ("parts", np.float64),  # steps in a free impact, at least
         ("tolerance", np.float64),
         ("projected", np.bool_),

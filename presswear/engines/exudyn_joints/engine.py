@@ -37,7 +37,7 @@ from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage, bodies_of, prescribed_of
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contact import CONTACT
+from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
 from presswear.physics.packed import spring_period
@@ -294,7 +294,9 @@ def prepare(
         shorter = bind(shorter_joint_step, frame, records, steps)
         system.SetPostNewtonUserFunction(send_back)
     built = clock.perf_counter() - began
+    note_contacts(records.packed, records.contacts, start.position, start.velocity)
     energies = records.memory["energy"]
+    energies[:] = records.contacts["energy"]  # of pins that start pressed in
     before = stored_energy(records.packed, energies, start.position, start.velocity)
 
     def advance(end: float) -> Finding | None:

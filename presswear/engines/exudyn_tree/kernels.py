@@ -28,7 +28,7 @@ from presswear.physics.loads import count_transitions, next_break, settle_loads,
 from presswear.physics.packed import Packed, applied_forces
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.step_length import contact_step, longest_step
-from presswear.physics.touchdown import settle, step_to_event, time_to_event
+from presswear.physics.touchdown import settle, step_to_event, time_across, time_to_event
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.recording.observe import RecorderState, observe
 from presswear.tools.arrays import Array
@@ -210,6 +210,10 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         arrival, speed, doubt = time_to_event(
             sign * last.penetration, sign * last.rate, sign * acceleration, jerk
         )
+        if not closed:
+            across, closing = time_across(records.contacts[k], joint.clearance)
+            if across < arrival:
+                arrival, speed, doubt = across, closing, PREDICTION_TOL * across
         if not arrival < 2.0 * h:
             continue
         if not closed:
