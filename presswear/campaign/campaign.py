@@ -41,8 +41,8 @@ from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
 from presswear.tools.numbers import large
-from presswear.tools.processes import Job, Report, Workers, cores
-from presswear.tools.serialize import checked_names
+from presswear.tools.processes import Job, Report, Workers, check_jobs, cores
+from presswear.tools.serialize import checked_arguments
 
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
 
@@ -54,7 +54,7 @@ _UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval
 _DOCUMENT = "document"  # array of a checkpoint that holds everything but its arrays
 
 
-@checked_names
+@checked_arguments
 def run(
     scene: Scene,
     folder: str | Path | None = None,
@@ -103,7 +103,7 @@ def run(
         # Imported here, because commands are in a higher layer.
         with import_module("presswear.cli.run").late_bar(scene) as bar:
             return run(scene, folder, engine, jobs, (bar,), check, interval)
-    _check_jobs(jobs)
+    check_jobs(jobs)
     scene = with_engine(scene, engine)
     scene.check()
     if folder is None:
@@ -138,6 +138,7 @@ class _Memory(Observer):
         self.stages.append(stage)
 
 
+@checked_arguments
 def run_scenes(
     scenes: Mapping[str, Scene],
     folder: str | Path,
@@ -170,7 +171,7 @@ def run_scenes(
     InputError
         If a sub-folder holds the run of another scene, or a scene cannot run.
     """
-    _check_jobs(jobs)
+    check_jobs(jobs)
     paths = {}
     for name, scene in scenes.items():
         if not name or name != Path(name).name:
@@ -208,11 +209,6 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
 
     result = run(scene, path, jobs=1, observers=[Reports()], check=False)
     return f"{result.status}: {result.message}" if result.message else result.status
-
-
-def _check_jobs(jobs: int | None) -> None:
-    if jobs is not None and jobs < 1:
-        raise InputError(f"jobs = {jobs}: must be at least 1")
 
 
 def with_engine(scene: Scene, engine: str | Engine | None) -> Scene:

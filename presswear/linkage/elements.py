@@ -8,7 +8,7 @@ from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, quantity
-from presswear.tools.serialize import Checked, checked_names, converted
+from presswear.tools.serialize import Checked, checked_arguments, converted
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
@@ -111,7 +111,7 @@ class Body(Checked):
         return self.inertia or self.mass  # mass times 1 m^2
 
 
-@checked_names
+@checked_arguments
 def Bar(  # noqa: N802 - in a linkage it is a kind of body
     name: str,
     length: float | str,

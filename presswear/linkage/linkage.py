@@ -32,7 +32,7 @@ from presswear.linkage.elements import (
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, count, quantity, written
-from presswear.tools.serialize import Checked, checked_names, make, plain
+from presswear.tools.serialize import Checked, checked_arguments, make, plain
 
 MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
 DRAWING_TOL = 1e-6  # distance of the points of a joint in the drawing, relative to its size
@@ -180,7 +180,7 @@ class _Parts(Checked):
     loads: Sequence[Load | Force | Moment] = ()
 
 
-@checked_names
+@checked_arguments
 def assemble(
     bodies: Sequence[Any],
     joints: Sequence[Any] = (),

@@ -49,7 +49,7 @@ class Surface:
     def __post_init__(self) -> None:
         try:
             depth = np.array(self.depth, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             depth = np.full((1, 1), np.nan)
         if depth.ndim != 1 or not np.all(np.isfinite(depth)):
             raise InputError(

@@ -21,6 +21,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity, written
+from presswear.tools.serialize import checked_arguments
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
 
@@ -244,6 +245,7 @@ def pull_of(linkage: Linkage) -> float:
     return max(LEAST_PULL, PULL_OVER_WEIGHT * weight)
 
 
+@checked_arguments
 def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     """Return the total clearance at bottom dead centre, m (JIS B 6402).
 
@@ -277,6 +279,7 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     return float(up - down)
 
 
+@checked_arguments
 def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
     """Return the rise of bottom dead centre between two static loads, m, with fixed drives.
 

@@ -25,6 +25,7 @@ from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, shown
 from presswear.tools.files import check_folder, holder, read_checked
 from presswear.tools.numbers import large, readable
+from presswear.tools.serialize import check_type, checked_arguments
 
 if TYPE_CHECKING:
     import pandas
@@ -60,6 +61,7 @@ class Result:
     life: LifeResult | None = None  # service life, if the scene has limits
 
     def __post_init__(self) -> None:
+        check_type("stages", self.stages, tuple[StageResult, ...])
         object.__setattr__(self, "stages", _Stages(self.stages))
 
     def stage(self, index: int | str) -> StageResult:
@@ -168,6 +170,7 @@ def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
         raise InputError(f"{path / FILE}: {error}") from None
 
 
+@checked_arguments
 def load(path: str | Path, trust: bool = False) -> Result:
     """Read a result folder; InputError names parts that are missing, damaged or too new.
 
@@ -215,6 +218,7 @@ def unfinished(result: Result) -> str:
     return f"{result.path} is unfinished ({how}): {stages} are stored"
 
 
+@checked_arguments
 def read_surfaces(source: str | Path) -> Surfaces:
     """Return the surfaces of a stage of a result, or measured ones.
 

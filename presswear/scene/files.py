@@ -27,7 +27,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text
 from presswear.tools.quantities import NONE, Choice, Quantity, parse_quantity
-from presswear.tools.serialize import LARGEST
+from presswear.tools.serialize import LARGEST, checked_arguments
 
 SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
@@ -95,7 +95,7 @@ def read_toml(file: Path) -> dict[str, Any]:
     text = read_text(file)
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # ValueError: an integer of 5000 digits
         message, _, place = f"{error}".partition(" (at ")
         number, line = re.match(r"line (\d+)", place), ""
         if number:
@@ -107,6 +107,7 @@ def read_toml(file: Path) -> dict[str, Any]:
         raise InputError(f"{file}{line}: {fault}") from None
 
 
+@checked_arguments
 def scene_from(file: str | Path) -> Scene:
     """Return the scene that a file describes, checked; errors name the file, the key, the value."""
     file = Path(file)

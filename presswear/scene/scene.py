@@ -21,7 +21,7 @@ from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity, written
-from presswear.tools.serialize import Checked, from_plain, make, plain
+from presswear.tools.serialize import Checked, check_type, converted, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
 Parametric = Press | SliderCrank | FourBar | SixBar
@@ -118,6 +118,7 @@ class Scene(Checked):
         """Check each value, and fill in joints and bearings; see ``check`` for the rest."""
         if isinstance(self.mechanism, Mapping | str):
             self._set(mechanism=_mechanism_from(self.mechanism))
+        check_type("mechanism", self.mechanism, OneMechanism)
         if (
             isinstance(self.bearings, Mapping)
             and not self.bearings.keys() & Bearing.__dataclass_fields__.keys()
@@ -132,6 +133,7 @@ class Scene(Checked):
                 names = ", ".join(self.mechanism.allowed_joints)
                 raise InputError(f"bearings: no joint has clearance; set joints to any of {names}")
             self._set(joints=self._joint_choice.combine(self.mechanism.default_joints))
+        self._set(bearings=converted("bearings", self.bearings, Bearing))
         super().__post_init__()
         for name in self.joint_bearings:
             if name not in self.mechanism.allowed_joints:

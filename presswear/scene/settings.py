@@ -26,6 +26,7 @@ from presswear.tools.quantities import (
     meaning_of,
     parse_quantity,
 )
+from presswear.tools.serialize import checked_arguments
 from presswear.tools.user_function import UserFunction, is_stored_function
 
 SET = "set by the user"  # origin of a value that was changed
@@ -131,6 +132,7 @@ def _fields_of(owner: Any, prefix: str) -> Iterator[tuple[str, str, Any, Any, st
         yield item.name, key, getattr(owner, item.name), meaning, inner
 
 
+@checked_arguments
 def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Scene:
     """Return a scene with settings changed.
 

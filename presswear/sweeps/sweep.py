@@ -4,7 +4,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -30,8 +30,9 @@ from presswear.sweeps.responses import (
 )
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import check_ending, digest, inside, is_free, only_writer, write_bytes
+from presswear.tools.processes import check_jobs
 from presswear.tools.quantities import Choice
-from presswear.tools.serialize import checked_names, read_json, typed, write_json
+from presswear.tools.serialize import check_type, checked_arguments, read_json, typed, write_json
 
 FILE, PARTS = "sweep.json", "parts"
 SCHEMA = 2
@@ -54,6 +55,8 @@ class Sweep:
     def __post_init__(self) -> None:
         """Check the options; `InputError` names the one that does not fit."""
         Choice(get_args(Keep), "").check("keep", self.keep)
+        for item in fields(self):
+            check_type(item.name, getattr(self, item.name), item.type)
         _ = self.limit_of
 
     @cached_property
@@ -198,7 +201,7 @@ def run_sweep(
     return sweep
 
 
-@checked_names
+@checked_arguments
 def sweep(
     scene: Scene,
     vary: Mapping[str, Any] | None = None,
@@ -256,6 +259,7 @@ def sweep(
     RunFailed
         If the executor fails. A run that fails is a row with its error.
     """
+    check_jobs(jobs)
     if f"{folder}" == "":
         raise InputError("folder: a sweep needs a folder")
     listed = tuple(f"{key}={text}" for key, text in (ranges or {}).items())
@@ -266,6 +270,7 @@ def sweep(
     return run_sweep(made, on, jobs, parse_shard(shard), notify=notify)
 
 
+@checked_arguments
 def function_of(
     scene: Scene, responses: str | User | Sequence[str | User], failed: float | None = None
 ) -> Callable[[Mapping[str, Any]], float | list[float]]:

@@ -12,7 +12,7 @@ class InputError(ValueError):
     """Unknown name, value out of range, or values that do not fit together, in one line."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(one_line(message))
+        super().__init__(one_line(f"{message}"))
 
 
 class AssemblyError(InputError):
@@ -68,7 +68,10 @@ MAX_MESSAGE = 1000  # characters of a message
 
 def shown(value: Any) -> str:
     """Return a value as Python writes it, cut where it is long."""
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # of an integer with more than 4300 digits
+        text = "a huge number"
     return text if len(text) <= MAX_VALUE else f"{text[: MAX_VALUE - 3]}..."
 
 

@@ -22,9 +22,10 @@ from types import FrameType, ModuleType
 from typing import Any, Self
 
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import InputError, RunFailed, shown
 
 POLL = 0.1  # s between two reports of a worker
+MAX_JOBS = 10_000  # worker processes at a time: no machine has as many cores
 GRACE = 3.0  # s until a worker whose job does not stop is ended, for example while it compiles
 LOST = "a worker process was ended from outside, for example because memory ran out"
 _STOPS = math.inf  # progress of a job that stops; what it stores may take long
@@ -46,6 +47,13 @@ class Stopped(KeyboardInterrupt):
     def __init__(self, outcome: Any) -> None:
         super().__init__(outcome)
         self.outcome = outcome
+
+
+def check_jobs(jobs: int | None) -> None:
+    """Raise InputError for a number of processes that cannot be."""
+    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
+        limit = "at least 1" if jobs < 1 else f"at most {MAX_JOBS}"
+        raise InputError(f"jobs = {shown(jobs)}: must be {limit}")
 
 
 def cores() -> int:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import Field, dataclass, field, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from numbers import Integral, Real
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar, cast, get_args
 
 from presswear.tools.errors import InputError, nearest, shown
 from presswear.tools.numbers import short_number
@@ -79,9 +79,10 @@ def plain_number(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, Real):
         return value
     try:
-        return int(value) if isinstance(value, Integral) else float(value)
+        number = float(value)
     except OverflowError:
-        return math.inf
+        return math.inf if int(cast(Any, value)) > 0 else -math.inf
+    return int(value) if isinstance(value, Integral) else number
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,18 @@ from functools import wraps
 from numbers import Real
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Self, TypeVar, Union, cast, get_args, get_origin
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    Self,
+    TypeVar,
+    Union,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import numpy as np
 
@@ -69,16 +80,59 @@ def check_names(what: str, names: Iterable[str], allowed: Mapping[str, Any]) -> 
         raise unknown(what, name, allowed)
 
 
-def checked_names(function: F) -> F:
-    """Decorate a function of the face, so that a misspelt argument raises InputError."""
-    allowed = inspect.signature(function).parameters
+def checked_arguments(function: F) -> F:
+    """Decorate a function of the face: a misspelt or a wrong argument raises InputError.
+
+    Arguments are compared with their annotations, not converted.
+    """
+    signature = inspect.signature(function)
 
     @wraps(function)
     def checked(*values: Any, **named: Any) -> Any:
-        check_names(f"argument of {function.__name__}", named, allowed)
+        check_names(f"argument of {function.__name__}", named, signature.parameters)
+        hints = get_type_hints(function, include_extras=True)
+        for name, value in signature.bind_partial(*values, **named).arguments.items():
+            check_type(name, value, hints[name])
         return function(*values, **named)
 
     return cast(F, checked)
+
+
+def check_type(name: str, value: Any, kind: Any) -> None:
+    """Raise InputError unless a value is of an annotated type; texts are no numbers here."""
+    if not _is_of(name, value, kind):
+        raise _refusal(name, value, kind)
+
+
+def _is_of(name: str, value: Any, kind: Any) -> bool:
+    origin, inner = get_origin(kind) or kind, get_args(kind)
+    if kind is Any:
+        return True
+    if origin in (Union, UnionType):
+        if value is None:
+            return NoneType in inner
+        return any(_is_of(name, value, one) for one in inner)
+    if origin is Annotated:
+        inner[1].check(name, plain_number(value))
+        return True
+    if origin is Literal:
+        return isinstance(value, str) and value in inner
+    if kind in (float, int):
+        number = plain_number(value)
+        return isinstance(number, int | kind) and not isinstance(number, bool)
+    if origin in (Sequence, tuple):
+        is_list = isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
+        if not is_list or getattr(value, "ndim", 1) == 0:
+            return False
+        if origin is tuple and inner[-1] is not Ellipsis:
+            return len(value) == len(inner)
+        return all(_is_of(name, one, inner[0]) for one in value)
+    if origin is Mapping:
+        is_mapping = isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+        return is_mapping and all(_is_of(name, one, inner[1]) for one in value.values())
+    if origin is Callable:
+        return callable(value)
+    return isinstance(value, origin)
 
 
 class Named:
