@@ -6,37 +6,64 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from presswear.linkage.elements import Revolute
+from presswear.linkage.elements import GROUND, ClearanceJoint, Revolute
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, OverPosition, OverTime
 from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
+from presswear.physics.friction_and_normal import (
+    friction_force,
+    friction_record,
+    stribeck_coefficient,
+)
 from presswear.physics.ideal import IdealMotion, Motion, bottom_of, ideal_motion
 from presswear.physics.loads import place_loads, settle_loads
 from presswear.physics.packed import applied_forces, pack
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records
+from presswear.tools.compile import Records, compiled
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity, written
 from presswear.tools.serialize import checked_arguments
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
+FRICTION_TOL = 1e-12  # change of friction moments in the last iteration, part of the greatest
+MAX_ITERATIONS = 50  # of Newton's method for them
 
 
-def needed_torques(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
+def needed_torques(
+    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[ClearanceJoint] = ()
+) -> Array:
     """Return the torques of the drives, all joints closed, shape (n, drives), N m.
 
-    With inertia, weights, springs and loads: the multipliers of the drives' constraint rows.
-    Laws of loads that depend on the way are followed from the first instant of ``time``, s.
+    With inertia, weights, springs and loads, and with the friction of ``bushings``: the multipliers
+    of the drives' constraint rows; see ``constraint_forces``.
     """
-    return constraint_forces(linkage, ideal, time)[:, -len(linkage.drives) :]
+    return constraint_forces(linkage, ideal, time, bushings)[:, -len(linkage.drives) :]
 
 
-def constraint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
-    """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m."""
+def constraint_forces(
+    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[ClearanceJoint] = ()
+) -> Array:
+    """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m.
+
+    Laws of loads that depend on the way are followed from the first instant of ``time``, s.
+
+    Parameters
+    ----------
+    bushings : sequence of ClearanceJoint
+        Bearings of pin joints of the same name, whose friction acts in the rigid joints: a moment
+        mu F r against the relative spin, with the joint force F, the radius r of the bearing and
+        the friction law at the sliding speed r times the relative spin.
+
+    Raises
+    ------
+    RunFailed
+        If friction blocks the motion, so that no forces hold it.
+    """
     motion, packed = ideal.at(time), pack(linkage)
     right = packed.mass * motion.acceleration
     if packed.loads is not None:
@@ -48,7 +75,125 @@ def constraint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> Arra
         applied_forces(packed, t, *level[:2], force)
         right[k] -= force
     jacobian = ideal.rows.jacobian(motion.position.reshape(time.size, -1, 3))
-    return np.asarray(np.linalg.solve(jacobian.transpose(0, 2, 1), right[..., np.newaxis])[..., 0])
+    transposed = jacobian.transpose(0, 2, 1)
+    held = np.asarray(np.linalg.solve(transposed, right[..., np.newaxis])[..., 0])
+    rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
+    return _Friction(linkage, motion, rubbing, transposed).added(held) if rubbing else held
+
+
+@compiled
+def fill_steady_friction(law: Records, sliding: Array, normal: Array, force: Array) -> None:
+    """Fill the friction, N, of steady sliding at speeds, m/s, under normal forces, N; shape (n,).
+
+    LuGre's law has the deflection at which it stays: z' = 0.
+    """
+    for i in range(sliding.shape[0]):
+        if law.bristle_stiffness > 0.0:
+            size = normal[i] * stribeck_coefficient(sliding[i], law)
+            force[i] = -math.copysign(size, sliding[i]) if sliding[i] != 0.0 else 0.0
+        else:
+            force[i] = friction_force(sliding[i], normal[i], law)
+
+
+def relative_spins(
+    linkage: Linkage, motion: Motion, joints: Sequence[ClearanceJoint]
+) -> tuple[NDArray[np.int64], Array]:
+    """Return the columns of the angles of pins and bearings, and their relative spin, rad/s.
+
+    Shapes (joints, 2), -1 for the frame, and (joints, n).
+    """
+    places = [
+        [-1 if end.body == GROUND else 3 * linkage.index(end.body) + 2 for end in ends]
+        for ends in ((joint.pin, joint.bearing) for joint in joints)
+    ]
+    columns = np.array(places, np.int64).reshape(-1, 2)
+    spins = np.concatenate([motion.velocity, np.zeros((motion.time.size, 1))], axis=1).T
+    return columns, spins[columns[:, 0]] - spins[columns[:, 1]]
+
+
+class _Friction:
+    """Friction moments of rigid pin joints in the ideal motion, and the forces that they change.
+
+    The moments depend on the joint forces and the joint forces on the moments. Newton's method
+    solves for the moments m = c |F_0 - D m|, with the moment c of a joint force of 1 N, the forces
+    F_0 without friction, and those of unit moments D.
+    """
+
+    def __init__(
+        self, linkage: Linkage, motion: Motion, joints: Sequence[ClearanceJoint], transposed: Array
+    ) -> None:
+        self._joints, self._motion = joints, motion
+        columns, self._spin = relative_spins(linkage, motion, joints)
+        names = [one.name for one in linkage.revolutes]
+        self._rows = np.array([2 * names.index(joint.name) for joint in joints])
+        units = np.zeros((linkage_size := 3 * len(linkage.bodies), len(joints)))
+        for k, (pin, bearing) in enumerate(columns):
+            if pin >= 0:
+                units[pin, k] += 1.0
+            if bearing >= 0:
+                units[bearing, k] -= 1.0
+        shape = (motion.time.size, linkage_size, len(joints))
+        # Change of all multipliers by unit moments on the pins, (n, rows, joints)
+        self._changes = np.linalg.solve(transposed, np.broadcast_to(units, shape))
+
+    def _moments_of(self, size: Array) -> Array:
+        """Return the moments on the pins under joint forces, (n, joints), N and N m."""
+        moments = np.zeros_like(size)
+        for k, joint in enumerate(self._joints):
+            record, radius = friction_record(joint.friction), joint.bearing_radius
+            friction = np.zeros(size.shape[0])
+            normal = np.ascontiguousarray(size[:, k])
+            fill_steady_friction(record, radius * self._spin[k], normal, friction)
+            moments[:, k] = radius * friction
+        return moments
+
+    def added(self, held: Array) -> Array:
+        """Return multipliers with friction from those without, (n, rows)."""
+        pairs = self._rows[:, np.newaxis] + np.arange(2)
+        changes = self._changes[:, pairs]  # (n, joints, 2, joints)
+        size = np.linalg.norm(held[:, pairs], axis=2)
+        moments = self._moments_of(size)
+        for _ in range(MAX_ITERATIONS):
+            total = held - np.einsum("nrj,nj->nr", self._changes, moments)
+            force = total[:, pairs]
+            size = np.linalg.norm(force, axis=2)
+            friction = self._moments_of(size)
+            error = moments - friction
+            scale = np.abs(friction).max(axis=1, initial=0.0, keepdims=True)
+            if np.all(np.abs(error) <= FRICTION_TOL * scale):
+                return np.asarray(total)
+            # No direction of a force that vanishes
+            per_force = np.divide(friction, size, out=np.zeros_like(friction), where=size > 0.0)
+            unit = np.divide(
+                force, size[..., np.newaxis], out=np.zeros_like(force), where=size[..., None] > 0.0
+            )
+            slope = per_force[..., np.newaxis] * np.einsum("nkc,nkcj->nkj", unit, changes)
+            matrix = np.eye(len(self._joints)) + slope
+            moments = moments - np.linalg.solve(matrix, error[..., np.newaxis])[..., 0]
+        worst = int((np.abs(error) - FRICTION_TOL * scale).max(axis=1).argmax())
+        raise RunFailed(
+            f"friction blocks the motion of rigid joints at t = {self._motion.time[worst]:.6g} s: "
+            "no joint forces hold it"
+        )
+
+
+def friction_corners(
+    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[ClearanceJoint]
+) -> Array:
+    """Return the instants at which friction in rigid joints has a corner, shape (k,), s.
+
+    The sliding speed passes a corner of the ramp, between some times, s, that resolve the motion.
+    """
+    rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
+    instants = [np.zeros(0)]
+    _, spins = relative_spins(linkage, ideal.at(time), rubbing)
+    for joint, spin in zip(rubbing, spins, strict=True):
+        law = joint.friction
+        for corner in (-law.upper, -law.lower, law.lower, law.upper):
+            ahead = joint.bearing_radius * spin - corner
+            k = np.flatnonzero(ahead[1:] * ahead[:-1] < 0.0)
+            instants.append(time[k] - ahead[k] * np.diff(time)[k] / np.diff(ahead)[k])
+    return np.concatenate(instants)
 
 
 def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
@@ -79,13 +224,20 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     return np.asarray(instants[(instants >= time[0]) & (instants <= time[-1])])
 
 
-def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
-    """Raise InputError where a drive needs more than its torque limit in the second cycle."""
+def check_drives(
+    linkage: Linkage, ideal: IdealMotion, bushings: Sequence[ClearanceJoint] = ()
+) -> None:
+    """Raise InputError where a drive needs more than its torque limit in the second cycle.
+
+    Joints are rigid, with the friction of ``bushings``; see ``constraint_forces``.
+    """
     start = linkage.run_up_time
     time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
-    time = np.union1d(time, load_corners(linkage, ideal, time))
+    corners = load_corners(linkage, ideal, time)
+    time = np.union1d(np.union1d(time, corners), friction_corners(linkage, ideal, time, bushings))
     is_second = time >= start + ideal.period
-    torques, second = needed_torques(linkage, ideal, time)[is_second], time[is_second]
+    torques = needed_torques(linkage, ideal, time, bushings)[is_second]
+    second = time[is_second]
     for drive, item in zip(linkage.drives, torques.T, strict=True):
         place = int(np.abs(item).argmax())
         if drive.torque_limit is not None and not abs(item[place]) <= drive.torque_limit:

@@ -12,11 +12,17 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
+from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.laws import Elasticity, NormalLaw
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.physics.ideal import bottom_of
 from presswear.physics.loads import sizes_over
-from presswear.physics.statics import constraint_forces, load_corners, needed_torques
+from presswear.physics.statics import (
+    constraint_forces,
+    friction_corners,
+    load_corners,
+    needed_torques,
+)
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
 from presswear.recording.observe import CYCLE_DRIVE
@@ -25,6 +31,7 @@ from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
+from presswear.tools.errors import RunFailed
 from presswear.tools.numbers import quantity_text, readable
 from presswear.tools.user_function import UserFunction
 
@@ -329,7 +336,8 @@ class DriveResult(NamedTuple):
     """Drive in a stage."""
 
     duty: DriveDuty  # of the run, integrated over all steps
-    ideal: DriveDuty  # of the linkage without clearance
+    ideal: DriveDuty  # of rigid joints without friction
+    rubbing: DriveDuty | None  # of rigid joints with the friction of their bearings, if any
     peak_torque: Estimate | None  # largest in magnitude of a cycle, mean over cycles, N m
     peak_power: Estimate | None  # W
 
@@ -342,6 +350,7 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}
     start, ideal = stage.arrays["cycle_start"], ideal_drives(scene)
+    rubbing = rubbing_drives(scene)
     # The cycles of the second set of replicates are not used.
     replicates = [stage.arrays["cycles"][start == k] for k in range(scene.replicate_count)]
     cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
@@ -355,12 +364,41 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
             for name, values in columns.items()
         }
     duties = _duties(numbers, scene.mechanism.period)
-    return {body: DriveResult(duties[body], ideal[body], *peaks[body]) for body in ideal}
+    return {
+        body: DriveResult(duties[body], ideal[body], rubbing.get(body), *peaks[body])
+        for body in ideal
+    }
 
 
-def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
-    """Return the duties of the drives of the linkage without clearance by their bodies."""
-    curves, weights = ideal_curves(scene)
+def rubbing_joints(scene: Scene) -> tuple[ClearanceJoint, ...]:
+    """Return the clearance joints with friction, whose laws act in rigid joints too.
+
+    Empty if a friction law is source code that is stored in a result.
+    """
+    joints = tuple(one for one in scene.linkage().clearances if one.friction.coefficient > 0.0)
+    laws = (one.friction.user_law for one in joints)
+    return joints if all(law is None or law.is_trusted for law in laws) else ()
+
+
+def rubbing_drives(scene: Scene) -> dict[str, DriveDuty]:
+    """Return the duties of the drives of rigid joints with the friction of their bearings.
+
+    Empty if no joint has friction, or if friction blocks the motion of rigid joints.
+    """
+    if not rubbing_joints(scene):
+        return {}
+    try:
+        return ideal_drives(scene, rubs=True)
+    except RunFailed:
+        return {}
+
+
+def ideal_drives(scene: Scene, rubs: bool = False) -> dict[str, DriveDuty]:
+    """Return the duties of the drives of the linkage with rigid joints by their bodies.
+
+    With ``rubs`` the joints have the friction of their bearings; RunFailed if it blocks the motion.
+    """
+    curves, weights = ideal_curves(scene, rubs)
     numbers = {
         body: {
             "torque_integral": float(weights @ curve.torque),
@@ -378,7 +416,7 @@ def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
 
 @lru_cache(maxsize=16)  # a report uses them several times
 def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
-    """Return times in a cycle without clearance, s, and the force of each pin joint, N.
+    """Return times in a cycle of rigid joints without friction, s, and the force of each pin, N.
 
     The forces are x + 1j y, shape (n,), on the first body; the first cycle after the run-up lets
     the laws of loads follow the motion and is left out.
@@ -426,27 +464,34 @@ def curves_of(scene: Scene, time: Array, torque: Array | None) -> dict[str, Driv
 
 
 @lru_cache(maxsize=16)
-def ideal_curves(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
-    """Return the drives without clearance over a cycle after the run-up, by their bodies.
+def ideal_curves(scene: Scene, rubs: bool = False) -> tuple[dict[str, DriveCurve], Array]:
+    """Return the drives of rigid joints over a cycle after the run-up, by their bodies.
 
-    The array holds the weights of the instants in an integral over the cycle, s.
+    The array holds the weights of the instants in an integral over the cycle, s. With ``rubs`` the
+    joints have the friction of their bearings.
     """
+    bushings = rubbing_joints(scene) if rubs else ()
     start, period = scene.run_up, scene.mechanism.period
     # The laws of loads are followed through a cycle before.
     before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
     edges = start + np.concatenate([before, period + cycle[1:]])
     corners = load_corners(scene.loaded, scene.ideal, edges)
+    if bushings:
+        turns = friction_corners(scene.loaded, scene.ideal, edges, bushings)
+        corners = np.union1d(corners, turns)
     edges = np.union1d(edges, corners)
     # Supplied and returned energy have a kink where the power of a drive changes its sign.
     for _ in range(2):
-        for time, _, _, power in _integrated(scene, edges, corners)[0].values():
+        for time, _, _, power in _integrated(scene, edges, corners, bushings)[0].values():
             k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
             turns = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
             edges = np.union1d(edges, turns)
-    return _integrated(scene, edges, corners)
+    return _integrated(scene, edges, corners, bushings)
 
 
-def _integrated(scene: Scene, edges: Array, corners: Array) -> tuple[dict[str, DriveCurve], Array]:
+def _integrated(
+    scene: Scene, edges: Array, corners: Array, bushings: Sequence[ClearanceJoint]
+) -> tuple[dict[str, DriveCurve], Array]:
     """Return ideal drives and Gauss weights, s, in the last cycle between some edges, s.
 
     Corners of loads, s, where a peak can be, are instants of the weight 0.
@@ -457,7 +502,7 @@ def _integrated(scene: Scene, edges: Array, corners: Array) -> tuple[dict[str, D
     weights = np.append(np.outer(half, _WEIGHTS).ravel(), np.zeros(corners.size))
     order = np.argsort(time, kind="stable")
     time, weights = time[order], weights[order]
-    torque = needed_torques(scene.loaded, scene.ideal, time)
+    torque = needed_torques(scene.loaded, scene.ideal, time, bushings)
     last = time > edges[-1] - scene.mechanism.period
     return curves_of(scene, time[last], torque[last]), weights[last]
 

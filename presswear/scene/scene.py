@@ -185,7 +185,7 @@ class Scene(Checked):
         if is_limited and not self.has_untrusted_loads:
             from presswear.physics.statics import check_drives  # slow import
 
-            check_drives(loaded, self.ideal)
+            check_drives(loaded, self.ideal, self.linkage().clearances)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)

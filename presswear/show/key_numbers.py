@@ -24,6 +24,8 @@ _MADE = 0.02  # energy that contacts make, relative to what they dissipate
 _FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
+# Linkages to which a run is compared
+RUBBING, IDEAL = "rigid joints with friction", "rigid joints without friction"
 _LOADS = {  # title, unit and words of the loads of bearings, by the settings that limit them
     "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
     "pv_limit": ("p v", "W/m^2", "Mean of pressure times sliding speed"),
@@ -110,7 +112,7 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     text += f"{largest}. Impacts are included; a real frame bends and makes them smaller."
     if not scene.has_untrusted_loads:
         ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
-        text += f" Without clearance: {numbers.quantity_text(ideal, 'N')}."
+        text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
     if last is not first and at in first.statistics.joints:
         new = first.statistics.joints[at].peak_force_per_cycle.mean
         strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
@@ -207,30 +209,41 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
     drives, ideal = press.drives_of(scene, stages[-1]), press.ideal_drives(scene)
+    rubbing = press.rubbing_drives(scene)
     new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
-    duties = {body: drive.duty for body, drive in drives.items()} or ideal
+    rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
+    duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):
-        closed = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in ideal.items()}
+        closed = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()}
         peaks = {body: getattr(drive, f"peak_{name}") for body, drive in drives.items()}
         peaks = {body: peak for body, peak in peaks.items() if peak is not None} or closed
-        body, largest = _greatest(peaks), _greatest(closed)
-        without = numbers.quantity_text(closed[largest].mean, unit)
+        body = _greatest(peaks)
         if name == "torque":
             typical = f"rms {numbers.quantity_text(duties[body].torque.rms, unit)}."
         else:
             typical = _mean_power(scene, [duty.power.mean for duty in duties.values()], peaks[body])
         text, title = f"Largest in a stroke at {body}; {typical}", f"Peak drive {name}"
+        compared = tuple((words, _peak_text(one, name, unit)) for words, one in rigid.items())
         if not drives:
-            text += " Computed without clearance and friction; drive_torque = on includes both."
-            result.append(KeyNumber(title, without, "", text))
+            text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
+            text += "clearance and friction."
+            value = numbers.quantity_text(peaks[body].mean, unit)
+            result.append(KeyNumber(title, value, "", text, compared))
             continue
-        text += f" Without clearance: {without}{f' at {largest}' if len(ideal) > 1 else ''}."
         before = getattr(new[body], f"peak_{name}") if body in new else None
         if before is not None:
             text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
-        result.append(measured(title, peaks[body], unit, text))
+        result.append(measured(title, peaks[body], unit, text)._replace(compared=compared))
     return result
+
+
+def _peak_text(duties: Mapping[str, press.DriveDuty], name: str, unit: str) -> str:
+    """Return the greatest peak of the drives as a text, with its drive if there are several."""
+    peaks = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()}
+    body = _greatest(peaks)
+    text = numbers.quantity_text(peaks[body].mean, unit)
+    return f"{text} at {body}" if len(peaks) > 1 else text
 
 
 def _mean_power(scene: Scene, means: list[float], peak: Estimate) -> str:

@@ -160,12 +160,16 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
 
 
 class KeyNumber(NamedTuple):
-    """Number on the first screen: its name, value with unit, interval, and short meaning."""
+    """Number on the first screen: its name, value with unit, interval, and short meaning.
+
+    ``compared`` holds names and values to which it is compared, a line each.
+    """
 
     name: str
     value: str
     interval: str
     meaning: str
+    compared: tuple[tuple[str, str], ...] = ()
 
 
 def render_page(

@@ -46,7 +46,7 @@ from presswear.show import page
 from presswear.show.figures import drawings
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
-from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, warnings
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
@@ -65,6 +65,7 @@ def prepare(scene: Scene) -> None:
     """Compile the kernels of a report, and compute what does not depend on the run."""
     if not scene.has_untrusted_loads:
         press.ideal_drives(scene)
+        press.rubbing_drives(scene)
         press.ideal_forces(scene)
     _heights_at_rest(scene)
 
@@ -283,7 +284,7 @@ def _direction(angle: Estimate) -> str:
 
 
 def drive_table(result: Result) -> Table | None:
-    """Return torque, power and energy of each drive beside ideal joints.
+    """Return torque, power and energy of each drive beside rigid joints.
 
     None if torques were not stored, or if ideal torques would execute untrusted stored laws.
     """
@@ -297,9 +298,11 @@ def drive_table(result: Result) -> Table | None:
             records.append({"name": name, "duty": duty, "energy": stage.statistics})
     if not records:
         return None
-    ideal = press.ideal_drives(scene)
-    energy = {"drive_work_per_cycle": sum(drive.work for drive in ideal.values())}
-    records.append({"name": "ideal joints", "duty": ideal, "energy": energy})
+    rigid = {RUBBING: press.rubbing_drives(scene), IDEAL: press.ideal_drives(scene)}
+    for name, duties in rigid.items():
+        if duties:
+            energy = {"drive_work_per_cycle": sum(drive.work for drive in duties.values())}
+            records.append({"name": name, "duty": duties, "energy": energy})
     return _result_table("drives", result, records)
 
 

@@ -8,7 +8,8 @@ from made_up_result import altered, lived, made_up
 
 import presswear as pw
 from presswear.recording.statistics import Estimate
-from presswear.show.key_numbers import key_numbers, measured, warnings
+from presswear.results.press_analysis import ideal_drives, rubbing_drives
+from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, measured, warnings
 from presswear.tools.numbers import quantity_text
 
 
@@ -74,9 +75,26 @@ def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
 
 
 def test_round_off_is_no_mean_power() -> None:
-    numbers = {one.name: one for one in key_numbers(made_up(pw.scenes.slider_crank(), 2))}
+    scene = pw.changed(pw.scenes.slider_crank(), {"friction": 0.0})
+    numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
     meaning = numbers["Peak drive power"].meaning
-    assert "at crank; mean 0 W. Computed without" in meaning
+    assert "at crank; mean 0 W. Computed with rigid joints without friction;" in meaning
+
+
+@pytest.mark.parametrize("torques", ["on", "off"])
+def test_drives_are_compared_to_rigid_joints_with_and_without_friction(torques: str) -> None:
+    """What friction needs is not the work of clearance."""
+    scene = replace(made.BOTH, drive_torque=torques)
+    scene = pw.changed(scene, {"friction": 0.1})
+    numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
+    for name, unit in (("torque", "N m"), ("power", "W")):
+        compared = dict(numbers[f"Peak drive {name}"].compared)
+        for words, duties in ((RUBBING, rubbing_drives(scene)), (IDEAL, ideal_drives(scene))):
+            peak, body = max((abs(getattr(duty, name).peak), body) for body, duty in duties.items())
+            assert compared[words] == f"{quantity_text(peak, unit)} at {body}"
+    frictionless = pw.changed(scene, {"friction": 0.0})
+    (row,) = {one.compared for one in key_numbers(made_up(frictionless, 2)) if "torque" in one.name}
+    assert [words for words, _ in row] == [IDEAL]
 
 
 def test_powers_of_drives_are_added() -> None:

@@ -1,0 +1,150 @@
+"""Rigid joints with friction in the ideal motion: closed forms, power balance."""
+
+import math
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.laws import LUGRE, FrictionLaw, NormalLaw
+from presswear.linkage.linkage import Linkage
+from presswear.physics.ideal import motion_of
+from presswear.physics.statics import (
+    check_drives,
+    constraint_forces,
+    friction_corners,
+    needed_torques,
+)
+from presswear.tools.errors import InputError, RunFailed
+
+RADIUS = 0.02
+
+
+def bushings(
+    linkage: Linkage, names: str, law: FrictionLaw, radius: float = RADIUS
+) -> list[ClearanceJoint]:
+    return [
+        ClearanceJoint(
+            joint.name, joint.first, joint.second, radius, 1e-4, 0.02, NormalLaw(1e10), law
+        )
+        for joint in linkage.revolutes
+        if joint.name in names
+    ]
+
+
+def bar(speed: float) -> Linkage:
+    """A bar of 2 kg on a pin of the frame, its mass centre 0.2 m away."""
+    return pw.assemble(
+        [pw.Bar("crank", length=0.4, mass=2.0)],
+        [pw.Pin("O", (0.0, 0.0), "crank.tail")],
+        [pw.Drive("crank", speed=speed, angle=0.3)],
+    )
+
+
+def slider_crank(speed: float = 10.0) -> Linkage:
+    return pw.SliderCrank(speed=speed).linkage()
+
+
+@pytest.mark.parametrize("speed", [5.0, -5.0])
+@pytest.mark.parametrize("is_swapped", [False, True])
+def test_a_pin_under_a_known_force_takes_mu_f_r(speed: float, is_swapped: bool) -> None:
+    """Weight and centripetal force; against the motion, pin and bearing in either place."""
+    linkage, law = bar(speed), FrictionLaw(0.1)
+    (bushing,) = bushings(linkage, "O", law)
+    if is_swapped:
+        bushing = ClearanceJoint(
+            "O", bushing.pin, bushing.bearing, RADIUS, 1e-4, 0.02, NormalLaw(1e10), law
+        )
+    time = np.linspace(0.0, linkage.period, 50)
+    angle = 0.3 + speed * time
+    turning = 2.0 * speed**2 * 0.2
+    force = np.hypot(-turning * np.cos(angle), 2.0 * 9.81 - turning * np.sin(angle))
+    weight = 2.0 * 9.81 * 0.2 * np.cos(angle)
+    torque = needed_torques(linkage, motion_of(linkage), time, [bushing])[:, 0]
+    expected = weight + math.copysign(0.1 * RADIUS, speed) * force
+    np.testing.assert_allclose(torque, expected, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("speed", "part"), [(0.01, 0.0), (0.11, 0.5), (1.0, 1.0)])
+def test_the_ramp_is_that_of_a_bearing(speed: float, part: float) -> None:
+    """c_d of the sliding speed r w: v_0 = 0.1, v_1 = 1 mm/s."""
+    linkage, motion = bar(speed), motion_of(bar(speed))
+    time = np.array([0.0])
+    rubbed, free = (
+        needed_torques(linkage, motion, time, joints)[0, 0]
+        for joints in (bushings(linkage, "O", FrictionLaw(0.2), radius=0.005), ())
+    )
+    force = 2.0 * math.hypot(9.81 - speed**2 * 0.2 * math.sin(0.3), speed**2 * 0.2 * math.cos(0.3))
+    assert rubbed - free == pytest.approx(part * 0.2 * 0.005 * force, rel=1e-12, abs=1e-15)
+
+
+def test_bristles_are_those_of_steady_sliding() -> None:
+    linkage = bar(0.05)
+    law = FrictionLaw(0.1, name=LUGRE, static=0.15, stribeck=1e-3)
+    found = constraint_forces(linkage, motion_of(linkage), np.zeros(1), bushings(linkage, "O", law))
+    held = constraint_forces(linkage, motion_of(linkage), np.zeros(1))
+    coefficient = 0.1 + 0.05 * math.exp(-1.0)
+    size = math.hypot(held[0, 0], held[0, 1])
+    assert found[0, -1] - held[0, -1] == pytest.approx(coefficient * RADIUS * size, rel=1e-12)
+
+
+@pytest.mark.parametrize("coefficient", [0.01, 0.1, 0.3])
+def test_the_drive_pays_for_the_friction_at_every_instant(coefficient: float) -> None:
+    """Extra power is the sum of mu F r times the relative spins, F the forces with friction."""
+    linkage, law = slider_crank(), FrictionLaw(coefficient)
+    motion, joints = motion_of(linkage), bushings(linkage, "OABCDE", law)
+    assert len(joints) == len(linkage.revolutes) == 3
+    time = np.linspace(0.0, linkage.period, 400)
+    held = constraint_forces(linkage, motion, time)
+    rubbed = constraint_forces(linkage, motion, time, joints)
+    velocity = motion.at(time).velocity
+    heat = np.zeros(time.size)
+    for k, joint in enumerate(linkage.revolutes):
+        first, second = (
+            velocity[:, 3 * linkage.index(end.body) + 2] if end.body != "frame" else 0.0
+            for end in (joint.first, joint.second)
+        )
+        spin = np.abs(second - first)
+        ramp = np.clip((RADIUS * spin - law.lower) / (law.upper - law.lower), 0.0, 1.0)
+        force = np.hypot(rubbed[:, 2 * k], rubbed[:, 2 * k + 1])
+        heat += coefficient * ramp * force * RADIUS * spin
+    speed = linkage.drives[0].speed
+    extra = (rubbed[:, -1] - held[:, -1]) * speed
+    np.testing.assert_allclose(extra, heat, rtol=1e-9, atol=1e-9 * heat.max())
+    # Friction changes the joint forces too.
+    assert np.abs(rubbed[:, :6] - held[:, :6]).max() > 1e-3 * coefficient * np.abs(held).max()
+
+
+def test_friction_that_blocks_the_motion_is_said() -> None:
+    """A bearing as large as the crank, with a coefficient above one."""
+    linkage = slider_crank()
+    joints = bushings(linkage, "OAB", FrictionLaw(2.0), radius=0.3)
+    time = np.linspace(0.0, linkage.period, 50)
+    with pytest.raises(RunFailed, match="friction blocks the motion of rigid joints at t = "):
+        constraint_forces(linkage, motion_of(linkage), time, joints)
+
+
+def test_a_torque_limit_holds_with_friction() -> None:
+    linkage = bar(5.0)
+    joints = bushings(linkage, "O", FrictionLaw(0.1))
+    time = np.linspace(0.0, linkage.period, 5000)
+    greatest = np.abs(needed_torques(linkage, motion_of(linkage), time, joints)).max()
+    free = np.abs(needed_torques(linkage, motion_of(linkage), time)).max()
+    assert greatest > 1.005 * free
+    drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=0.5 * (free + greatest))
+    limited = linkage.changed(drives=[drive])
+    check_drives(limited, motion_of(limited))
+    with pytest.raises(InputError, match="the ideal motion needs"):
+        check_drives(limited, motion_of(limited), joints)
+
+
+def test_friction_has_corners_where_joints_turn_back() -> None:
+    """The rod turns back twice in a cycle: four corners of the ramp each time."""
+    linkage = slider_crank()
+    joints = bushings(linkage, "B", FrictionLaw(0.1)) or bushings(
+        linkage, linkage.revolutes[-1].name, FrictionLaw(0.1)
+    )
+    time = np.linspace(0.0, linkage.period, 1000)
+    corners = friction_corners(linkage, motion_of(linkage), time, joints)
+    assert corners.size == 8
