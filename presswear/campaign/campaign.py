@@ -374,8 +374,12 @@ class _Campaign:
             for observer in runner.observers:
                 observer.on_life(life)
 
+        def announce(cycles: float, seconds: float) -> None:
+            for observer in runner.observers:
+                observer.on_life_start(cycles, seconds)
+
         refinements, life = run_life(
-            runner, initial, state, lambda life: self._keep(life=life), report
+            runner, initial, state, lambda life: self._keep(life=life), report, announce
         )
         report(life)
         self.unconverged += unknown_life(scene, life)

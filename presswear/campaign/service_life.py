@@ -38,6 +38,8 @@ MIN_CYCLES = 16  # of each history up to the life, in a refinement that determin
 MIN_REFINEMENT = 1.5  # ratio of cycles of two refinements that show the error of the step
 SAFE_REFINEMENT, STEP_SAFETY = 2.5, 2.0  # factor on this error below a larger ratio
 MAX_STEP_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # from block to block, from refinement to refinement
+FIRST_DISTANCE = 0.3  # of the tolerance, expected distance of the first two refinements, or
+FIRST_SCATTER = 0.4  # of the half width over the histories: the mean for equal distributions
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
 MARGIN = 0.1  # of the cycles up to a crossing; samples reach this far beyond it
@@ -344,10 +346,11 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
 
     After the last refinement others follow by the rule of ``next_refinement``. The error of the
     scatter falls with the root of the cycles. That of the step follows from the distance of the
-    first life and the last one; with a single one, from its scatter.
+    first life and the last one. In the first refinement the scatter follows from the depths worn
+    so far.
     """
     *coarser, last = refinements
-    limits, sampling, distance = problem.limits, problem.tolerance, problem.tolerance
+    limits = problem.limits
     ends = [max(each.cycles_until(each.crossing(limits)), 1.0) for each in coarser]
     histories = refinements[0].histories if refinements[0].blocks else 1
     completed = sum(block.cycles for block in last.blocks[1:])
@@ -356,10 +359,14 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     left += last.block + (0 if last.blocks else STARTUP_CYCLES + MIN_BLOCK)
     if coarser:
         sampling = coarser[-1].sampling_error(limits)
-        if math.isinf(sampling):
-            return left
+    else:
+        sampling = _expected_sampling(problem, last, ends[-1])
+    if math.isinf(sampling):
+        return left
+    distance = max(FIRST_DISTANCE * problem.tolerance, FIRST_SCATTER * sampling)
+    if coarser:
         change = abs(math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits)))
-        distance = change if 0.0 < change < math.inf else sampling
+        distance = change if 0.0 < change < math.inf else distance
         sampling *= math.sqrt(ends[-2] / ends[-1])
     while True:
         ratio = max(ends[-1] / ends[0], MIN_REFINEMENT)
@@ -372,6 +379,21 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         left += STARTUP_CYCLES + MIN_BLOCK + cycles
         sampling *= math.sqrt(ends[-1] / cycles)
         ends.append(cycles)
+
+
+def _expected_sampling(problem: LifeProblem, refinement: Refinement, cycles: float) -> float:
+    """Return the sampling error expected after some cycles, by the depths worn so far.
+
+    The tolerance is expected before the depths of the histories can be compared.
+    """
+    completed = sum(block.cycles for block in refinement.blocks[1:])
+    if not completed or refinement.histories < 2:
+        return problem.tolerance
+    levels = refinement.blocks[-1].levels
+    depths = [levels[limit.key] for limit in problem.limits if limit.key in levels]
+    halves = [half_width(np.log(depth)) or 0.0 for depth in depths if np.all(depth > 0.0)]
+    share = min(completed / cycles, 1.0)
+    return min(halves) * math.sqrt(share) if halves else problem.tolerance
 
 
 def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int) -> float:

@@ -36,6 +36,7 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
+MEASURED_BLOCKS = 2  # of the first refinement: in the second, kernels are compiled and joints worn
 STAGE_CYCLES = 8  # of each history, in whose time a stage runs until its wear maps are known
 _MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
 MAX_PHASES = 3
@@ -201,10 +202,13 @@ def run_life(
     state: LifeState,
     keep: Callable[[LifeState], None],
     report: Callable[[LifeResult], None],
+    announce: Callable[[float, float], None],
 ) -> tuple[tuple[Refinement, ...], LifeResult]:
     """Run the service life of a scene, or resume it; return its refinements as well.
 
     ``report`` is called with a preliminary life after each refinement that another one follows.
+    ``announce`` is called once, early, with the cycles of all replicates and the time, s, that the
+    life and the stages through it will still take.
     InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
     scene = runner.scene
@@ -213,11 +217,21 @@ def run_life(
     limits, services = life.limits(joints), life.services(joints)
     problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
     histories = WearHistories(runner, initial, problem, state, keep)
+
+    def keep_blocks(refinements: Refinements) -> None:
+        histories.store(refinements=tuple(refinements))
+        if len(refinements) == 1 and len(refinements[0].blocks) == MEASURED_BLOCKS:
+            left = cycles_left(problem, refinements)
+            left += (scene.wear_updates + 1) * (scene.cycles or STAGE_CYCLES)
+            last = refinements[0].blocks[-1]
+            each = last.wall_s / max(last.cycles, 1)
+            announce(left * scene.replicate_count, left * each)
+
     done = run_refinements(
         problem,
         histories.advance,
         state.refinements,
-        lambda refinements: histories.store(refinements=refinements),
+        keep_blocks,
         lambda refinements: report(preliminary_life(scene, problem, refinements)),
     )
     return done, life_result(scene, problem, done)

@@ -2,6 +2,7 @@
 
 import argparse
 import logging
+import sys
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, nullcontext, suppress
@@ -25,7 +26,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed, changes_from, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
-from presswear.tools.numbers import counted, unit_scale
+from presswear.tools.numbers import counted, large, lasting, unit_scale
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ LOGGER = logging.getLogger(__name__)
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels
 LINE_INTERVAL = 60.0  # between lines with the progress where there is no terminal, s
+LONG_LIFE = 600.0  # s, from which a user is asked before a service life goes on
 BAR_DELAY = 3.0  # of the bar of a run in Python, s
 SHOWN_JOINTS = 3  # in the lines of a stage
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
@@ -111,7 +113,8 @@ def run_scene(
                 terminal.resumable(command, folder, lambda: store.stored_part),
                 terminal.progress_bar(console) as bar,
             ):
-                observers = [RunObserver(bar, scene), *([live] if live else [])]
+                shown = RunObserver(bar, scene, arguments.yes)
+                observers = [shown, *([live] if live else [])]
                 with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
                     if workers.count > 1 and not (arguments.no_report or store.is_finished):
                         Thread(target=_prepare_report, args=(scene,), daemon=True).start()
@@ -171,8 +174,8 @@ def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
 class RunObserver(Observer):
     """Observer that shows the progress of a run and prints each finished stage."""
 
-    def __init__(self, bar: ProgressBar, scene: Scene) -> None:
-        self._bar, self._scene = bar, scene
+    def __init__(self, bar: ProgressBar, scene: Scene, is_confirmed: bool = True) -> None:
+        self._bar, self._scene, self._is_confirmed = bar, scene, is_confirmed
         self._compile_time = 0.0  # within this stage, s
         self._compiled = 0.0  # of all stages, s, with the time before the first report
         self._compile_start: float | None = None
@@ -207,6 +210,22 @@ class RunObserver(Observer):
             self._printed = clock.perf_counter()
             left = terminal.time_left(self._bar.tasks[self._task])
             terminal.print_lines(self._bar.console, f"{text}, {100.0 * done:.0f} % {left}".rstrip())
+
+    def on_life_start(self, cycles: float, seconds: float) -> None:
+        """Print what a life will take; ask a user at a terminal before a long one."""
+        count = large(cycles, digits=2)
+        line = f"the life needs about {count} cycles of all replicates, {lasting(seconds)} more"
+        terminal.print_lines(self._bar.console, line)
+        is_terminal = self._bar.console.is_terminal and sys.stdin.isatty()
+        if self._is_confirmed or not is_terminal or seconds <= LONG_LIFE:
+            return
+        asked = clock.perf_counter()
+        self._bar.stop()
+        answer = input("continue? [y/N] (--yes: do not ask) ")
+        if answer.strip().lower() not in ("y", "yes"):
+            raise KeyboardInterrupt
+        self._bar.start()
+        self._compiled += clock.perf_counter() - asked
 
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""

@@ -59,8 +59,22 @@ class Observer:
     def on_stage(self, stage: Any) -> None:
         """Called with a finished stage (``StageResult``), the wear update after it included."""
 
+    def on_life_start(self, cycles: float, seconds: float) -> None:
+        """Called after the first strokes of a service life with what it will still take.
+
+        Parameters
+        ----------
+        cycles : float
+            Of all replicates.
+        seconds : float
+            Wall time at the speed so far.
+        """
+
     def on_life(self, life: Any) -> None:
-        """Called with the service life (``LifeResult``), before the stages through it run."""
+        """Called with a service life (``LifeResult``) before the stages through it run.
+
+        A preliminary one is reported after each refinement that another one follows.
+        """
 
     def on_checkpoint(self, checkpoint: Any, is_stage: bool) -> None:
         """Called with the state of a campaign (``Checkpoint``), and after each stage."""

@@ -4,15 +4,20 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from presswear.campaign import campaign as campaigns
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
+from presswear.cli import run as cli_run
+from presswear.cli.run import RunObserver
+from presswear.cli.terminal import progress_bar
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
@@ -491,3 +496,40 @@ def test_a_looser_tolerance_completes_a_life_that_was_not_known(use: Use, tmp_pa
     assert campaigns.run(scene, path, jobs=1).status == "unconverged"
     result = campaigns.run(replace(scene, tolerance=0.3), path, jobs=1)
     assert (result.status, result.message, result.scene.tolerance) == ("completed", "", 0.3)
+
+
+@pytest.mark.parametrize("answer", ["y", "n"])
+def test_a_long_life_is_announced_and_confirmed(
+    answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    console = Console(file=StringIO(), force_terminal=True, width=200)
+    bar = progress_bar(console)
+    scene = replace(LIFE, tolerance=0.1)
+    use(FakeEngine(exponential))
+    monkeypatch.setattr(cli_run, "LONG_LIFE", 0.0)
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", lambda question: answer)
+    watched = Noted(bar, scene, False)
+    if answer == "n":
+        with pytest.raises(KeyboardInterrupt):
+            campaigns.run(scene, tmp_path / "life", observers=[watched], jobs=1)
+        assert watched.cycles > 0.0
+        return
+    life = campaigns.run(scene, observers=[watched], jobs=1).life
+    assert life is not None
+    ran = sum(each.cycles for each in life.refinements)
+    assert 0.5 < watched.cycles / ran < 2.0
+    assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]
+
+
+class Noted(RunObserver):
+    """Keeps the announced cycles."""
+
+    cycles = 0.0
+
+    def on_life_start(self, cycles: float, seconds: float) -> None:
+        self.cycles = cycles
+        super().on_life_start(cycles, seconds)
+
+    def on_stage(self, stage: StageResult) -> None:
+        """Ignore stages, because the fake engine has no statistics of a solver."""
