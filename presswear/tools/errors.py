@@ -64,6 +64,7 @@ def not_installed(what: str, package: str, extra: str) -> InputError:
 FEW_NAMES = 6  # that are listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message
+NARROW = "\u202f"  # space between groups of three digits, which is not printable to Python
 
 
 def shown(value: Any) -> str:
@@ -77,5 +78,8 @@ def shown(value: Any) -> str:
 
 def one_line(text: str) -> str:
     """Return a message as one line of printable characters, the rest as escapes."""
-    shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[: MAX_MESSAGE + 1])
+    kept = (
+        c if c.isprintable() or c == NARROW else ascii(c)[1:-1] for c in text[: MAX_MESSAGE + 1]
+    )
+    shown = "".join(kept)
     return shown if len(shown) <= MAX_MESSAGE else f"{shown[: MAX_MESSAGE - 3]}..."

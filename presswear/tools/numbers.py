@@ -2,6 +2,8 @@
 
 import math
 
+from presswear.tools.errors import NARROW
+
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
 _SAME = 1e-6  # half width relative to the mean, up to which all samples are the same
@@ -46,7 +48,7 @@ def _decimals(value: float, digits: int) -> int:
 
 def _written(number: str, power: int = 0) -> str:
     """Return the text of a number with narrow spaces, a minus sign and a power of ten."""
-    text = number.replace(",", "\u202f").replace("-", "−")
+    text = number.replace(",", NARROW).replace("-", "−")
     return f"{text}·10{str(power).translate(SUPERSCRIPT)}" if power else text
 
 
