@@ -3,8 +3,8 @@
 One column per quantity, one row per time, SI units. Columns of a joint J or of a driven body D are
 ``J_penetration`` or ``D_torque``; units of all names are in ``UNITS``. A table needs ``time``,
 strictly increasing, and at least one other column; their order is free. CSV: a header line with the
-names, values separated by commas, lines that begin with ``#`` are comments. NPZ: one array of one
-dimension per column, under its name.
+names, values separated by commas, or by semicolons where a table is read, lines that begin with
+``#`` are comments. NPZ: one array of one dimension per column, under its name.
 """
 
 import re
@@ -19,7 +19,7 @@ from presswear.results.result import Result
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array, read_numbers, write_arrays
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import check_ending, read_text, write_whole
+from presswear.tools.files import check_ending, read_text, separator_of, write_whole
 
 Table = Mapping[str, Array]  # columns by name, all of one length
 
@@ -158,9 +158,13 @@ def read_table(path: Path) -> dict[str, Array]:
 def _read_csv(path: Path) -> dict[str, Array]:
     lines = read_text(path).splitlines()
     lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
-    names = [name.strip().strip('"') for name in "".join(lines[:1]).split(",")]
+    header = "".join(lines[:1])
+    separator = separator_of(header)
+    names = [name.strip().strip('"') for name in header.split(separator)]
     try:
-        rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2) if lines[1:] else np.zeros((0, 0))
+        rows = (
+            np.loadtxt(lines[1:], delimiter=separator, ndmin=2) if lines[1:] else np.zeros((0, 0))
+        )
     except ValueError as error:
         # numpy counts such rows from 0
         place = re.compile(r"at row (\d+), column")

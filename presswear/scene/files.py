@@ -25,7 +25,7 @@ from presswear.scene.settings import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
-from presswear.tools.files import read_text
+from presswear.tools.files import read_text, separator_of
 from presswear.tools.quantities import NONE, Choice, Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST, checked_arguments
 
@@ -207,15 +207,18 @@ _COLUMNS = "joint", "side", *_MEANINGS
 def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     """Return profiles measured on bearings and pins, rows of angle, rad, and depth, m, by joint.
 
-    The table is text with commas: a header such as ``joint,side,angle (deg),depth (um)``, the
-    columns in any order, then a row for each place; lines that begin with ``#`` are comments. A
-    side without a row is round. Errors name the file and the line.
+    The table is text with commas or semicolons: a header such as
+    ``joint,side,angle (deg),depth (um)``, the columns in any order, then a row for each place;
+    lines that begin with ``#`` are comments. A side without a row is round. Errors name the file
+    and the line.
     """
-    table = [
-        (number, [word.strip().strip('"') for word in line.split(",")])
+    lines = [
+        (number, line)
         for number, line in enumerate(read_text(file).splitlines(), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
+    separator = separator_of(lines[0][1]) if lines else ","
+    table = [(k, [word.strip().strip('"') for word in line.split(separator)]) for k, line in lines]
     if len(table) < 2:
         raise InputError(f"{file}: it has no rows; a header such as {_HEADER} is expected")
     (_, header), *rows = table

@@ -98,6 +98,11 @@ def read_text(path: Path) -> str:
         raise InputError(f"{path}: not a text file: {error}") from None
 
 
+def separator_of(header: str) -> str:
+    """Return the sign between the columns of a table, comma or semicolon, from its first line."""
+    return ";" if ";" in header else ","
+
+
 def check_name(path: Path) -> None:
     """Raise InputError unless a file or folder can have this name, and it can be shown."""
     text = os.fspath(path)

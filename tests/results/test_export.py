@@ -21,6 +21,7 @@ from presswear.results.export import (
     write_table,
 )
 from presswear.results.life import LifeResult, LimitResult, life_ratio
+from presswear.scene.files import read_profiles
 from presswear.scene.settings import changed
 
 
@@ -237,3 +238,15 @@ def test_the_line_of_a_life_has_units_that_read_well() -> None:
     assert "depth of B is over 20.0 µm" in str(passed)
     missed = replace(passed, ended="at_most", limits=(replace(limit, strokes=None),))
     assert "depth of B 21.0 µm" in str(missed)
+
+
+def test_a_table_with_semicolons_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("time;height\n0;1\n0.5;2\n")
+    assert {name: list(row) for name, row in read_table(file).items()} == {
+        "time": [0.0, 0.5],
+        "height": [1.0, 2.0],
+    }
+    profiles = tmp_path / "b.csv"
+    profiles.write_text("# measured\njoint;side;angle (deg);depth (um)\nA;pin;90;2\n")
+    assert read_profiles(profiles)["A"][1] == pytest.approx(np.array([[np.pi / 2, 2e-6]]))
