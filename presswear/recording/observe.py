@@ -212,6 +212,17 @@ def note_bottom(
 
 
 @compiled
+def note_top(state: Records, cycle: Array, h: float, now: tuple[float, float, float]) -> None:
+    """Find the highest place in a step that ends now; call it before ``note_bottom``."""
+    highest = now[0]
+    if 0.0 <= state.velocity < math.inf and now[1] < 0.0:
+        before = (-state.place, -state.velocity, -state.acceleration)
+        lowest, _ = lowest_between(h, before, (-now[0], -now[1], -now[2]))
+        highest = max(highest, -lowest)
+    cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], highest - state.start)
+
+
+@compiled
 def sum_drives(records: RecorderState, h: float, v: Array) -> None:
     """Integrate torque and power of the drives over a step by the trapezoidal rule."""
     half = 0.5 * h
@@ -262,11 +273,11 @@ def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: A
     count = memory.shape[0]
     place, velocity, acceleration = output_motion(state, q, v, a)
     displacement = place - state.start
-    cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], displacement)
     cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
     cycle[VELOCITY_MAX] = max(cycle[VELOCITY_MAX], velocity)
     cycle[ACCELERATION_MAX] = max(cycle[ACCELERATION_MAX], abs(acceleration))
     cycle[STEPS] += 1
+    note_top(state, cycle, h, (place, velocity, acceleration))
     note_bottom(state, cycle, t, h, (place, velocity, acceleration))
     note_drives(records, h, v)
     state.now = t

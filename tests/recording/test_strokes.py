@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
+from presswear.physics.ideal import bottom_of
 from presswear.recording.observe import BOTTOM_HEIGHT, BOTTOM_TIME, lowest_between, note_bottom
 from presswear.scene.catalog import ideal
 
@@ -73,3 +75,13 @@ def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> Non
 def test_stroke_that_ends_with_a_cycle_is_of_that_cycle() -> None:
     rows = recorded(-1e-3 * PERIOD, (0.0, PERIOD), 6, 1)
     assert rows[0, 1] == pytest.approx(PERIOD * (1.0 - 1e-3), abs=1e-6)
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn"])
+def test_highest_place_of_a_rigid_four_bar_lies_between_steps(engine: str) -> None:
+    scene = pw.Scene(pw.FourBar(), joints="none", engine=engine, wear_updates=0, cycles=4)
+    ideal, start = bottom_of(scene.ideal), scene.ideal.at(np.zeros(1)).output(scene.base_linkage)
+    assert ideal is not None
+    highest = pw.run(scene).stages[0].each_cycle("displacement_max")
+    expected = ideal.height + ideal.stroke - float(start[0, 0])
+    assert highest == pytest.approx(np.full(4, expected), abs=1e-9)
