@@ -143,6 +143,8 @@ class Scene(Checked):
             joint_bearings={k: b for k, b in self.joint_bearings.items() if b != self.bearings},
             surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing),
         )
+        if self.life is None and not self.clearance_joints:
+            self._set(wear_updates=0)  # no joint wears
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in {"": self.bearings, **self.joint_bearings}.items():
             prefix = f"{name}." if name else ""

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from four_bar_linkage import FOUR_BAR
 
+from presswear.campaign.campaign import run
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Pin
@@ -215,3 +216,10 @@ def test_wear_updates_need_a_joint_that_wears() -> None:
         scene.check()
     changed(scene, {"wear_updates": 0}).check()
     changed(scene, {"A.wear_coefficient": "1e-15/Pa"}).check()
+
+
+@pytest.mark.parametrize("conventions", ["standard", "refined"])
+def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions: Any) -> None:
+    scene = Scene(SliderCrank(), bearings={}, conventions=conventions, cycles=1, engine="dae")
+    assert scene.wear_updates == 0
+    assert len(run(scene).stages) == 1
