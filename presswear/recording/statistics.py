@@ -246,7 +246,7 @@ def smoothing_widths(
         Number of bins of each joint.
     """
     result = np.full((len(bins), 2), MIN_WIDTH)
-    if len(maps) < 2:
+    if len(maps) < 2 or cycles == 0:  # a run may fail in its first cycle
         return result
     share = weights / weights.sum()
     mean, volume = np.tensordot(share, maps, 1), maps.sum(axis=-1, keepdims=True)

@@ -279,3 +279,14 @@ def test_an_interval_over_a_factor_of_a_hundred_is_not_written() -> None:
     assert f"{statistics.Estimate(21.0, 0.012, 1.1e6, 6)}" == "21.0 (too few cycles)"
     assert f"{statistics.Estimate(21.0, 3.0, 290.0, 6)}" == "21 (3.0 to 290)"
     assert f"{statistics.Estimate(21.0, -1.0, 1.1e6, 6)}" == "21 (−1.0 to 1.1·10⁶)"
+
+
+def test_a_run_that_failed_in_its_first_cycle_leaves_the_maps_of_others() -> None:
+    runs = [statistics.MapBatches((1, 2, 36)) for _ in range(3)]
+    draw = np.random.default_rng(1)
+    for run in runs[1:]:
+        for _ in range(12):
+            run.add(draw.uniform(0.0, 1e-9, (1, 2, 36)))
+    with np.errstate(all="raise"):
+        empty, *_ = statistics.smoothed_maps(runs, [36])
+    assert not empty.any()
