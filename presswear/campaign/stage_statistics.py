@@ -18,7 +18,7 @@ from presswear.campaign.wear_update import WearUpdate, cycles_of_update, wear_er
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.physics.ideal import DWELL, bottom_of, dwell_of
+from presswear.physics.ideal import DWELL, Bottom, bottom_of, dwell_of
 from presswear.physics.wear import worn_volume
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -278,7 +278,7 @@ def bottom_statistics(
 
     None if there is no settled stroke. The ideal motion of a servo that dwells there has no instant
     to be later than: there is no delay if the ideal motion stays within ``SHARP`` of the scatter
-    for longer than ``DWELL``.
+    for longer than ``DWELL``. Nor is there one if the ideal stroke has several equal bottoms.
     """
     ideal = bottom_of(scene.ideal)
     if ideal is None:
@@ -295,11 +295,13 @@ def bottom_statistics(
     near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
     dwell = dwell_of(scene.ideal, near)
     delay = angle = delay_scatter = None
-    if dwell < DWELL * ideal.period:
-        delays, alone_delays = (
-            [ideal.delay(run.each_cycle("bottom_time")) for run in runs]
-            for runs in (finished, alone)
-        )
+    delays, alone_delays = (
+        [ideal.delay(run.each_cycle("bottom_time")) for run in runs] for runs in (finished, alone)
+    )
+    every_delay = np.concatenate([after_startup(rows) for rows in (*delays, *alone_delays)])
+    resolution = max(0.0 if scatter is None else scatter.mean, STILL * ideal.stroke)
+    equal = equal_bottoms(ideal, every_delay, resolution)
+    if dwell < DWELL * ideal.period and not equal:
         delay, delay_scatter = pooled(delays, alone_delays)[0], spread(delays)
         angle = delay.scaled(2.0 * math.pi / ideal.period)
     return BottomStatistics(
@@ -316,7 +318,24 @@ def bottom_statistics(
         delay=delay,
         delay_angle=angle,
         delay_standard_deviation=delay_scatter,
+        equal_bottoms=equal,
     )
+
+
+def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float, ...]:
+    """Return the times in the cycle, s, of bottoms of an ideal stroke that are not told apart.
+
+    They are the minima within ``resolution``, m, of the lowest, and those to which a stroke with
+    one of the delays, s, is nearest. Empty if there is only one.
+    """
+    times = np.array([time for time, _ in ideal.minima])
+    if times.size < 2:
+        return ()
+    nearest = np.abs(delay[:, np.newaxis] - (times - ideal.time)).argmin(axis=1)
+    is_equal = np.array([height - ideal.height < resolution for _, height in ideal.minima])
+    is_equal[nearest] = True
+    found = times[is_equal]
+    return tuple((found % ideal.period).tolist()) if found.size > 1 else ()
 
 
 def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Array]:

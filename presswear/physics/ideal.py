@@ -231,6 +231,7 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
 
 # Part of a cycle for which an ideal motion stays at its bottom that has no instant there
 DWELL = 0.02
+DEPTH = 1e-9  # of the stroke, by which a motion rises between two bottoms
 _STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
 
 
@@ -248,6 +249,7 @@ class Bottom:
     top: float  # time of the highest place before it
     window: tuple[float, float]  # in which the lower half of the stroke begins and ends
     period: float  # of a cycle, s
+    minima: tuple[tuple[float, float], ...]  # time and height of each minimum in the window
 
     @property
     def first(self) -> int:
@@ -271,8 +273,8 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     nodes = place.size
     if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
-    time, height = _lowest(ideal, place, 1.0)
-    top, negative = _lowest(ideal, -place, -1.0)
+    time, height = _lowest(ideal, _first_lowest(ideal, place), nodes, 1.0)
+    top, negative = _lowest(ideal, _first_lowest(ideal, -place), nodes, -1.0)
     top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
@@ -280,9 +282,15 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     end = (lowest + int(above[0])) * step
     # The stroke is filed in the cycle in which its window ends.
     back = period * math.ceil(end / period - 1.0)
-    window_start = (lowest + int(above[-1]) - nodes) * step
-    window = window_start - back, end - back
-    return Bottom(time - back, height, -negative - height, top - back, window, period)
+    first = lowest + int(above[-1]) - nodes
+    window = first * step - back, end - back
+    last = lowest + int(above[0])
+    minima = [
+        _lowest(ideal, first + k, nodes, 1.0)
+        for k in _minima(place[np.arange(first, last + 1) % nodes], DEPTH * float(np.ptp(place)))
+    ]
+    shifted = tuple((time - back, height) for time, height in minima)
+    return Bottom(time - back, height, -negative - height, top - back, window, period, shifted)
 
 
 def dwell_of(ideal: IdealMotion, within: float) -> float:
@@ -300,13 +308,30 @@ def _places(ideal: IdealMotion) -> Array:
     return Motion(ideal.times[:-1], *flat).output(ideal.rows.linkage)[:, 0]
 
 
-def _lowest(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
-    """Return time, s, and place, m, of the lowest of a coordinate, which ``sign`` may turn."""
+def _first_lowest(ideal: IdealMotion, place: Array) -> int:
+    """Return the node of the lowest place; of places that are alike the first."""
+    return int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
+
+
+def _minima(place: Array, depth: float) -> list[int]:
+    """Return the nodes of the minima between which a place rises by more than a depth, m."""
+    result = list[int]()
+    inner = np.arange(1, len(place) - 1)
+    is_minimum = (place[inner] < place[inner - 1]) & (place[inner] <= place[inner + 1])
+    for k in map(int, inner[is_minimum]):
+        if not result or place[result[-1] : k].max() - place[[result[-1], k]].max() > depth:
+            result.append(k)
+        elif place[k] < place[result[-1]]:
+            result[-1] = k
+    return result
+
+
+def _lowest(ideal: IdealMotion, node: int, nodes: int, sign: float) -> tuple[float, float]:
+    """Return time, s, and place, m, of the minimum at a node; ``sign`` may turn the coordinate."""
     linkage, period = ideal.rows.linkage, ideal.period
-    step = period / len(place)
-    lowest = int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
-    low, high = (lowest - 1) * step, (lowest + 1) * step
-    time = lowest * step
+    step = period / nodes
+    low, high = (node - 1) * step, (node + 1) * step
+    time = node * step
 
     def moved(time: float) -> list[float]:
         # Behind a run-up, and a cycle on: a time may lie before the first.

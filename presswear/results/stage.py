@@ -57,9 +57,13 @@ class BottomStatistics:
     range: Estimate | None  # mean range of ``range_strokes`` successive strokes
     range_strokes: int
     standard_deviation: Estimate | None  # of the height from stroke to stroke
-    delay: Estimate | None = None  # behind the ideal motion; None: the ideal motion dwells
+    # Behind the ideal motion; None if the ideal motion dwells or has several equal bottoms
+    delay: Estimate | None = None
     delay_angle: Estimate | None = None  # rad
     delay_standard_deviation: Estimate | None = None
+    # Times in the cycle of bottoms of an ideal stroke that differ by less than the scatter, or of
+    # which different strokes reach different ones; empty: one bottom
+    equal_bottoms: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

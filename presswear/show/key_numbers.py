@@ -9,7 +9,7 @@ from presswear.results import press_analysis as press
 from presswear.results.life import PRELIMINARY, LifeResult, digits_of, span_of, words_of
 from presswear.results.oil_film import oil_films
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
+from presswear.results.stage import BottomStatistics, StageResult
 from presswear.scene.plausible import doubts, unusual
 from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
@@ -199,9 +199,23 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         return result
     text = f"Lowest position of {scene.output} compared with joints without clearance; "
     text += "negative is deeper."
+    if bottoms := equal_bottoms_text(scene, bdc):
+        text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
     result.append(measured("Bottom dead centre error", bdc.error, "m", text))
     text = "Standard deviation of bottom dead centre from stroke to stroke."
     return [*result, measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes)]
+
+
+def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
+    """Return where the equal bottoms of a stroke are; empty if it has one bottom."""
+    if not bdc.equal_bottoms:
+        return ""
+    turn = 360.0 / scene.mechanism.period
+    angles, times = (
+        " and ".join(f"{factor * time:.2f}" for time in bdc.equal_bottoms) for factor in (turn, 1e3)
+    )
+    phase = scene.mechanism.linkage().phase
+    return f"at {angles} degrees of {phase} since the start ({times} ms)"
 
 
 def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:

@@ -46,7 +46,13 @@ from presswear.show import page
 from presswear.show.figures import drawings
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
-from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, warnings
+from presswear.show.key_numbers import (
+    IDEAL,
+    RUBBING,
+    equal_bottoms_text,
+    key_numbers,
+    warnings,
+)
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
@@ -222,7 +228,8 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                 "name": name,
                 "stage": stage,
                 "bdc": bdc,
-                "dwell": None if bdc is None or bdc.delay else bdc.ideal_dwell,
+                "dwell": None if bdc is None or bdc.delay or bdc.equal_bottoms else bdc.ideal_dwell,
+                "bottoms": None if bdc is None else equal_bottoms_text(scene, bdc) or None,
                 "rise": press.rise(stage, result.stages[0]) if bdc and records else None,
                 "rest": None if stage.failed else _heights_at_rest(scene, stage.surfaces),
                 "angles": {

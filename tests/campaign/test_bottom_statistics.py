@@ -11,9 +11,9 @@ import pytest
 import stiff_joints
 
 from presswear.campaign.campaign import run
-from presswear.campaign.stage_statistics import bottom_statistics
+from presswear.campaign.stage_statistics import bottom_statistics, equal_bottoms
 from presswear.linkage.drives import Drive, Dwell
-from presswear.linkage.elements import Bar, Pin
+from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.ideal import bottom_of
@@ -21,6 +21,8 @@ from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.press_analysis import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
+from presswear.show.key_numbers import key_numbers
+from presswear.show.report import stage_tables
 
 
 def strokes_of(scene: Scene, seed: int, off: float = 0.0, scatter: float = 4e-5) -> Any:
@@ -130,6 +132,74 @@ def test_wide_scatter_at_the_bottom_leaves_the_delay() -> None:
     statistics = bottom_statistics(wear_times(), [strokes_of(wear_times(), 1, scatter=4e-4)])
     assert statistics.standard_deviation.mean > 2e-4
     assert statistics.delay is not None
+
+
+def knuckle_press() -> Scene:
+    """Knuckle-joint press of 630 t: two equal bottoms 24.24 degrees apart, 13.63 um between them.
+
+    The bottoms are where rocker and link are in line; numbers by exact kinematics.
+    """
+    long = {"rod": 0.92, "rocker": 0.83, "link": 0.83}
+    linkage = assemble(
+        bodies=[
+            Bar("crank", length=0.1875, mass=100.0),
+            *(Bar(name, length=length, mass=200.0) for name, length in long.items()),
+            Body("slide", mass=2000.0),
+        ],
+        joints=[
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "rod.tail"),
+            Pin("B", "rod.head", "rocker.head"),
+            Pin("C", (0.73, 0.7375), "rocker.tail"),
+            Pin("D", "rocker.head", "link.tail"),
+            Pin("E", "link.head", "slide"),
+            Guide("guide", "slide", x=0.73, direction=np.pi / 2.0),
+        ],
+        drives=[Drive("crank", speed=np.pi)],
+        guess={"rod": 0.0, "rocker": -np.pi / 2.0, "link": -np.pi / 2.0},
+        output="slide",
+    )
+    return Scene(linkage, joints="E", wear_updates=0, cycles=5, engine="dae")
+
+
+def test_stroke_with_two_equal_bottoms_has_no_delay() -> None:
+    scene = knuckle_press()
+    bottom, degrees = bottom_of(scene.ideal), 360.0 / scene.mechanism.period
+    (first, height), (second, other) = bottom.minima
+    assert degrees * (second - first) == pytest.approx(24.24, abs=0.01)
+    assert (height, other) == pytest.approx((-0.9225, -0.9225), abs=1e-12)
+    between = np.linspace(first, second, 1001)
+    places = scene.ideal.at(between).output(scene.base_linkage)[:, 0]
+    assert places.max() - height == pytest.approx(13.63e-6, abs=5e-9)
+    # Each stroke of a run is lowest at one of them, by chance or by clearance and loads.
+    bdc = bottom_statistics(scene, [strokes_of(scene, 1, scatter=1e-6)])
+    assert bdc.equal_bottoms == pytest.approx((first, second))
+    assert bdc.delay is bdc.delay_angle is bdc.delay_standard_deviation is None
+
+
+def test_bottoms_that_are_told_apart_leave_the_delay() -> None:
+    bottom = bottom_of(knuckle_press().ideal)
+    assert bottom is not None
+    (first, height), (second, _) = bottom.minima
+    apart = replace(bottom, time=first, minima=((first, height), (second, height + 2e-6)))
+    near_first, near_second = np.full(9, 1e-3), np.full(9, second - first + 1e-3)
+    assert equal_bottoms(apart, near_first, 1e-6) == ()
+    assert equal_bottoms(apart, near_first, 3e-6) == (first, second)
+    # Clearance can make the higher bottom the lower one.
+    assert equal_bottoms(apart, near_second, 1e-6) == (first, second)
+
+
+def test_two_equal_bottoms_are_named_in_the_report() -> None:
+    scene = knuckle_press()
+    result = run(scene)
+    assert result.stages[0].bdc.delay is None
+    named = "at 160.66 and 184.90 degrees of crank angle since the start (892.54 and 1027.22 ms)"
+    (error,) = [one for one in key_numbers(result) if one.name == "Bottom dead centre error"]
+    assert named in error.meaning
+    table = stage_tables(result)["bottom"]
+    rows = {row[0]: row for _, group in table.groups for row in group}
+    assert not any(name.startswith("delay") for name in rows)
+    assert rows["equal bottoms of the ideal stroke"][1] == named
 
 
 @pytest.mark.slow
