@@ -54,6 +54,7 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
     print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
     checks = ((c.quantity, c.unit, (c.value, c.bound), c.passed) for c in outcome.checks)
     _print_checks(console, (">difference", ">bound"), checks)
+    print_lines(console, *outcome.undecided)
     print_lines(console, f"table and figure in {folder}")
     return 0 if outcome.passed else 1
 

@@ -24,6 +24,7 @@ from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.tools.arrays import Array
+from presswear.tools.numbers import readable
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
 
 DISTURBANCE = 1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
@@ -32,7 +33,8 @@ REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are com
 FINENESS = (1, 2, 4, 8, 16)  # divide the steps of exudyn-joints; bounds apply to the last
 TOLERANCE_PARTS = (1, 10, 100, 1000)  # divide the tolerance of the tree; bounds apply to the last
 FIRST_TOUCHDOWNS = 10  # touchdowns with bounds
-CYCLES = 8  # whose means are compared, unless the scene has a number
+CYCLES = 50  # whose means are compared, unless the scene has a number
+MEAN_BOUND = 0.1  # of the relative difference of two means
 PARTS = 40  # of a run; more make the recorded series and the longest steps finer
 GRID = 2001  # common times at which series are compared
 SLIDER_BOUND = 1e-6  # m, up to the horizon
@@ -168,6 +170,7 @@ class Crosscheck:
     horizon: float  # s
     diverged: bool  # whether trajectories diverged at the horizon; else it is the end of the runs
     checks: tuple[Check, ...]
+    undecided: tuple[str, ...]  # differences of means whose intervals are too wide for a verdict
     touchdowns: Array  # of the reference up to the horizon
     # See `slider_difference`: the disturbed initial state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
@@ -187,6 +190,7 @@ class Crosscheck:
             "horizon_s": self.horizon,
             "diverged": self.diverged,
             "passed": self.passed,
+            "undecided": self.undecided,
             "checks": [{**asdict(each), "passed": each.passed} for each in self.checks],
             "touchdowns": [
                 {**dict(zip(TOUCHDOWN, row, strict=True)), "joint": names[int(row[0])]}
@@ -251,9 +255,11 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
-    beyond, statistics = _check_means(scene, runner) if diverged else ([], {})
+    beyond, undecided, statistics = _check_means(scene, runner) if diverged else ([], [], {})
     every, curves = (*checks, *beyond), curves | distances
-    return Crosscheck(scene, end, diverged, every, reference.touchdowns, curves, statistics)
+    return Crosscheck(
+        scene, end, diverged, every, tuple(undecided), reference.touchdowns, curves, statistics
+    )
 
 
 def _exudyn_checks(
@@ -288,32 +294,53 @@ def _exudyn_checks(
         yield Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND)
 
 
-def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], Means]:
-    """Check that the 95 % intervals of means over cycles of both engines overlap."""
+def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str], Means]:
+    """Compare means over cycles of both engines; see ``mean_check``."""
     cycles = CYCLES if scene.cycles is None else scene.cycles
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
-    # By quantity: its unit, its name in the cycles of a recorder, and the joint.
-    quantities: dict[str, tuple[str, str, int | None]] = {
-        "greatest slider velocity": ("m/s", "velocity_max", None),
-        "greatest slider acceleration": ("m/s^2", "acceleration_max", None),
+    # By quantity: its name in the cycles of a recorder, and the joint.
+    quantities: dict[str, tuple[str, int | None]] = {
+        "greatest slider velocity": ("velocity_max", None),
+        "greatest slider acceleration": ("acceleration_max", None),
     }
     for k, joint in enumerate(scene.clearance_joints):
-        quantities[f"peak force in {joint}"] = "N", "force_max", k
-        quantities[f"load distance in {joint}"] = "N m", "load_distance", k
+        quantities[f"peak force in {joint}"] = "force_max", k
+        quantities[f"load distance in {joint}"] = "load_distance", k
     means: Means = {}
     exudyn = next(iter(exudyn_of(scene).values()))
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
         cycle = runner.run(f"{word}, {cycles} cycles", engine, plan).recorder.each_cycle
         means[word.lower()] = {
-            key: pooled([cycle(name, k)])[0] for key, (_, name, k) in quantities.items()
+            key: pooled([cycle(name, k)])[0] for key, (name, k) in quantities.items()
         }
-    checks = []
-    for quantity, (unit, *_) in quantities.items():
-        one, two = (each[quantity] for each in means.values())
-        if one.half_width is not None and two.half_width is not None:  # not of a single cycle
-            bound = one.half_width + two.half_width
-            checks.append(Check(f"mean {quantity}", abs(one.mean - two.mean), bound, unit))
-    return checks, means
+    checks, undecided = list[Check](), list[str]()
+    for quantity in quantities:
+        compared = mean_check(quantity, *(each[quantity] for each in means.values()))
+        if isinstance(compared, Check):
+            checks.append(compared)
+        else:
+            undecided.append(compared)
+    return checks, undecided, means
+
+
+def mean_check(quantity: str, one: Estimate, two: Estimate) -> Check | str:
+    """Check the relative difference of two means, or say that their intervals are too wide.
+
+    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``, and misses
+    if it lies beyond it. Otherwise there is no verdict. The checked number is the end of the
+    interval that decides.
+    """
+    size = 0.5 * (abs(one.mean) + abs(two.mean))
+    if one.half_width is None or two.half_width is None or size == 0.0:
+        return f"mean {quantity}: no verdict, too few cycles"
+    difference = abs(one.mean - two.mean) / size
+    half = math.hypot(one.half_width, two.half_width) / size
+    if difference + half <= MEAN_BOUND:
+        return Check(f"mean {quantity}", difference + half, MEAN_BOUND, "relative")
+    if difference - half > MEAN_BOUND:
+        return Check(f"mean {quantity}", difference - half, MEAN_BOUND, "relative")
+    parts = f"{readable(100.0 * difference, 2)} ± {readable(100.0 * half, 2)} %"
+    return f"mean {quantity}: no verdict, difference {parts}"
 
 
 _COLOURS = (style.MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")

@@ -116,6 +116,49 @@ def test_without_clearance_all_is_compared(tmp_path: Path, command: Callable[...
     assert "do not diverge" in shown
 
 
+@pytest.mark.parametrize(
+    ("theirs", "verdict"),
+    [
+        (pw.Estimate(103.0, 101.0, 105.0), True),
+        (pw.Estimate(125.0, 123.0, 127.0), False),
+        (pw.Estimate(115.0, 65.0, 165.0), None),  # an interval that holds any mean of interest
+        (pw.Estimate(108.0, 104.0, 112.0), None),
+        (pw.Estimate(100.0), None),
+    ],
+)
+def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
+    theirs: pw.Estimate, verdict: bool | None
+) -> None:
+    check = crosscheck.mean_check("peak force", pw.Estimate(100.0, 98.0, 102.0), theirs)
+    if isinstance(check, str):
+        assert verdict is None
+        assert "no verdict" in check
+    else:
+        assert check.passed is verdict
+        assert check.bound == crosscheck.MEAN_BOUND
+
+
+@pytest.mark.slow
+def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    simulate = pw.ExudynTree.simulate
+
+    def rougher(engine: pw.ExudynTree, linkage: pw.Linkage, *rest: Any) -> Any:
+        joints = [
+            replace(
+                one, friction=replace(one.friction, coefficient=10.0 * one.friction.coefficient)
+            )
+            for one in linkage.clearances
+        ]
+        return simulate(engine, replace(linkage, clearances=tuple(joints)), *rest)
+
+    monkeypatch.setattr(pw.ExudynTree, "simulate", rougher)
+    outcome = crosscheck.check_engines(pw.scenes.wear_times(), None, lambda word, part: None)
+    missed = [check.quantity for check in outcome.checks if not check.passed]
+    assert {"mean load distance in A", "mean load distance in C"} <= set(missed)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("speed", ["3.5pi rad/s", "8pi rad/s"])
 def test_the_engines_agree_up_to_the_horizon_and_beyond(
