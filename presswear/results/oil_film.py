@@ -3,6 +3,7 @@
 No film is simulated. The force of each joint with all joints closed, and the turning of its
 bodies, give the film of a finite journal bearing in steady rotation over the cycle (Butenschoen,
 Das hydrodynamische, zylindrische Gleitlager endlicher Breite unter instationaerer Belastung, 1976).
+Oil that is squeezed out carries as well and is left out: the film is a lower bound.
 """
 
 import math
@@ -18,11 +19,11 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 
-FULL, MIXED, DRY = "full film", "mixed", "dry"
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
 WIDEST = 2.0 * OIL_CLEARANCES[1]  # with grease; no film carries in a wider clearance
 FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
 USUAL_WIDTHS = 0.125, 1.0  # widths over diameters for which the closed form holds
+STEADY = "Steady rotation, no squeeze: a lower bound of the film"
 _LEAST_GAP = 1e-12  # of the clearance; a smaller film is none
 _HALVINGS = 60
 
@@ -36,26 +37,12 @@ class OilFilm:
     speed: Array  # effective angular speed, rad/s
     thickness: Array  # least, m
     roughness: float  # R_q of both surfaces together, m
-    swings: bool  # whether the pin turns back and forth in its bearing
 
     @property
-    def shares(self) -> dict[str, float]:
-        """Share of the time in full film, mixed and dry friction."""
+    def full_share(self) -> float:
+        """Share of the time in which the film is full."""
         weights = np.gradient(self.time)  # the instants are not evenly spaced
-        weights /= weights.sum()
-        full = float(weights @ (self.thickness > FULL_FILM * self.roughness))
-        dry = float(weights @ (self.thickness < self.roughness))
-        # One minus the others would be round-off where it is zero.
-        has_rest = (self.thickness >= self.roughness) & (
-            self.thickness <= FULL_FILM * self.roughness
-        )
-        return {FULL: full, MIXED: float(weights @ has_rest), DRY: dry}
-
-    @property
-    def under_load(self) -> str:
-        """Kind of friction where the force is greatest: one of ``FULL``, ``MIXED`` and ``DRY``."""
-        film = float(self.thickness[int(self.force.argmax())]) / self.roughness
-        return FULL if film > FULL_FILM else MIXED if film > 1.0 else DRY
+        return float(weights @ (self.thickness > FULL_FILM * self.roughness) / weights.sum())
 
 
 def sommerfeld(eccentricity: Array, ratio: float) -> Array:
@@ -123,10 +110,9 @@ def _films(scene: Scene) -> dict[str, OilFilm]:
             for end in (pin.first, pin.second)
         )
         turning = first + second - 2.0 * np.gradient(np.unwrap(np.angle(force)), time)
-        swings = bool(np.min(first - second) < 0.0 < np.max(first - second))
         size, speed = np.abs(force), np.abs(turning)
         film, roughness = thickness(bearing, size, speed), math.sqrt(2.0) * bearing.roughness
-        films[pin.name] = OilFilm(time, size, speed, film, roughness, swings)
+        films[pin.name] = OilFilm(time, size, speed, film, roughness)
     return films
 
 
@@ -154,20 +140,15 @@ def dry_contact(scene: Scene) -> list[str]:
         median, at_force, least = (
             readable(1e6 * float(value)) for value in (np.median(thick), thick[loaded], thick.min())
         )
-        shares = ", ".join(
-            f"{kind} for {readable(100.0 * share)} %"
-            for kind, share in film.shares.items()
-            if share > 0.0
-        )
+        full = readable(100.0 * film.full_share)
         text += (
-            f" With {bearing.viscosity:g} Pa s a steady film would be {median} µm thick (median of "
-            f"the cycle), {at_force} µm at the greatest force and {least} µm at least, beside a "
-            f"roughness of {readable(1e6 * film.roughness)} µm: {shares} of the cycle, "
-            f"{film.under_load} at the greatest force."
+            f" With {bearing.viscosity:g} Pa s the film is at least {median} µm thick (median of "
+            f"the cycle), {at_force} µm at the greatest force and {least} µm at its thinnest, "
+            f"beside a roughness of {readable(1e6 * film.roughness)} µm: a full film for at least "
+            f"{full} % of the cycle. {STEADY}."
         )
-        if film.swings:
-            text += " The pin swings, so that squeezed oil carries as well, which is not computed."
-        if film.shares[DRY] < 1.0:
-            text += " Impacts and wear of dry contact are upper bounds there."
+        if film.full_share < 1.0:
+            text += " Short work squeezes the oil, which can carry where this film is thin."
+        text += " Impacts and wear of dry contact are upper bounds."
         sentences.append(text)
     return sentences

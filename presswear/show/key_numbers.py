@@ -7,7 +7,7 @@ from typing import Any
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.life import PRELIMINARY, LifeResult, digits_of, span_of, words_of
-from presswear.results.oil_film import oil_films
+from presswear.results.oil_film import STEADY, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, StageResult
 from presswear.scene.plausible import doubts, unusual
@@ -173,9 +173,12 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             ]
             text += f" Other joints: {', '.join(rest)}." if rest else ""
             if films := oil_films(scene):
-                kinds = ", ".join(f"{film.under_load} at {at}" for at, film in films.items())
-                text += " The wear is that of dry contact: an upper bound where oil carries. Oil "
-                text += f"film at the greatest force: {kinds}."
+                shares = ", ".join(
+                    f"{numbers.readable(100.0 * film.full_share)} % of the cycle at {at}"
+                    for at, film in films.items()
+                )
+                text += " The wear is that of dry contact: an upper bound where oil carries. Full "
+                text += f"oil film for at least {shares}. {STEADY}."
             strokes = stage.statistics.joints[name].peak_force_per_cycle.samples
             return [measured("Wear per million strokes", wear[place], "m", text, strokes)]
     return []

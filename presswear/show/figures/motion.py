@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
-from presswear.results.oil_film import FULL, FULL_FILM, oil_films
+from presswear.results.oil_film import FULL_FILM, oil_films
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage, Stages
@@ -34,7 +34,7 @@ _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
 _FILM = Pen("film of a steady bearing", style.LINES[0][0])
 _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
-_DRY = Pen("dry below", style.LINES[1][0], "dotted")
+_ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
 
 
 @dataclass(frozen=True)
@@ -370,15 +370,15 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     for axes, (name, film) in zip(panels, films.items(), strict=True):
         phase = 360.0 * (film.time - film.time[0]) / scene.mechanism.period
         _FILM.draw(axes, phase, film.thickness * style.MICRONS)
-        for pen, factor in ((_FULL, FULL_FILM), (_DRY, 1.0)):
+        for pen, factor in ((_FULL, FULL_FILM), (_ROUGHNESS, 1.0)):
             axes.axhline(factor * film.roughness * style.MICRONS, **pen.look)
         axes.set_yscale("log")
-        title = f"joint {name}: full film for {100.0 * film.shares[FULL]:.3g} % of the cycle"
-        title += f",\n{film.under_load} at the greatest force"
+        share = f"{100.0 * film.full_share:.3g} % of the cycle"
+        title = f"joint {name}: full film for at least {share}"
         axes.set_title(title, loc="left", fontweight="bold")
         axes.set_ylabel("film (µm)")
         axes.set_xlim(0.0, 360.0)
         axes.xaxis.set_major_locator(MultipleLocator(90.0))
     for axes in lowest:
         axes.set_xlabel(f"{scene.mechanism.linkage().phase} since the start (degrees)")
-    return style.finished("oil", sheet, [_FILM, _FULL, _DRY], full=FULL_FILM)
+    return style.finished("oil", sheet, [_FILM, _FULL, _ROUGHNESS], full=FULL_FILM)
