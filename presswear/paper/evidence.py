@@ -49,6 +49,7 @@ class Measured:
     first_cycles: Ends | None = None  # range of the first cycles, which are not among the samples
     replicates: int = 0
     differ: bool = False  # replicates differ by more than the scatter of their cycles explains
+    freedom: float = math.inf  # degrees of freedom of the interval
 
 
 class WearMap(NamedTuple):
@@ -108,7 +109,10 @@ class Evidence:
         if samples.size >= MIN_SAMPLES:
             low, high = np.quantile(samples, (0.025, 0.975)).tolist()
             scatter = low, high
-        return Measured(estimate, scatter, (min(first), max(first)), len(together), differ)
+        groups = [pw.statistics.batched(pw.statistics.after_startup(rows)) for rows in together]
+        count = len(together) if differ else sum(map(len, groups))
+        ends = min(first), max(first)
+        return Measured(estimate, scatter, ends, len(together), differ, max(count - 1.0, 1.0))
 
     def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
         """Return the estimate of a quantity under a case; None if it was not computed."""
@@ -160,7 +164,9 @@ def _from_maps(
             value = float(functional(centre))
             interval = pw.statistics.basic_interval(value, functional(draws), count)
             estimate = pw.statistics.about(float(functional(mean)), interval)
-        return Measured(replace(estimate, samples=cycles), replicates=len(rows))
+        freedom = max(count - 1.0, 1.0)
+        estimate = replace(estimate, samples=cycles)
+        return Measured(estimate, replicates=len(rows), freedom=freedom)
 
     return {name: measured(name) for name in names}
 

@@ -167,6 +167,8 @@ CLAIMS = tuple(
     for item in _CLAIMS["claims"]
 )
 
+COMPARISONS = len({part for claim in CLAIMS for part in claim.parts})
+
 _SHOWN = f"{WEAR}:1 {WEAR}:2 {FRICTION}:1 {HIGH_FRICTION}:1 {SLOW}:1 {FAST}:1"
 DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not printed
     *comparisons("depth more wear A,C 1,2"),

@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from presswear.paper import settings, verdicts
 from presswear.paper.evidence import OF_MAPS, QUANTITIES, Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import (
+    COMPARISONS,
     DEPTH_RATIOS,
     DOUBTFUL,
     HIGHLIGHTS,
@@ -34,6 +35,7 @@ from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
 
 TITLE = "Chen, Tang and Gao's worn press, computed again"
+SENSITIVE_RATIOS = len(settings.SENSITIVITIES) * len(TEXTS["tables"]["sensitive"])
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first runs away
 
 
@@ -68,12 +70,14 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
     numbers["Ranges of wear"] = range_table(evidence)
     assumptions = {"Geometries": geometry_table(evidence), "Wear coefficient": fit_table(evidence)}
     assumptions["One assumption changed"] = sensitivity_table(evidence, failures)
+    claim_text = TEXTS["claims"].format(comparisons=COMPARISONS, least=100 * verdicts.NO_EFFECT)
+    assumption_text = TEXTS["assumptions"].format(ratios=SENSITIVE_RATIOS)
     verdict_counts = {"Verdicts": count_table(claims)}
     parts: list[tuple[str, Sequence[str], Mapping[str, Table | None]]] = [
         ("In short", findings(evidence, failures), verdict_counts),
-        ("Claims on trends", [TEXTS["claims"]], {"": claim_table(evidence, claims)}),
+        ("Claims on trends", [claim_text], {"": claim_table(evidence, claims)}),
         ("Every printed number of sections 5.3 and 5.4", [TEXTS["numbers"]], numbers),
-        ("Assumptions, their fit and their effect", [TEXTS["assumptions"]], assumptions),
+        ("Assumptions, their fit and their effect", [assumption_text], assumptions),
         ("Accuracy of the statistics", [TEXTS["statistics"]], {"": long_table(evidence)}),
         ("Runs", (), runs),
     ]
@@ -103,7 +107,8 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     for number, one in verdicts.positions(evidence):
         if len(number.places) == 1 and one in ("inside", "above", "below"):
             (worn if number.place.wear_updates else new)[one] += 1
-    best, spread = fit(depth_factors(evidence, BASE))
+    wide = {name: compared(evidence, BASE, part, COMPARISONS) for name, part in HIGHLIGHTS.items()}
+    effects = {name: verdicts.verdict(wide[name], part) for name, part in HIGHLIGHTS.items()}
     text = TEMPLATES.from_string(TEXTS["findings"]).render(
         ours=ours,
         text={name: text_of(one) for name, one in ours.items()},
@@ -112,8 +117,8 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
         runs_away=second is not None and second.mean - 1.0 > RUNAWAY,
         new=new,
         worn=worn,
-        best=best,
-        spread=spread,
+        effect={name: TEXTS["effects"][one] for name, one in effects.items()},
+        fit=fit(depth_factors(evidence, BASE)),
         doubtful=len(DOUBTFUL),
         failure=failures.get(settings.PAPER_STEP, ""),
     )
@@ -182,7 +187,8 @@ def detail(evidence: Evidence, part: Comparison) -> str:
     text = f"{row.label}, {comparison_text(part)}: {sign}{text_of(ours, unit)}{after}"
     if part.printed is not None:
         text += f"; printed {sign}{readable(unit_factor(unit) * part.printed)}{after}"
-    return f"{text}; {verdicts.verdict(ours, part)}"
+    wide = compared(evidence, BASE, part, COMPARISONS)
+    return f"{text}; {verdicts.verdict(wide, part)}"
 
 
 def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
@@ -242,7 +248,8 @@ def ratio_table(evidence: Evidence) -> Table:
         ours, printed = compared(evidence, BASE, part), part.printed
         assert printed is not None, "only printed depths are compared"
         texts = readable(printed), text_of(ours), readable(printed / ours.mean if ours else None)
-        lines.append((comparison_text(part), *texts, verdicts.agreement(printed, ours)))
+        wide = compared(evidence, BASE, part, len(DEPTH_RATIOS))
+        lines.append((comparison_text(part), *texts, verdicts.agreement(printed, wide)))
     head = ("ratio of deepest wears", "paper", "ours (95 % interval)", "paper / ours", "the paper")
     return plain_table(head, lines, numeric=False)
 
@@ -288,14 +295,22 @@ def depth_factors(evidence: Evidence, case: str) -> dict[Place, float]:
     return factors
 
 
-def fit(factors: Mapping[Place, float]) -> tuple[float, float]:
-    """Return the factor on K_d / b that fits best, and the factor by which single depths miss it.
+class Fit(NamedTuple):
+    """One factor on K_d / b for all printed depths; nan if there are none."""
 
-    They are the geometric mean of all but the doubtful prints, and the root mean square of
-    logarithms; nan if there are none.
-    """
+    best: float  # geometric mean of all but the doubtful prints
+    typical: float  # factor by which single depths miss it, root mean square of logarithms
+    largest: float  # of these factors
+
+
+def fit(factors: Mapping[Place, float]) -> Fit:
+    """Return the factor on K_d / b that fits best, and how far single depths are from it."""
     logs = np.log([factor for place, factor in factors.items() if place not in DOUBTFUL])
-    return (math.exp(logs.mean()), math.exp(logs.std())) if logs.size else (math.nan, math.nan)
+    if not logs.size:
+        return Fit(math.nan, math.nan, math.nan)
+    off = logs - logs.mean()
+    numbers = (logs.mean(), logs.std(), np.abs(off).max())
+    return Fit(*(math.exp(number) for number in numbers))
 
 
 def fit_table(evidence: Evidence) -> Table:
@@ -305,26 +320,35 @@ def fit_table(evidence: Evidence) -> Table:
     for place in dict.fromkeys(place for one in factors for place in one):
         doubt = " (doubtful print, left out)" if place in DOUBTFUL else ""
         lines.append((joint_text(place) + doubt, *(readable(one.get(place)) for one in factors)))
-    best, spread = zip(*map(fit, factors), strict=True)
+    best, typical, largest = zip(*map(fit, factors), strict=True)
     summary = (
         ("best factor on K_d / b", *map(readable, best)),
-        ("factor by which single depths miss it", *map(readable, spread)),
+        ("factor by which single depths miss it, rms of logarithms", *map(readable, typical)),
+        ("largest of these factors", *map(readable, largest)),
     )
     head = ("paper / ours, deepest after the first wear", *JUDGED)
     return Table(head, (("", tuple(lines)), ("One number for all", summary)))
 
 
 def case_ratio(
-    evidence: Evidence, place: Place, quantity: str, case: str, reference: str = BASE
+    evidence: Evidence,
+    place: Place,
+    quantity: str,
+    cases: tuple[str, str],
+    count: int,
 ) -> tuple[str, bool]:
-    """Return a quantity under a case over that under another, and whether it is certainly not 1."""
-    pair = [evidence.estimate(name, place, quantity) for name in (case, reference)]
-    positive = [one for one in pair if one is not None and one.mean > 0.0]
-    if len(positive) < 2:
+    """Return a quantity under a case over that under another, and whether it is not 1.
+
+    It is not 1 if its interval, one of ``count`` that hold together with 95 %, does not hold 1.
+    """
+    pair = [evidence.measured(name, place, quantity) for name in cases]
+    measured = [one for one in pair if one is not None and one.estimate.mean > 0.0]
+    if len(measured) < 2:
         return text_of(None), False
-    ratio = verdicts.ratio(positive[:1], positive[1:])
-    is_known = ratio.low is not None and ratio.high is not None
-    return text_of(ratio), is_known and not (ratio.low or 0.0) <= 1.0 <= (ratio.high or 0.0)
+    over, under = ([one.estimate] for one in measured)
+    wide = verdicts.ratio(over, under, verdicts.factors_of(measured, count))
+    differs = wide.low is not None and wide.high is not None and not wide.low <= 1.0 <= wide.high
+    return text_of(verdicts.ratio(over, under)), differs
 
 
 def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
@@ -332,7 +356,10 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     shown = [(name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]]
     lines = []
     for name, case in settings.SENSITIVITIES.items():
-        ratios = [case_ratio(evidence, place, quantity, name) for quantity, place in shown]
+        ratios = [
+            case_ratio(evidence, place, quantity, (name, BASE), SENSITIVE_RATIOS)
+            for quantity, place in shown
+        ]
         cells = (f"{text}{' *' * differs}" for text, differs in ratios)
         failure = f": {failures[name]}" if name in failures else ""
         lines.append((f"{case.label}{failure}", *cells))
@@ -351,7 +378,7 @@ def long_table(evidence: Evidence) -> Table:
     ]
     for place, quantity in places:
         short, long = (evidence.measured(case, place, quantity) for case in (BASE, LONG))
-        text, differs = case_ratio(evidence, place, quantity, BASE, LONG)
+        text, differs = case_ratio(evidence, place, quantity, (BASE, LONG), len(places))
         if short is None or long is None or text == NOTHING:
             continue
         cycles = f"{short.estimate.samples} of {short.replicates}", str(long.estimate.samples)

@@ -6,67 +6,108 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from scipy.special import stdtrit
+
 import presswear as pw
 from presswear.paper.evidence import Evidence, Measured
-from presswear.paper.printed import CLAIMS, PRINTED, Claim, Comparison, Printed, wrapped_angle
+from presswear.paper.printed import (
+    CLAIMS,
+    COMPARISONS,
+    PRINTED,
+    Claim,
+    Comparison,
+    Printed,
+    wrapped_angle,
+)
 from presswear.paper.settings import BASE, GEOMETRIES, JUDGED
 
-SAME = 0.02  # relative change below which a quantity is considered unchanged
+SAME = 0.02  # change, relative or rad, below which the paper's "unchanged" holds
+NO_EFFECT = 0.1  # change, relative or rad, that is too small for a claimed change
 
-Verdict = Literal["holds", "holds in part", "does not hold", "undecided", "not computed"]
+Verdict = Literal[
+    "holds", "holds in part", "does not hold", "no effect", "undecided", "not computed"
+]
+_DECIDED = {"holds", "holds in part", "does not hold", "no effect"}
 # Position of a printed number relative to ours.
 Position = Literal[
     "inside", "above", "below", "agrees", "differs", "as ratios only", "undecided", "not computed"
 ]
 
 
-def ratio(over: Sequence[pw.Estimate], under: Sequence[pw.Estimate]) -> pw.Estimate:
+def ratio(
+    over: Sequence[pw.Estimate], under: Sequence[pw.Estimate], factors: Sequence[float] = ()
+) -> pw.Estimate:
     """Return a product of estimates divided by another product, with its interval.
 
     Variance estimates are recovered from the intervals, on logarithms (Donner and Zou,
-    Statistical Methods in Medical Research 21, 2012, 347).
+    Statistical Methods in Medical Research 21, 2012, 347). ``factors`` widen the intervals.
     """
 
-    def log_widths(one: pw.Estimate) -> tuple[float, float]:
+    def log_widths(one: pw.Estimate, factor: float) -> tuple[float, float]:
         if one.low is None or one.high is None:
             return math.nan, math.nan
         below = math.log(one.mean / one.low) if one.low > 0.0 else math.inf
-        return below, math.log(max(one.high / one.mean, 1.0))
+        return factor * below, factor * math.log(max(one.high / one.mean, 1.0))
 
     value = math.prod(one.mean for one in over) / math.prod(one.mean for one in under)
-    above, below = map(log_widths, over), map(log_widths, under)
-    pairs = [*above, *((high, low) for low, high in below)]
-    down, up = (math.hypot(*widths) for widths in zip(*pairs, strict=True))
+    every = [*over, *under]
+    widths = [*map(log_widths, every, factors or [1.0] * len(every))]
+    pairs = [*widths[: len(over)], *((high, low) for low, high in widths[len(over) :])]
     if any(math.isnan(width) for pair in pairs for width in pair):
         return pw.Estimate(value)
+    down, up = (math.hypot(*sides) for sides in zip(*pairs, strict=True))
     return pw.Estimate(value, value * math.exp(-down), value * math.exp(up))
 
 
-def difference(over: pw.Estimate, under: pw.Estimate, is_angle: bool) -> pw.Estimate:
-    """Return the difference of two estimates, with its interval."""
+def difference(
+    over: pw.Estimate, under: pw.Estimate, is_angle: bool, factors: Sequence[float] = (1.0, 1.0)
+) -> pw.Estimate:
+    """Return the difference of two estimates, with its interval; ``factors`` widen theirs."""
     value = over.mean - under.mean
     if is_angle:
         value = wrapped_angle(value)
     if over.low is None or over.high is None or under.low is None or under.high is None:
         return pw.Estimate(value)
-    down = math.hypot(over.mean - over.low, under.high - under.mean)
-    up = math.hypot(over.high - over.mean, under.mean - under.low)
+    first, second = factors
+    down = math.hypot(first * (over.mean - over.low), second * (under.high - under.mean))
+    up = math.hypot(first * (over.high - over.mean), second * (under.mean - under.low))
     return pw.Estimate(value, value - down, value + up)
 
 
-def compared(evidence: Evidence, case: str, comparison: Comparison) -> pw.Estimate | None:
-    """Return our ratio or difference; None if one of its quantities was not computed."""
+def widening(freedom: float, count: int) -> float:
+    """Return the factor from a 95 % interval to one of many that hold together with 95 %.
+
+    Each has an error probability of 5 % over the number of intervals (Bonferroni); ``freedom``
+    are the degrees of freedom of Student's interval.
+    """
+    one, many = stdtrit(freedom, 0.975), stdtrit(freedom, 1.0 - 0.025 / count)
+    return float(many / one)
+
+
+def compared(
+    evidence: Evidence, case: str, comparison: Comparison, count: int = 1
+) -> pw.Estimate | None:
+    """Return our ratio or difference; None if one of its quantities was not computed.
+
+    Its interval is one of ``count`` that hold together with 95 %.
+    """
     places = (*comparison.over, *comparison.under)
-    every = [evidence.estimate(case, place, comparison.quantity) for place in places]
-    ours = [one for one in every if one is not None]
-    if len(ours) < len(places):
+    every = [evidence.measured(case, place, comparison.quantity) for place in places]
+    measured = [one for one in every if one is not None]
+    if len(measured) < len(places):
         return None
+    ours, factors = [one.estimate for one in measured], factors_of(measured, count)
     if comparison.is_difference:
-        return difference(ours[0], ours[1], comparison.quantity == "angle")
+        return difference(ours[0], ours[1], comparison.quantity == "angle", factors)
     if any(one.mean <= 0.0 for one in ours):
         return None
-    count = len(comparison.over)
-    return ratio(ours[:count], ours[count:])
+    numerators = len(comparison.over)
+    return ratio(ours[:numerators], ours[numerators:], factors)
+
+
+def factors_of(measured: Sequence[Measured], count: int) -> list[float]:
+    """Return the factors that widen the intervals of quantities to ``count`` that hold together."""
+    return [widening(one.freedom, count) for one in measured]
 
 
 def verdict(ours: pw.Estimate | None, comparison: Comparison) -> Verdict:
@@ -84,7 +125,10 @@ def verdict(ours: pw.Estimate | None, comparison: Comparison) -> Verdict:
     elif margin and neutral - margin <= ours.low and ours.high <= neutral + margin:
         side = "same"
     else:
-        return "undecided"
+        # A lag has no scale on which a change is small.
+        least = 0.0 if margin or comparison.quantity == "lag" else NO_EFFECT
+        is_small = neutral - least <= ours.low and ours.high <= neutral + least
+        return "no effect" if is_small else "undecided"
     return "holds" if side == comparison.expected else "does not hold"
 
 
@@ -93,8 +137,10 @@ def combined(verdicts: Iterable[Verdict]) -> Verdict:
     computed = set(verdicts) - {"not computed"}
     if not computed:
         return "not computed"
-    if "does not hold" in computed:
-        return "holds in part" if "holds" in computed else "does not hold"
+    if computed & {"does not hold", "no effect"}:
+        if "holds" in computed:
+            return "holds in part"
+        return "does not hold" if "does not hold" in computed else "no effect"
     return "holds" if computed == {"holds"} else "undecided"
 
 
@@ -113,9 +159,9 @@ class Judged:
     def geometry(self) -> str:
         """Agreement of the verdicts on all geometries, in words."""
         verdicts = {self.verdict(name) for name in GEOMETRIES}
-        if len(verdicts) == 1 and verdicts <= {"holds", "does not hold", "holds in part"}:
+        if len(verdicts) == 1 and verdicts <= _DECIDED:
             return "same on all three geometries"
-        if "holds" in verdicts and verdicts & {"does not hold", "holds in part"}:
+        if "holds" in verdicts and verdicts & _DECIDED - {"holds"}:
             return "changes with the geometry"
         return "not decided on all three"
 
@@ -130,15 +176,16 @@ class Judged:
 
 
 def judge(evidence: Evidence) -> list[Judged]:
-    """Return every claim with its verdicts under every case."""
+    """Return every claim with its verdicts under every case.
+
+    The intervals of all comparisons of a case hold together with 95 %.
+    """
+
+    def judged(case: str, part: Comparison) -> Verdict:
+        return verdict(compared(evidence, case, part, COMPARISONS), part)
+
     return [
-        Judged(
-            claim,
-            {
-                case: tuple(verdict(compared(evidence, case, part), part) for part in claim.parts)
-                for case in JUDGED
-            },
-        )
+        Judged(claim, {case: tuple(judged(case, part) for part in claim.parts) for case in JUDGED})
         for claim in CLAIMS
     ]
 

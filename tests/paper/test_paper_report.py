@@ -18,6 +18,7 @@ from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.verdicts import judge
 from presswear.show.page import render_page
+from presswear.tools.numbers import readable
 
 
 def text_of(evidence: Evidence) -> str:
@@ -37,8 +38,8 @@ def test_every_printed_number_and_claim_is_on_the_page() -> None:
 def test_the_answer_counts_right_and_findings_follow_the_numbers() -> None:
     evidence = every_evidence()
     counts = map(int, re.findall(r"\d+", report.headline(evidence, judge(evidence))))
-    claims, held, part, failed, rest, _, peaks, inside, above, below = counts
-    assert held + part + failed + rest == claims == len(CLAIMS)
+    claims, held, part, failed, same, rest, _, peaks, inside, above, below = counts
+    assert held + part + failed + same + rest == claims == len(CLAIMS)
     assert inside + above + below == peaks
     assert len(report.findings(evidence, {"paper-step": "it blew up"})) == 6
     assert "the depth does not grow by orders" in " ".join(report.findings(evidence, {}))
@@ -67,13 +68,29 @@ def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ() -> Non
     factors = report.depth_factors(evidence, BASE)
     assert (len(factors), len(DOUBTFUL)) == (10, 2)
     even = {place: 2.0 if place in DOUBTFUL else 3.0 for place in factors}
-    assert report.fit(even) == pytest.approx((3.0, 1.0))
+    assert report.fit(even) == pytest.approx((3.0, 1.0, 1.0))
     assert math.isnan(report.fit(dict.fromkeys(DOUBTFUL, 1.0))[0])
+    places = sorted(even, key=lambda one: one in DOUBTFUL)
+    uneven = dict(zip(places, [0.75, 12.0] + [3.0] * 8, strict=True))
+    assert report.fit(uneven) == pytest.approx((3.0, 2.0, 4.0))
     place = next(number.place for number in PRINTED if number.quantity == "force")
-    assert not report.case_ratio(evidence, place, "force", "angles")[1]
+    assert not report.case_ratio(evidence, place, "force", ("angles", BASE), 1)[1]
     ((_, rows),) = report.long_table(evidence).groups
     assert len(rows) == 15
     assert [row[-1] for row in rows].count("no") <= 2
+
+
+def test_a_computed_sentence_holds_for_every_depth_of_its_table() -> None:
+    """No printed depth is farther from ours than the largest factor that the sentence names."""
+    evidence = every_evidence()
+    factors = report.depth_factors(evidence, BASE)
+    best, typical, largest = report.fit(factors)
+    off = [max(one / best, best / one) for place, one in factors.items() if place not in DOUBTFUL]
+    assert max(off) == pytest.approx(largest)
+    assert typical < largest
+    text = " ".join(report.findings(evidence, {}))
+    assert f"at most by {readable(largest)};" in text
+    assert "agree within" not in text
 
 
 def test_missing_runs_leave_the_rest() -> None:
