@@ -18,7 +18,7 @@ from presswear.show.figures import style
 from presswear.show.figures.style import LINES, Drawing, Pen, finished
 from presswear.show.page import NOTHING, Section
 from presswear.sweeps.parameters import Column, Display
-from presswear.sweeps.plan import Plan, Table
+from presswear.sweeps.plan import NOT_RUN, Plan, Table
 from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import (
     PROBABILITIES,
@@ -62,6 +62,13 @@ class Analysis:
     spread: Spread | None
     limit: Limit | None
     notes: tuple[str, ...]
+    failed: str = ""  # see ``failed_text``
+
+
+def failed_text(table: Table) -> str:
+    """Return how many runs failed, whose values every statistic lacks; empty for none."""
+    failed = sum(error not in ("", NOT_RUN) for error in table.errors)
+    return f"{whole(failed)} of {whole(len(table.errors))} runs failed" if failed else ""
 
 
 def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:
@@ -93,7 +100,7 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
     if (chaos := chaotic_share(points)) is not None:
         text = f"Scatter of chaotic motion is {_percent(chaos)} of the variance of single runs of"
         notes.append(f"{text} {key}; the rest comes from the parameters.")
-    return Analysis(points, result, surrogate, spread, limit, tuple(notes))
+    return Analysis(points, result, surrogate, spread, limit, tuple(notes), failed_text(table))
 
 
 def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]) -> Path:
@@ -134,7 +141,7 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
 def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
     """Yield the sections on ranges, failed runs and the first rows."""
     responses = _ranges(table.responses, table.values, plan, table)
-    yield Section("Ranges of responses", tables=[("", responses)])
+    yield Section("Ranges of responses", tables=[(failed_text(table), responses)])
     parameters = _ranges(table.parameters, table.points, plan)
     yield Section("Ranges of parameters", tables=[("", parameters)])
     if any(table.errors):
@@ -158,6 +165,7 @@ def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
     low, high = (shown.number(pick(points.means)) for pick in (np.nanmin, np.nanmax))
     meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: "
     meaning += f"smallest and largest mean of {whole(int(points.has_value.sum()))} points."
+    meaning += f" {analysis.failed}." if analysis.failed else ""
     if result is not None and not points.is_constant:
         meaning += f" It depends most on {points.parameters[result.order[0]].key}."
     return page.KeyNumber(name, f"{low} to {high} {shown.unit}".strip(), "", meaning)
@@ -203,28 +211,29 @@ def _percent(share: tuple[float, float, float]) -> str:
 def findings(analysis: Analysis) -> list[str]:
     """Return sentences on the most important parameter and on the limit."""
     points, limit, spread, lines = analysis.points, analysis.limit, analysis.spread, []
-    key = points.response.key
+    key, end = points.response.key, f" ({analysis.failed})." if analysis.failed else "."
     if analysis.sensitivity is not None:
         strongest = points.parameters[analysis.sensitivity.order[0]].key
-        lines.append(f"{key} depends most on {strongest}.")
+        lines.append(f"{key} depends most on {strongest}{end}")
     if limit is None:
         return lines
     value = Display(points.response, points.means).text(limit.value)
     name = f"the {'lower' if limit.is_lower else 'upper'} limit {value} of {key}"
     if spread is not None and spread.violation is not None:
         share = _percent(spread.violation)
-        text = f"The probability that {name} is violated is {share}, {spread.source}."
+        text = f"The probability that {name} is violated is {share}, {spread.source}{end}"
     else:
         rows = points.has_value
         fewest, most = limit.count(points.means[rows], points.censored[rows])
         count = whole(fewest) if fewest == most else f"{whole(fewest)} to {whole(most)}"
-        text = f"{count} of {whole(int(rows.sum()))} points violate {name}."
+        text = f"{count} of {whole(int(rows.sum()))} points violate {name}{end}"
     return [*lines, text]
 
 
 def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     """Return the tables of a response with their headings."""
     points, tables = analysis.points, list[tuple[str, page.Table]]()
+    end = f"; {analysis.failed}" if analysis.failed else ""
     shown = Display(points.response, points.means)
     if 1 < len(points.means) <= FIRST_ROWS:
         columns = list(map(Display, points.parameters, points.points.T))
@@ -234,7 +243,7 @@ def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
             texts = (one.number(value, 4) for one, value in zip(columns, place, strict=True))
             lines.append((*texts, shown.with_half_width(mean, half), whole(count)))
         head = (*(one.label for one in columns), shown.label, "runs")
-        tables.append(("Means with 95 % intervals", page.plain_table(head, lines)))
+        tables.append((f"Means with 95 % intervals{end}", page.plain_table(head, lines)))
     if (result := analysis.sensitivity) is not None:
         factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
         lines = []
@@ -245,14 +254,16 @@ def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
                 cells.append(f"{readable(factor * value)}{interval}")
             lines.append(tuple(cells))
         head = ("parameter", *(f"{name} ({unit})" if unit else name for name in result.names))
-        tables.append((f"{result.title} ({result.method})", page.plain_table(head, lines)))
+        tables.append((f"{result.title} ({result.method}){end}", page.plain_table(head, lines)))
     if (spread := analysis.spread) is not None:
         cells = [f"single runs ({shown.unit or '1'})"]
         for k in (percent - 1 for percent in PERCENTILES):
             value, low, high = map(shown.number, (spread.values[k], spread.low[k], spread.high[k]))
             cells.append(f"{value} ({low} to {high})")
         head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
-        tables.append((f"Distribution, {spread.source}", page.plain_table(head, [tuple(cells)])))
+        tables.append(
+            (f"Distribution, {spread.source}{end}", page.plain_table(head, [tuple(cells)]))
+        )
     return tables
 
 

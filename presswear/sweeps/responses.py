@@ -225,7 +225,7 @@ def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
 
 
 def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
-    """Return the usual responses of all stages and the requested ones by key.
+    """Return the usual responses of all stages and the requested ones by key, without functions.
 
     A response without a stage is that of the last one.
     """
@@ -240,12 +240,18 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
                     values[f"{key}@{stage.index}"] = function(result, stage, joint)
     last = f"@{result.stages[-1].index}"
     values |= {key.removesuffix(last): values[key] for key in values if key.endswith(last)}
-    for user in requested.functions:
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def user_responses(result: Result, functions: Sequence[User]) -> dict[str, Response]:
+    """Return the responses that are user functions by their names."""
+    values = {}
+    for user in functions:
         number = user(result)
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise InputError(f"response {user.__name__} = {number!r}: must be a number")
         values[user.__name__] = Response(float(number))
-    return {key: value for key, value in values.items() if value is not None}
+    return values
 
 
 @dataclass(frozen=True)

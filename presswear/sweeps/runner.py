@@ -8,21 +8,24 @@ were running; the next run of the same rows removes them.
 import importlib
 import logging
 import os
+import shutil
 import statistics
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from multiprocessing import active_children, current_process, get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from presswear.recording.observer import Observer
 from presswear.results.folder import program_digest
+from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
-from presswear.sweeps.responses import Requested, Response, responses_of
+from presswear.sweeps.responses import Requested, Response, User, responses_of, user_responses
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import holder, write_bytes
 from presswear.tools.processes import cores, end_with_parent, is_stopped, starting_processes
@@ -56,12 +59,19 @@ class Progress(NamedTuple):
 
 
 def run_row(scene: Scene, requested: Requested, folder: Path | None, program: str) -> Outcome:
-    """Run the scene of a row in this process and return its responses.
+    """Run the scene of a row in this process and return its responses without user functions.
 
     The complete result goes into `folder`, if there is one. An error of the machine is raised, an
-    error of the scene or of a user function is the outcome. A process with another program than
-    the one that submitted the row raises `InputError`, because its numbers would differ.
+    error of the scene is the outcome. A process with another program than the one that submitted
+    the row raises `InputError`, because its numbers would differ.
     """
+    return run_scene(scene, requested, folder, program)[0]
+
+
+def run_scene(
+    scene: Scene, requested: Requested, folder: Path | None, program: str
+) -> tuple[Outcome, Result | None]:
+    """Run the scene of a row in this process; see `run_row`. The result is None if it failed."""
     if program_digest() != program:
         raise InputError("a worker has another program: install equal versions of all packages")
     from presswear.campaign.campaign import run  # slow to import
@@ -69,21 +79,45 @@ def run_row(scene: Scene, requested: Requested, folder: Path | None, program: st
     while folder is not None and holder(folder):
         time.sleep(POLL)  # a worker of a killed sweep ends within a second
     start = time.perf_counter()
+    result, values = None, dict[str, Response]()
     try:
         result = run(scene, folder, jobs=1, observers=[Observer()], check=False)
         message = result.message if result.status == "failed" else ""
         values = {} if message else responses_of(result, requested)
     except (OSError, MemoryError):
         raise
-    # A user function may raise anything. Its error belongs to this row and must not end the sweep.
+    # A user law may raise anything. Its error belongs to this row and must not end the sweep.
     except Exception as error:
         if is_stopped():  # any error may follow a signal
             raise KeyboardInterrupt from None
         if isinstance(error, RunFailed) and error.finding is None:
             raise
-        kind = "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
-        values, message = {}, f"{kind}{error}"
-    return Outcome(values, message, time.perf_counter() - start)
+        message = _message(error)
+    outcome = Outcome(values, message, time.perf_counter() - start)
+    return outcome, None if message else result
+
+
+def with_functions(
+    outcome: Outcome, functions: Sequence[User], read: Callable[[], Result]
+) -> Outcome:
+    """Return an outcome with the responses that are user functions, computed in this process.
+
+    A worker may not be able to import a function of a notebook. The error of a function is that of
+    its row.
+    """
+    if outcome.error or not functions:
+        return outcome
+    try:
+        return replace(outcome, values=outcome.values | user_responses(read(), functions))
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        return replace(outcome, values={}, error=_message(error))
+
+
+def _message(error: Exception) -> str:
+    kind = "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
+    return f"{kind}{error}"
 
 
 def read_row(folder: Path, name: str) -> Outcome | None:
@@ -116,6 +150,8 @@ def run_rows(
     (folder / ROWS).mkdir(exist_ok=True)
     files = {name: folder / ROWS / f"{name}.json" for name in scenes}
     program, done, claims = program_digest(), list[Outcome](), set[str]()
+    # User functions get the complete result, which the worker leaves in its folder.
+    sent, needs_result = replace(requested, functions=()), bool(requested.functions)
     running: dict[Future[Outcome], str] = {}
     for name, file in files.items():
         outcome = read_row(folder, name)
@@ -130,6 +166,10 @@ def run_rows(
         on_progress(Progress(len(scenes), len(done), failed, slots, median))
 
     def store(name: str, outcome: Outcome) -> None:
+        path = folder / RUNS / name
+        outcome = with_functions(outcome, requested.functions, partial(load, path, trust=True))
+        if needs_result and not keep_results:
+            shutil.rmtree(path, ignore_errors=True)
         write_bytes(files[name], msgspec.json.encode(outcome))
         claims.discard(name)
         done.append(outcome)
@@ -147,9 +187,9 @@ def run_rows(
             except FileExistsError:
                 continue  # the row is stored, or another part of the sweep has an equal row
             claims.add(name)
-            path = folder / RUNS / name if keep_results else None
+            path = folder / RUNS / name if keep_results or needs_result else None
             try:
-                running[executor.submit(run_row, scenes[name](), requested, path, program)] = name
+                running[executor.submit(run_row, scenes[name](), sent, path, program)] = name
             except InputError as error:  # settings do not fit together
                 store(name, Outcome(error=str(error)))
             while len(running) >= QUEUED * slots - 1:
@@ -224,10 +264,7 @@ class ProcessExecutor(ProcessPoolExecutor):
         super().__init__(count, context, end_with_parent)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
-        # Only user functions of the main module need that module in the workers.
-        functions = [f for item in args if isinstance(item, Requested) for f in item.functions]
-        needs_main = any(function.__module__ == "__main__" for function in functions)
-        with starting_processes(hides_main=not needs_main):
+        with starting_processes():
             return super().submit(fn, *args, **kwargs)
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:

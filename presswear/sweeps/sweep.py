@@ -300,7 +300,10 @@ def _evaluate(
     """Return responses of the scene with changed settings."""
     settings = {**parameters.get(EXUDYN_KEYS[1], {}), **parameters}
     settings = {key: value for key, value in settings.items() if key not in EXUDYN_KEYS}
-    outcome = runner.run_row(changed(scene, settings), requested, None, program_digest())
+    varied, program = changed(scene, settings), program_digest()
+    outcome, result = runner.run_scene(varied, requested, None, program)
+    if result is not None:
+        outcome = runner.with_functions(outcome, requested.functions, lambda: result)
     if outcome.error and failed is None:
         raise RunFailed(outcome.error)
     default = Response(failed if outcome.error else None)

@@ -270,7 +270,7 @@ def _handling(handler: Callable[[int, FrameType | None], object]) -> Iterator[No
 
 
 @contextmanager
-def starting_processes(hides_main: bool = True) -> Iterator[None]:
+def starting_processes() -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
     With the main module they would run a script a second time that lacks
@@ -282,8 +282,7 @@ def starting_processes(hides_main: bool = True) -> Iterator[None]:
     late: list[int] = []
     try:
         with _handling(lambda number, _: late.append(number)):
-            if hides_main:
-                sys.modules["__main__"] = ModuleType("__main__")
+            sys.modules["__main__"] = ModuleType("__main__")
             yield
     finally:
         sys.modules["__main__"] = main

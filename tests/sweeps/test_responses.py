@@ -95,10 +95,11 @@ def test_responses_may_be_user_functions(result: pw.Result) -> None:
     requested = responses.request(SCENE, [peak, "A.force_max"])
     assert [column.key for column in requested.columns] == ["peak", "A.force_max"]
     assert requested.columns[0].text == "Highest force at A in all stages."
-    assert responses.responses_of(result, requested)["peak"] == responses.Response(peak(result))
+    values = responses.user_responses(result, requested.functions)
+    assert values == {"peak": responses.Response(peak(result))}
     assert requested.extra != responses.request(SCENE, [highest]).extra
     with pytest.raises(pw.InputError, match="response word = 'a word': must be a number"):
-        responses.responses_of(result, responses.request(SCENE, [cast(responses.User, word)]))
+        responses.user_responses(result, [cast(responses.User, word)])
 
 
 def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> None:

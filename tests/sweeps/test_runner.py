@@ -149,3 +149,31 @@ def test_parts_that_start_together_share_a_folder(tmp_path: Path) -> None:
     parts = [subprocess.Popen([*command, "--shard", f"{k}/2"]) for k in (1, 2)]
     assert [part.wait() for part in parts] == [0, 0]
     assert np.isfinite(load_sweep(folder).table.values).all()
+
+
+NOTEBOOK = """
+import sys
+import presswear as pw
+
+def peak(result):
+    return result.stages[-1].joints["B"].force.max()
+
+def wrong(result):
+    raise KeyError("no such number")
+
+scene = pw.scenes.slider_crank(engine="dae", cycles=1, wear_updates=0, replicates=1)
+vary = {"clearance": ["0.4 mm", "0.5 mm"]}
+sweep = pw.sweep(scene, vary, sys.argv[1] + "/good", [peak, "B.force_max"], jobs=2)
+assert (sweep.table.values > 0.0).all(), sweep.table
+again = pw.sweep(scene, vary, sys.argv[1] + "/bad", [wrong], jobs=2)
+print(again.table.errors)
+"""
+
+
+def test_functions_of_a_notebook_are_responses(tmp_path: Path) -> None:
+    """They are in a main module that workers cannot import; so they run in the parent."""
+    line = [sys.executable, "-c", NOTEBOOK, f"{tmp_path}"]
+    ended = subprocess.run(line, capture_output=True, text=True, timeout=600, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.count("KeyError: 'no such number'") == 2
+    assert not list((tmp_path / "good" / "runs").iterdir())  # keep = responses

@@ -6,6 +6,7 @@ import pickle
 import re
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -133,14 +134,18 @@ def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None
     table = table_of(points, values, 2, noise=10.0)
     table = type(table)(SAMPLED.columns, *list(vars(table).values())[1:])
     table.values[5] = np.nan
+    table = replace(table, errors=("", "", "", "", "", "ended early", *[""] * 250))
     page = write_report(table, SAMPLED, tmp_path, {"y": Limit(800.0, False)}).read_text()
     page = re.sub(r"data:image/png;base64,[^\"]*", "", page)
     text = unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", page)))
     assert "256 runs at 128 points" in text
     for engine in ("dae", "exudyn"):
-        assert f"At engine = {engine}: y depends most on clearance." in text
+        assert f"At engine = {engine}: y depends most on clearance" in text
         assert text.count("Scatter of chaotic motion is") == 2
         assert f"At engine = {engine}: The probability that the upper limit 800" in text
+    # Two sentences, a key number, and the headings of two tables say it, and that of all runs.
+    assert text.count("1 of 128 runs failed") == 5
+    assert text.count("1 of 256 runs failed") == 1
     assert (tmp_path / "figures" / "1" / "map-y.png").exists()
     assert (tmp_path / "table.csv").read_text() == table.csv()
 
