@@ -133,7 +133,7 @@ def test_oil_film_is_that_of_each_joint() -> None:
             [3e6 * film.roughness, 1e6 * film.roughness]
         )
         share = float((film.thickness > 3.0 * film.roughness).mean())
-        full = f"joint {name}: full film for at least {100.0 * share:.3g} % of the cycle"
+        full = f"joint {name}: full film for at least\n{100.0 * share:.3g} % of the cycle"
         assert axes.get_title(loc="left") == full
 
 

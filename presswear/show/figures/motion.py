@@ -374,7 +374,7 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
             axes.axhline(factor * film.roughness * style.MICRONS, **pen.look)
         axes.set_yscale("log")
         share = f"{100.0 * film.full_share:.3g} % of the cycle"
-        title = f"joint {name}: full film for at least {share}"
+        title = f"joint {name}: full film for at least\n{share}"
         axes.set_title(title, loc="left", fontweight="bold")
         axes.set_ylabel("film (µm)")
         axes.set_xlim(0.0, 360.0)
