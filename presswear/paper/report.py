@@ -10,6 +10,7 @@ import numpy as np
 
 import presswear as pw
 from presswear.paper import settings, verdicts
+from presswear.paper.errors import error_table
 from presswear.paper.evidence import OF_MAPS, QUANTITIES, Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import (
@@ -78,6 +79,7 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         ("Claims on trends", [claim_text], {"": claim_table(evidence, claims)}),
         ("Every printed number of sections 5.3 and 5.4", [TEXTS["numbers"]], numbers),
         ("Assumptions, their fit and their effect", [assumption_text], assumptions),
+        ("Errors of the paper", [TEXTS["errors"]], {"": error_table(evidence)}),
         ("Accuracy of the statistics", [TEXTS["statistics"]], {"": long_table(evidence)}),
         ("Runs", (), runs),
     ]

@@ -25,10 +25,11 @@ ARC_MARGIN = 1e-6  # rad; the ends of a contact arc are known to 5e-8
 def contact_area(
     penetration: float, eccentricity: float, bearing_radius: float, pin_radius: float, width: float
 ) -> float:
-    """Return the contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27).
+    """Return the contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27 as printed).
 
-    cos beta + 1 is formed from the penetration itself; equation 25 as printed loses
-    ten digits to cancellation.
+    beta is at the centre of the pin, so that half the chord is R_j sin(beta): the printed area is
+    too large by R_i / R_j. cos beta + 1 is formed from the penetration itself; equation 25 as
+    printed loses ten digits to cancellation.
     """
     reach = eccentricity + pin_radius + bearing_radius
     above = penetration * reach / (2.0 * eccentricity * pin_radius)

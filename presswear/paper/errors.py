@@ -1,0 +1,57 @@
+"""Errors of the paper, each with the effect of its right form on the wear depth.
+
+They are listed in ``errors.toml``; its head explains where an effect is from.
+"""
+
+import tomllib
+from importlib.resources import files
+
+import presswear as pw
+from presswear.paper.evidence import Evidence
+from presswear.paper.printed import Place
+from presswear.paper.settings import BASE, SENSITIVITIES, SETTINGS, WEAR, base_scene, run_name
+from presswear.paper.verdicts import ratio
+from presswear.show.page import Table, plain_table, text_of
+
+_ROWS = tomllib.loads(files("presswear.paper").joinpath("errors.toml").read_text("utf-8"))["errors"]
+CHORD = "chord"
+PLACE = Place(WEAR, 1, "A")  # of the depth
+RUNS = [run_name(BASE, WEAR)]
+RUNS += [run_name(case, WEAR) for *_, case, _ in _ROWS if case in SENSITIVITIES]
+
+
+def chord_ratio(scene: pw.Scene) -> float:
+    """Return the area of equations 25 to 27 over that with the half chord R_j sin(beta).
+
+    The wear depth on unworn surfaces goes as one over the area.
+    """
+    bearing = scene.bearing(PLACE.joint)
+    return bearing.bearing_radius / (bearing.bearing_radius - bearing.clearance)
+
+
+def effect(evidence: Evidence, case: str) -> pw.Estimate | float | None:
+    """Return the change of the depth under a case, relative to that as printed."""
+    if case == CHORD:
+        return chord_ratio(base_scene(WEAR)) - 1.0
+    pair = [evidence.estimate(name, PLACE, "depth") for name in (case, BASE)]
+    ours = [one for one in pair if one is not None and one.mean > 0.0]
+    if len(ours) < 2:
+        return None
+    change = ratio(ours[:1], ours[1:])
+    low, high = (None if end is None else end - 1.0 for end in (change.low, change.high))
+    return pw.Estimate(change.mean - 1.0, low, high)
+
+
+def error_table(evidence: Evidence) -> Table:
+    """Return every error with its effect on the depth in per cent."""
+    lines = []
+    for place, printed, right, case, text in _ROWS:
+        result = evidence.results.get(run_name(case, WEAR))
+        if result is not None and result.status == "failed":
+            text = f"the run ends early: {result.message}"
+        elif case:
+            text = text_of(effect(evidence, case), "%")
+        lines.append((place, printed, right, text))
+    setting = SETTINGS[WEAR].label
+    head = ("equation", "printed", "right", f"effect on the depth at A, first wear, {setting} (%)")
+    return plain_table(head, lines, numeric=False)
