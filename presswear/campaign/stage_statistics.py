@@ -334,8 +334,8 @@ def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float
     nearest = np.abs(delay[:, np.newaxis] - (times - ideal.time)).argmin(axis=1)
     is_equal = np.array([height - ideal.height < resolution for _, height in ideal.minima])
     is_equal[nearest] = True
-    found = times[is_equal]
-    return tuple((found % ideal.period).tolist()) if found.size > 1 else ()
+    equal = times[is_equal]
+    return tuple((equal % ideal.period).tolist()) if equal.size > 1 else ()
 
 
 def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Array]:
