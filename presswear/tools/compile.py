@@ -26,10 +26,12 @@ import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba.core import cgutils, config, event, types, typing
+from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
 
 from presswear.tools.arrays import Array
+from presswear.tools.errors import RunFailed
 from presswear.tools.files import digest
 from presswear.tools.kernel_cache import KernelCache
 from presswear.tools.lanes import COUNTS, Lanes, lane_by_lane
@@ -235,11 +237,26 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
     return cast(Callable[[F], F], made)
 
 
+def _fault_of(text: str) -> str:
+    """Return the operation that failed and its place, from hundreds of lines of numba."""
+    call, place = re.search(r">>> (.+)", text), re.search(r"at (\S+) \((\d+)\)", text)
+    fault = call[1] if call else text.partition("\n")[0]
+    where = f"{Path(place[1]).name}, line {place[2]}: " if place else ""
+    lanes = "; with several replicates numbers are lanes: use where() in place of if"
+    return f"{where}{fault} cannot be compiled{lanes if ' conditions)' in fault else ''}"
+
+
 def specialised(kernel: F, *arguments: Any) -> F:
-    """Return the compiled function for these types, which numba would look up in each call."""
+    """Return the compiled function for these types, which numba would look up in each call.
+
+    RunFailed with the place for a kernel that cannot be compiled for them.
+    """
     dispatcher = cast(Kernel, kernel).from_python
     kinds = tuple(map(numba.typeof, arguments))
-    dispatcher.compile(kinds)
+    try:
+        dispatcher.compile(kinds)
+    except NumbaError as error:
+        raise RunFailed(_fault_of(f"{error}")) from None
     return cast(F, dispatcher.overloads[kinds].entry_point)
 
 

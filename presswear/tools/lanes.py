@@ -149,6 +149,20 @@ def lane_by_lane(generate: Any) -> Any:
     return of_lanes
 
 
+def _by_scalar(function: Any, arguments: int) -> None:
+    """Define a function of lanes that calls numba's of single numbers for each lane."""
+    scalar = types.float64(*(types.float64,) * arguments)
+    signatures = [Lanes(count)(*(Lanes(count),) * arguments) for count in COUNTS]
+    infer_global(function)(type("_Template", (ConcreteTemplate,), {"cases": signatures}))
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        of_scalar = context.get_function(function, scalar)
+        return lane_by_lane(lambda builder, *each: of_scalar(builder, each))(builder, *values)
+
+    for signature in signatures:
+        lower_builtin(function, *signature.args)(generate)
+
+
 for _functions, _generate in {
     (operator.add, operator.iadd): lambda builder, x, y: builder.fadd(x, y),
     (operator.sub, operator.isub): lambda builder, x, y: builder.fsub(x, y),
@@ -166,6 +180,12 @@ _operation(operator.neg, lambda builder, x: builder.fneg(x), 1)
 _operation(abs, _by_name("llvm.fabs"), 1)
 _operation(math.sqrt, _by_name("llvm.sqrt"), 1)
 _operation(math.exp, lane_by_lane(_by_name("llvm.exp")), 1)
+for _function in (math.sin, math.cos, math.tan, math.asin, math.acos, math.atan, math.sinh):
+    _by_scalar(_function, 1)
+for _function in (math.cosh, math.tanh, math.expm1, math.log, math.log1p, math.log10):
+    _by_scalar(_function, 1)
+for _function in (math.atan2, math.hypot):
+    _by_scalar(_function, 2)
 _COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 for _word, _compare in (_COMPARISONS | {"==": operator.eq}).items():
     _operation(_compare, lambda b, x, y, word=_word: b.fcmp_ordered(word, x, y), 2, result=True)

@@ -1,14 +1,15 @@
 """Numbers of several lanes in kernels against numpy, lane by lane."""
 
 import math
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from presswear.physics.tree import cos_sin
 from presswear.tools.arrays import Array
-from presswear.tools.compile import compiled, lazily_compiled
+from presswear.tools.compile import Kernel, compiled, lazily_compiled, specialised
+from presswear.tools.errors import RunFailed
 from presswear.tools.lanes import COUNTS, anywhere, lane_zeros, lanes_of, where
 
 PAIR = np.dtype([("sum", np.float64), ("ratio", np.float64)])
@@ -52,6 +53,44 @@ def test_lanes_are_calculated_like_single_numbers(count: int) -> None:
         np.testing.assert_allclose(records["sum"], 1.0 + np.cumsum(one), rtol=1e-15)
         chosen = np.where(one > two, np.sqrt(np.abs(one)), -records["sum"])
         np.testing.assert_array_equal(single[0], chosen)
+
+
+FUNCTIONS = (
+    *(math.sin, math.cos, math.tan, math.asin, math.acos, math.atan, math.sinh, math.cosh),
+    *(math.tanh, math.exp, math.expm1, math.log, math.log1p, math.log10, math.sqrt),
+)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda function: str(function.__name__))
+def test_functions_of_the_math_module_take_lanes(function: Any) -> None:
+    """A law written for one replicate then runs with several, with the same bits."""
+
+    @compiled
+    def apply(x: Array, out: Array) -> None:
+        for i in range(x.shape[0]):
+            out[i] = function(x[i])
+
+    x, out = lane_zeros(3, 4), lane_zeros(3, 4)
+    lanes_of(x)[:] = np.linspace(0.05, 0.95, 12).reshape(3, 4)
+    apply(x, out)
+    single = np.zeros(12)
+    apply(lanes_of(x).ravel(), single)
+    np.testing.assert_array_equal(lanes_of(out).ravel(), single)
+    np.testing.assert_allclose(single, [function(one) for one in lanes_of(x).flat], rtol=1e-14)
+
+
+@compiled
+def branch(x: Array, out: Array) -> None:
+    if x[0] > 1.0:
+        out[0] = 1.0
+
+
+def test_branch_on_lanes_is_one_line() -> None:
+    line = cast(Kernel, branch).py_func.__code__.co_firstlineno + 2
+    words = rf"^test_lanes\.py, line {line}: bool\(4 conditions\) cannot be compiled; .* where\(\)"
+    with pytest.raises(RunFailed, match=words) as raised:
+        specialised(branch, lane_zeros(1, 4), lane_zeros(1, 4))
+    assert "\n" not in f"{raised.value}"
 
 
 @compiled
