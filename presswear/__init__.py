@@ -7,21 +7,18 @@
 The public names are listed in ``__init__.pyi``; each is imported when it is first used.
 """
 
-import re
+# Further imports would delay the command line, which then prints a traceback at Ctrl-C.
 from importlib import import_module
-from pathlib import Path
-from typing import Any
 
 _PACKAGES = {"scenes": "presswear.scene.catalog", "statistics": "presswear.recording.statistics"}
-_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-_MODULES = {
-    name: module for module, name in re.findall(r"^from (\S+) import (\w+) as", _STUB, re.MULTILINE)
-}
+with open(f"{__file__}i", encoding="utf-8") as _stub:
+    _WORDS = [line.split() for line in _stub if line.startswith("from ")]
+_MODULES = {words[3]: words[1] for words in _WORDS if words[4:5] == ["as"]}
 
 __all__ = ["scenes", *_MODULES]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in _PACKAGES:
         return import_module(_PACKAGES[name])
     if name == "__version__":

@@ -4,29 +4,38 @@ Exit codes: 0 success; 1 a run that failed; 2 bad input, or standard output that
 130 and 143 stopped by SIGINT and SIGTERM.
 """
 
-import io
 import os
+import signal
 import sys
 from collections.abc import Sequence
-from importlib import import_module
-from importlib.metadata import version
 
 # The threads of numpy's linear algebra would wait in a busy loop beside these small matrices.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Else worker processes would take a file of the user, such as statistics.py, for a module.
 os.environ.setdefault("PYTHONSAFEPATH", "1")
 
-from presswear.tools.errors import InputError, RunFailed, one_line
-from presswear.tools.processes import exit_code, is_stopped, stoppable
+# Windows can block no signal.
+_mask = getattr(signal, "pthread_sigmask", None)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line ``argv`` and return the exit code."""
+    """Run the command line ``argv`` and return the exit code.
+
+    Signals wait until they are handled: an import that is interrupted ends in a traceback.
+    """
+    mask = _mask and _mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+    import io
+
+    from presswear.tools.errors import InputError, RunFailed
+    from presswear.tools.processes import exit_code, is_stopped, stoppable
+
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # for characters the terminal lacks
     try:
         with stoppable():
+            if _mask:
+                _mask(signal.SIG_SETMASK, mask)
             try:
                 return _run(sys.argv[1:] if argv is None else argv)
             finally:
@@ -42,6 +51,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(f"{error.strerror}: {error.filename}", 1)
     except KeyboardInterrupt as error:
         return _fail(f"{error}" if error.args else "interrupted", exit_code())
+    except MemoryError:
+        return _fail("memory ran out", 1)
     except Exception:
         if not is_stopped():
             raise
@@ -51,9 +62,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str]) -> int:
     if list(words) == ["--version"]:
+        from importlib.metadata import version
+
         print(f"presswear {version('presswear')}")
         return 0
-    # Imported here so that signals are handled during these slow imports.
+    from importlib import import_module
+
     from rich.console import Console
 
     from presswear.cli.parser import parser_for
@@ -83,6 +97,8 @@ def _is_output_broken() -> bool:
 
 
 def _fail(message: str, code: int) -> int:
+    from presswear.tools.errors import one_line
+
     print(one_line(f"presswear: {message}"), file=sys.stderr)
     return code
 

@@ -208,6 +208,11 @@ def _work(pipe: "Connection[Any, Any]", imports: Sequence[str]) -> None:
     end_with_parent()
     for name in imports:
         import_module(name)
+    with suppress(EOFError, ConnectionError):  # the parent has ended
+        _do_jobs(pipe)
+
+
+def _do_jobs(pipe: "Connection[Any, Any]") -> None:
     due = 0.0
 
     def report(done: float, word: str = "", rows: Array | None = None) -> None:

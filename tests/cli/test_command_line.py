@@ -178,6 +178,35 @@ def test_every_help_has_an_example(name: str, capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().out == text
 
 
+INTERRUPTED = """
+import signal, sys
+class Interrupts:
+    def find_spec(self, name, *_):
+        if name == %r:
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Interrupts())
+from presswear.__main__ import main
+sys.exit(main(["list"]))
+"""
+
+
+@pytest.mark.parametrize("module", ["numpy", "rich", "presswear.tools.errors"])
+def test_interrupt_of_the_first_imports_is_no_traceback(module: str) -> None:
+    command = [sys.executable, "-c", INTERRUPTED % module]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "presswear: interrupted\n")
+
+
+def test_memory_that_runs_out_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    def listed(arguments: object, console: object) -> int:
+        raise MemoryError
+
+    monkeypatch.setattr(scenes, "list_scenes", listed)
+    assert command("list", 1) == "presswear: memory ran out\n"
+
+
 def test_interrupt_that_became_error(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     def listed(arguments: object, console: object) -> int:
         try:

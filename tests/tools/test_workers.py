@@ -274,3 +274,19 @@ def test_a_script_ends_without_an_error(tmp_path: Path, text: str, end: str) -> 
     out, errors = process.communicate(timeout=5 * PATIENCE)
     assert out.endswith(end)
     assert errors == ""
+
+
+ABANDONED = """
+from presswear.tools.processes import Workers
+started = Workers(2)._started()
+for worker in started:
+    worker.pipe.close()
+for worker in started:
+    worker.process.join()
+"""
+
+
+def test_worker_ends_without_a_traceback_when_its_parent_has_ended() -> None:
+    command = [sys.executable, "-c", ABANDONED]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert ended.stderr == ""

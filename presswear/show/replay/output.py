@@ -27,7 +27,7 @@ from presswear.show.replay.clip import Chapter, Clip, Snapshot, frames_at, snaps
 from presswear.show.replay.picture import Picture, exu
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import write_whole
-from presswear.tools.processes import cores, end_with_parent
+from presswear.tools.processes import cores, end_with_parent, starting_processes
 
 Pixels = NDArray[np.uint8]
 Frames = Sequence[Sequence[int]]
@@ -82,7 +82,9 @@ def pictures(
     jobs = min(cores(), len(frames))
     pool = ProcessPoolExecutor(jobs, context, _start_worker, (clips, frames, note, size))
     try:
-        yield from pool.map(_draw, range(len(frames)))
+        with starting_processes():
+            images = pool.map(_draw, range(len(frames)))
+        yield from images
     except BrokenProcessPool:
         raise RunFailed("a process that draws pictures ended unexpectedly") from None
     finally:
@@ -137,7 +139,8 @@ def _start_window(target: Callable[..., None], *arguments: Any) -> tuple[Any, Co
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=target, args=(theirs, *arguments), daemon=True)
-    process.start()
+    with starting_processes():
+        process.start()
     theirs.close()
     reason = f"Exudyn's renderer did not start within {MAX_START:g} s"
     try:
