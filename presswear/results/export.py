@@ -19,7 +19,13 @@ from presswear.results.result import Result
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array, read_numbers, write_arrays
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import check_ending, read_text, separator_of, write_whole
+from presswear.tools.files import (
+    MOST_BYTES,
+    check_ending,
+    read_text,
+    separator_of,
+    write_whole,
+)
 
 Table = Mapping[str, Array]  # columns by name, all of one length
 
@@ -135,7 +141,7 @@ def write_table(path: Path, table: Table) -> None:
 def read_table(path: Path) -> dict[str, Array]:
     """Read and check a ``.csv`` or ``.npz`` table; InputError names file and error."""
     is_csv = check_ending(path, *_ENDINGS) == ".csv"
-    table = _read_csv(path) if is_csv else read_numbers(path)
+    table = _read_csv(path) if is_csv else read_numbers(path, most=MOST_BYTES)
     if "time" not in table or len(table) < 2:
         missing = "time" if "time" not in table else "any column besides time"
         raise InputError(f"{path} lacks {missing}; it has {', '.join(table) or 'no column'}")

@@ -11,12 +11,20 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
 from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, LifeResult
 from presswear.results.stage import StageResult
+from presswear.results.stored_arrays import (
+    CURVE_BYTES,
+    check_shapes,
+    check_stage,
+    most_film_bytes,
+    most_stage_bytes,
+)
 from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
@@ -190,19 +198,32 @@ def load(path: str | Path, trust: bool = False) -> Result:
     stages, joints = [], tuple(joint.name for joint in linkage.clearances)
     for stage in stored.stages:
         name, film = files_of(stage.index)
-        arrays = read_numbers(path / name, stored.files[name])
-        read_checked(path / film, stored.files[film])
-        read = partial(_film, path / film, stored.files[film], len(linkage.bodies), joints)
+        most = most_stage_bytes(scene, linkage, stage)
+        arrays = read_numbers(path / name, stored.files[name], most)
+        check_stage(arrays, scene, linkage)
+        read_checked(path / film, stored.files[film], most_film_bytes(linkage))
+        read = partial(_film, path / film, stored.files[film], linkage)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
     life = stored.life
     if life is not None and life.ended != PRELIMINARY:
-        life = replace(life, curves=read_numbers(path / LIFE, stored.files[LIFE]))
+        curves = read_numbers(path / LIFE, stored.files[LIFE], CURVE_BYTES)
+        check_shapes(curves, dict.fromkeys(curves, ("strokes", 3)) | {"strokes": ("strokes",)})
+        life = replace(life, curves=curves)
     ended = stored.status, stored.message, stored.provenance, stored.wall_s
     return Result(scene, tuple(stages), *ended, path, life)
 
 
-def _film(file: Path, digest: str, bodies: int, joints: tuple[str, ...]) -> Film:
-    return Film.from_arrays(read_numbers(file, digest), bodies, joints)
+def _film(file: Path, digest: str, linkage: Linkage) -> Film:
+    arrays = read_numbers(file, digest, most_film_bytes(linkage))
+    joints = tuple(joint.name for joint in linkage.clearances)
+    check_shapes(
+        arrays,
+        dict.fromkeys(arrays, ("frames",)) | {"position": ("frames", 3 * len(linkage.bodies))},
+    )
+    try:
+        return Film.from_arrays(arrays, len(linkage.bodies), joints)
+    except ValueError as error:
+        raise InputError(f"{file} is no film: {error}") from None
 
 
 def unfinished(result: Result) -> str:

@@ -14,7 +14,7 @@ from presswear.recording.film import Film
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
-from presswear.tools.arrays import Array
+from presswear.tools.arrays import Array, Arrays
 from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
@@ -325,11 +325,13 @@ class StageResult:
         joints = Joints[JointResult]()
         for k, name in enumerate(self.joint_names):
             prefix, first = f"{name}_", len(observe.CYCLE_FIXED) + len(observe.CYCLE_JOINT) * k
-            arrays = {
+            parts = {
                 key.removeprefix(prefix): array
                 for key, array in self.arrays.items()
                 if key.startswith(prefix)
             }
+            source = getattr(self.arrays, "source", self.name)
+            arrays = Arrays(parts, f"{source}, joint {name}")
             arrays["cycles"] = self.arrays["cycles"][:, first : first + len(observe.CYCLE_JOINT)]
             joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
         return joints

@@ -27,7 +27,7 @@ from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
 from presswear.sweeps.responses import Requested, Response, User, responses_of, user_responses
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import holder, write_bytes
+from presswear.tools.files import holder, read_checked, write_bytes
 from presswear.tools.processes import cores, end_with_parent, is_stopped, starting_processes
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
@@ -125,8 +125,8 @@ def read_row(folder: Path, name: str) -> Outcome | None:
     import msgspec
 
     try:
-        return msgspec.json.decode((folder / ROWS / f"{name}.json").read_bytes(), type=Outcome)
-    except (OSError, msgspec.DecodeError):
+        return msgspec.json.decode(read_checked(folder / ROWS / f"{name}.json"), type=Outcome)
+    except (InputError, msgspec.DecodeError):
         return None
 
 

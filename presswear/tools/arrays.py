@@ -1,6 +1,8 @@
 """Arrays by name: parts of a larger state, and files of their own."""
 
 import io
+import sys
+import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -8,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, NotStored
 from presswear.tools.files import digest, read_checked, write_bytes
 
 Array = NDArray[np.float64]
+_MOST_BYTES = 2**26  # of compressed arrays whose size is not known better
 
 # Arrays of numbers or of records by name, from which a computation resumes. They may be views, so
 # that they cost little: copy or write them before their owner changes.
@@ -37,26 +40,56 @@ def write_arrays(path: Path, arrays: State, pack: Callable[..., None] = np.savez
     return digest(packed.getvalue())
 
 
-def read_arrays(file: Path, expected: str | None = None) -> dict[str, NDArray[Any]]:
+class Arrays(dict[str, NDArray[Any]]):
+    """Arrays by name, from a file; NotStored for a missing one."""
+
+    def __init__(self, arrays: State, source: str) -> None:
+        super().__init__(arrays)
+        self.source = source
+
+    def __missing__(self, name: str) -> NDArray[Any]:
+        raise NotStored(f"{self.source}: the array {name} is missing")
+
+
+def read_arrays(file: Path, expected: str | None = None, most: int | None = None) -> Arrays:
     """Read arrays of numbers or of records, without executing anything.
 
-    InputError for a file that is missing, damaged, holds anything else, or whose digest is not the
-    expected one.
+    InputError for a file that is missing, damaged, holds anything else or more than ``most`` bytes,
+    or whose digest is not the expected one. Without ``most`` they may have 64 MiB or, if they are
+    not compressed, any size.
     """
-    data = read_checked(file, expected)
+    data = read_checked(file, expected, most or sys.maxsize)
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            _check_members(archive, most or max(len(data), _MOST_BYTES))
+        with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+            arrays = Arrays({name: stored[name] for name in stored.files}, f"{file}")
     # A damaged file shows as a dozen kinds of errors, none of them promised: of zipfile, zlib,
     # struct, tokenize, ast and numpy, which evaluates a header as a literal.
     except Exception as error:
         raise InputError(f"{file} cannot be read: {error}") from None
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):  # numpy returns the bytes of any other file
+            raise InputError(f"{file}: {name} is no array")
+    return arrays
 
 
-def read_numbers(file: Path, expected: str | None = None) -> dict[str, Array]:
+def _check_members(archive: zipfile.ZipFile, most: int) -> None:
+    """Raise ValueError if the files in an archive have more bytes, or may have."""
+    members = archive.infolist()
+    # The other methods decompress without a limit.
+    if any(one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) for one in members):
+        raise ValueError("it is not compressed by deflate")
+    size = sum(one.file_size for one in members)
+    if size > most:
+        raise ValueError(f"its arrays have {size / 1e6:.3g} MB, expected are {most / 1e6:.3g} MB")
+
+
+def read_numbers(file: Path, expected: str | None = None, most: int | None = None) -> Arrays:
     """Read arrays as ``read_arrays`` does; raise InputError where one is not of real numbers."""
-    arrays = read_arrays(file, expected)
+    arrays = read_arrays(file, expected, most)
     for name, values in arrays.items():
         if values.dtype.kind not in "fiu":
             raise InputError(f"{file}: {name} contains no real numbers but {values.dtype}")
-    return {name: values.astype(np.float64, copy=False) for name, values in arrays.items()}
+        arrays[name] = values.astype(np.float64, copy=False)
+    return arrays

@@ -9,6 +9,7 @@ import hashlib
 import os
 import platform
 import re
+import stat
 import sys
 import tempfile
 import time
@@ -22,6 +23,7 @@ from presswear.tools.errors import InputError, nearest
 
 PART = ".part"  # ending of a file that is being written
 LOCK = "lock"  # name of the file that is locked
+MOST_BYTES = 2**28  # of a file that is read into memory, unless its size is known better
 MAX_NAME = 255  # bytes of a name in common file systems
 _LEFT = {LOCK, "result.json.part"}  # files that a run leaves that is killed at its start
 BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)  # errors of ``lock``: another process has it
@@ -76,10 +78,21 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def read_checked(path: Path, expected: str | None = None) -> bytes:
-    """Read a file; raise InputError where it is missing or its digest is not the expected one."""
+def read_checked(path: Path, expected: str | None = None, most: int = MOST_BYTES) -> bytes:
+    """Read a file; raise InputError where it is missing, too large, or not the expected one.
+
+    A pipe or a device, which may have no end, is not read.
+    """
     try:
-        data = path.read_bytes()
+        # A pipe would be waited for.
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
+            status = os.fstat(file.fileno())
+            if not stat.S_ISREG(status.st_mode):
+                raise InputError(f"{path}: it is not a regular file")
+            if status.st_size > most:
+                size = f"{status.st_size / 1e6:.3g} MB"
+                raise InputError(f"{path} has {size}: at most {most / 1e6:.3g} MB are expected")
+            data = file.read(status.st_size)
     except FileNotFoundError:
         raise InputError(f"{path} is missing") from None
     except OSError as error:
@@ -256,7 +269,7 @@ def holder(path: Path) -> str | None:
     with suppress(OSError), (path / LOCK).open("r+", encoding="utf-8") as file:
         if lock(file) in BUSY:
             file.seek(0)
-            return file.readline().strip() or "another process"
+            return file.readline(MAX_NAME).strip() or "another process"
     return None
 
 

@@ -56,6 +56,18 @@ def test_the_first_screen_has_drawing_and_key_numbers(browser: Chrome, report: P
     assert browser.execute("getLog", {"type": "browser"})["value"] == []  # no error in the console
 
 
+def test_a_report_executes_no_script(browser: Chrome, report: Path, tmp_path: Path) -> None:
+    planted = (
+        "<script>document.title = 'executed'</script><img src=x onerror=\"document.title = 2\">"
+    )
+    file = tmp_path / "planted.html"
+    file.write_text(report.read_text().replace("</header>", f"</header>{planted}"))
+    show(browser, file, 1280)
+    assert browser.title not in ("executed", "2")
+    # Its own pictures and styles are shown.
+    assert browser.find_element(By.CSS_SELECTOR, "img.drawing").size["width"] > 100
+
+
 def test_a_report_of_seven_joints_is_small(tmp_path: Path) -> None:
     scene = replace(made.BODY, joints="O2,O7,A,B,C,D,E")
     seven = write_report(replace(made.made_up(scene, 2), path=tmp_path))

@@ -1,0 +1,92 @@
+"""Sizes and shapes that the arrays of a stored result may have, by its scene and statistics.
+
+A result may come from anybody: nothing larger than a run can write is read into memory.
+"""
+
+import math
+
+from presswear.engines.base import Plan
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import SIDES
+from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording import observe
+from presswear.recording.film import FILM_CYCLES, FILM_JOINT_COUNT, FRAMES_PER_CYCLE
+from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Arrays
+from presswear.tools.errors import InputError
+
+CURVE_BYTES = 2**26  # room for the curves of a service life
+_HEADS = 2**20  # bytes for the headers of arrays
+_ROW_COUNTS = {"time", "cycles", "deviation", "wear_batch_cycles"}
+
+
+def most_film_bytes(linkage: Linkage) -> int:
+    """Return the most bytes of a film."""
+    columns = 1 + 3 * len(linkage.bodies) + FILM_JOINT_COUNT * len(linkage.clearances)
+    return _HEADS + 8 * (FILM_CYCLES * FRAMES_PER_CYCLE + 1) * columns
+
+
+def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
+    """Return the most bytes of the arrays of a stage."""
+    joints, drives = len(linkage.clearances), len(linkage.drives)
+    recorded = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
+    recorded = scene.recording.recorded_cycles or recorded
+    rows = recorded + math.ceil(scene.run_up / scene.mechanism.period)
+    rows = min(rows * observe.ROWS_AT_MOST, observe.ROWS_IN_ALL)
+    contacts = joints * recorded * observe.CONTACTS_AT_MOST * len(CONTACT_COLUMNS)
+    # Two sets of replicates, the second with surfaces of their own
+    cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
+    bins = max((joint.bins for joint in linkage.clearances), default=0)
+    sections = scene.recording.sections * (2 + len(observe.SECTION_JOINT_NAMES) * joints)
+    columns = observe.cycle_columns(joints, drives) + sections + 8 + joints * (1 + 2 * bins)
+    series = observe.SERIES_FIXED + observe.SERIES_JOINT * joints + drives
+    return _HEADS + 8 * (rows * series + contacts + cycles * columns + 8 * joints * bins)
+
+
+def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
+    """Raise InputError for an array of a stage that is missing or has another shape."""
+    joints, drives = linkage.clearances, len(linkage.drives)
+    section = 2 + len(observe.SECTION_JOINT_NAMES) * len(joints)
+    shapes: dict[str, tuple[str | int, ...]] = {
+        "time": ("time",),
+        "slider": ("time", 3),
+        "drive_torque": ("time", drives),
+        "cycles": ("cycles", observe.cycle_columns(len(joints), drives)),
+        "cycle_start": ("cycles",),
+        "sections": ("sections", scene.recording.sections, section),
+        "deviation": ("deviation", 4),
+        "deviation_start": ("deviation",),
+        "wear_batch_cycles": ("wear_batch_cycles",),
+    }
+    for joint in joints:
+        series: dict[str, tuple[str | int, ...]] = {
+            "eccentricity": ("time", 2),
+            "penetration": ("time",),
+            "force": ("time", 2),
+            "sliding": ("time",),
+            "contacts": (f"contacts of {joint.name}", len(CONTACT_COLUMNS)),
+            "flight": ("deviation",),
+            "wear_batches": ("wear_batch_cycles", 2, joint.bins),
+        }
+        for side in SIDES:
+            series |= {f"depth_{side}": (joint.bins,), f"wear_{side}": (joint.bins,)}
+            arrays[f"{joint.name}_depth_{side}"], arrays[f"{joint.name}_wear_{side}"]
+        shapes |= {f"{joint.name}_{name}": shape for name, shape in series.items()}
+    check_shapes(arrays, shapes)
+
+
+def check_shapes(arrays: Arrays, shapes: dict[str, tuple[str | int, ...]]) -> None:
+    """Raise InputError for an array of another shape; lengths of one name are equal."""
+    lengths: dict[str | int, int] = {}
+    for name, shape in shapes.items():
+        if name not in arrays:
+            continue
+        stored = arrays[name].shape
+        wanted = tuple(
+            lengths.setdefault(size, length) if isinstance(size, str) else size
+            for size, length in zip(shape, stored, strict=False)
+        )
+        if len(stored) != len(shape) or stored != wanted:
+            raise InputError(f"{arrays.source}: {name} has the shape {stored}, which does not fit")

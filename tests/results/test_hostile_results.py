@@ -1,0 +1,155 @@
+"""Results from others: pipes, devices, bombs, and arrays that are missing or misshapen."""
+
+import io
+import json
+import os
+import shutil
+import zipfile
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.results.folder import FILE
+from presswear.show.report import render_report
+from presswear.sweeps.runner import ROWS, read_row
+from presswear.tools.files import digest
+
+STAGE, FILM = "stage-0.npz", "film-0.npz"
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("whole") / "out"
+    settings: dict[str, Any] = {"cycles": 2, "replicates": 1, "wear_updates": 0, "engine": "dae"}
+    pw.run(pw.scenes.wear_times(**settings, sections=1, drive_torque="on"), path)
+    return path
+
+
+@pytest.fixture
+def received(whole: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(whole, tmp_path / "received"))
+
+
+def plant(folder: Path, name: str, data: bytes) -> None:
+    """Replace a file and its digest."""
+    (folder / name).write_bytes(data)
+    document = json.loads((folder / FILE).read_text())
+    document["files"][name] = digest(data)
+    (folder / FILE).write_text(json.dumps(document))
+
+
+def packed(arrays: dict[str, Any]) -> bytes:
+    data = io.BytesIO()
+    np.savez_compressed(data, **arrays)
+    return data.getvalue()
+
+
+def arrays_of(folder: Path, name: str) -> dict[str, Any]:
+    with np.load(folder / name) as stored:
+        return dict(stored)
+
+
+@pytest.mark.parametrize("name", [STAGE, FILM, FILE])
+@pytest.mark.parametrize("target", ["pipe", "/dev/zero"])
+def test_pipes_and_devices_are_not_read(received: Path, name: str, target: str) -> None:
+    (received / name).unlink()
+    if target == "pipe":
+        os.mkfifo(received / name)
+    else:
+        (received / name).symlink_to(target)
+    with pytest.raises(pw.InputError, match=r"not a regular file|is not a result folder"):
+        pw.load(received)
+
+
+@pytest.mark.parametrize("name", [STAGE, FILM])
+def test_arrays_larger_than_a_run_writes_are_not_unpacked(received: Path, name: str) -> None:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("time.npy", bytes(100 * 2**20))
+    plant(received, name, data.getvalue())
+    assert len(data.getvalue()) < 2**18
+    with pytest.raises(pw.InputError, match="its arrays have 105 MB"):
+        print(pw.load(received).stages[0].film)
+
+
+def test_methods_without_a_limit_of_size_are_refused(received: Path) -> None:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_BZIP2) as archive:
+        archive.writestr("time.npy", b"")
+    plant(received, STAGE, data.getvalue())
+    with pytest.raises(pw.InputError, match="not compressed by deflate"):
+        pw.load(received)
+
+
+def test_a_file_that_is_too_long_is_not_read(received: Path) -> None:
+    with (received / FILM).open("r+b") as film:
+        film.truncate(2**32)  # on the disk it takes nothing
+    with pytest.raises(pw.InputError, match="at most"):
+        pw.load(received)
+
+
+def test_members_that_are_no_arrays_are_named(received: Path) -> None:
+    data = io.BytesIO((received / STAGE).read_bytes())
+    with zipfile.ZipFile(data, "a") as archive:
+        archive.writestr("note", "text")
+    plant(received, STAGE, data.getvalue())
+    with pytest.raises(pw.InputError, match="note is no array"):
+        pw.load(received)
+
+
+def shorter(array: Any) -> Any:
+    return array[:-1]
+
+
+def deeper(array: Any) -> Any:
+    return array[np.newaxis]
+
+
+def single(array: Any) -> Any:
+    return np.float64(1.0)
+
+
+def test_misshapen_arrays_are_named(received: Path) -> None:
+    for name in (STAGE, FILM):
+        arrays = arrays_of(received, name)
+        original = (received / name).read_bytes()
+        for key, array in arrays.items():
+            if key == "angle" or key.startswith("C_"):  # not read; like A
+                continue
+            changes: list[Callable[[Any], Any]] = [deeper, single]
+            if len(array) and key not in ("A_contacts", "sections"):
+                changes.append(shorter)
+            for change in changes:
+                plant(received, name, packed(arrays | {key: change(array)}))
+                with pytest.raises(pw.InputError, match=name):
+                    print(pw.load(received).stages[0].film)
+        plant(received, name, original)
+
+
+def test_missing_arrays_are_named(received: Path) -> None:
+    """A figure or a table may be left out; whatever fails does so with the name."""
+    for name in (STAGE, FILM):
+        arrays = arrays_of(received, name)
+        for key in arrays:
+            if key.startswith("C_"):  # like A
+                continue
+            plant(received, name, packed({one: arrays[one] for one in arrays if one != key}))
+            with suppress(pw.InputError):
+                stage = pw.load(received).stages[0]
+                print(stage.film, stage.joints["A"].contact("peak_force"), stage.displacement)
+                print(stage.each_cycle("steps"), stage.joints["A"].each_cycle("force_max"))
+            if key in ("slider", "A_contacts", "cycles"):
+                with suppress(pw.InputError):
+                    render_report(pw.load(received))
+        plant(received, name, packed(arrays))
+
+
+def test_row_of_a_sweep_that_is_a_pipe_is_no_row(tmp_path: Path) -> None:
+    (tmp_path / ROWS).mkdir()
+    os.mkfifo(tmp_path / ROWS / "1.json")
+    assert read_row(tmp_path, "1") is None
