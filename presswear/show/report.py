@@ -104,6 +104,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "moves": bottom_of(scene.ideal) is not None,
         "untrusted": untrusted,
         "laws": _normal_laws(scene),
+        "has_rubbing_joints": bool(press.rubbing_joints(scene)),
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
         "dry": [] if untrusted else dry_contact(scene),
         "presets": CONVENTIONS,

@@ -10,6 +10,7 @@ import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.results.press_analysis import ideal_drives, rubbing_drives
 from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, measured, warnings
+from presswear.show.report import render_report
 from presswear.tools.numbers import quantity_text
 
 
@@ -206,3 +207,10 @@ def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(engine: str, a
     statistics = replace(result.stages[0].statistics, peak_force_step_error=0.3)
     lines = warnings(altered(result, 0, statistics=statistics))
     assert f"Finer time steps change peak forces by 30 %: use {advice}." in lines
+
+
+def test_the_report_says_what_rigid_joints_with_friction_are() -> None:
+    scene = pw.changed(replace(made.BOTH, drive_torque="on"), {"friction": 0.1})
+    page = render_report(made_up(scene, 2))
+    assert "Rigid joints with friction: the joints with clearance are replaced" in page
+    assert page.count("rigid joints without friction: ") == 2
