@@ -213,4 +213,4 @@ def test_the_report_says_what_rigid_joints_with_friction_are() -> None:
     scene = pw.changed(replace(made.BOTH, drive_torque="on"), {"friction": 0.1})
     page = render_report(made_up(scene, 2))
     assert "Rigid joints with friction: the joints with clearance are replaced" in page
-    assert page.count("rigid joints without friction: ") == 2
+    assert page.count("<dd>rigid joints without friction: ") == 2
