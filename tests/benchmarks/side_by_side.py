@@ -136,6 +136,14 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
     }
     for code, count in SCIPY.items():
         table[f"by hand, {code}"] = TOLERANCES[:count], equations(partial(solve, code))
+    from adaptive import run as run_loop  # which imports this module
+
+    def loop(start: Start, value: float) -> tuple[Array, float]:
+        longest = numerics.dae.longest(period)
+        states, seconds = run_loop(press, state_of(linkage, start), [END], value, longest)
+        return states[0, :SIZE], seconds / END
+
+    table["by hand, loop"] = fine, loop
     for package, (name, simulate, has_equal_steps) in SIMULATORS.items():
         if find_spec(package) is not None:
             settings = STEPS if has_equal_steps else (1e-3, *TOLERANCES[:-2])
