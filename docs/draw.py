@@ -86,7 +86,7 @@ def motion(axes: Axes) -> None:
 
 def load(axes: Axes) -> None:
     """Draw the crank torque of a slider-crank with and without a blanking load."""
-    free = SliderCrank(speed=10.0).linkage()
+    free = SliderCrank(slide_angle=0.0, speed=10.0).linkage()
     # 3 kN at most, against the outward motion only, and zero after the fracture
     table = [(0.150, 0.0), (0.151, -2.5e3), (0.158, -3e3), (0.160, -2.9e3)]
     blanking = Force("slider.centre", 0.0, OverPosition(table, sense="along", release=True))

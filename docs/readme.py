@@ -7,13 +7,14 @@ import re
 from pathlib import Path
 
 import presswear as pw
+from presswear.tools.numbers import readable
 
 README = Path(__file__).parents[1] / "README.md"
 
 
 def result_table() -> str:
     """Compute the table: the command above it in README, in memory."""
-    result = pw.run(pw.scenes.wear_times(wear_updates=1, cycles=20, engine="dae"))
+    result = pw.run(pw.scenes.press_blanking(cycles=20))
     new, worn = (stage.statistics for stage in result.stages)
     rows: list[tuple[str, pw.Estimate]] = []
     for name in ("A", "C"):
@@ -26,7 +27,8 @@ def result_table() -> str:
         rows.append((f"wear depth of the bearing at {name} (µm)", wear.scaled(1e6)))
     if new.bdc:
         rows.append(("error of bottom dead centre, new (mm)", new.bdc.error.scaled(1e3)))
-    lines = [f"| {label} | {x.mean:.3g} | {x.low:.3g} to {x.high:.3g} |" for label, x in rows]
+    texts = [(label, *map(readable, (x.mean, x.low, x.high))) for label, x in rows]
+    lines = [f"| {label} | {mean} | {low} to {high} |" for label, mean, low, high in texts]
     return "\n".join(["| | mean | 95 % interval |", "|---|---:|---:|", *lines])
 
 

@@ -245,7 +245,9 @@ class RunObserver(Observer):
         per_million = 1e6 / stage.cycles_per_update
         volumes = {name: joint.wear_volume.scaled(per_million) for name, joint in joints}
         lines += _largest("mean peak force", "N", forces)
-        lines += _largest("wear per 10⁶ strokes", "m^3", volumes)
+        wear = _largest("wear per 10⁶ strokes", "m^3", volumes)
+        remark = self._scene.bin_remark
+        lines += [f"{line} ({remark})" if remark else line for line in wear]
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
 

@@ -268,7 +268,7 @@ class SliderCrank(Mechanism):
     rod_mass: float = _l_mass(0.21, "mass of the rod")
     slider_mass: float = _l_mass(0.14, "mass of the slider")
     slide_angle: float = quantity(
-        *(0.0, "rad", -2.0 * math.pi, 2.0 * math.pi, LITERATURE),
+        *(-0.5 * math.pi, "rad", -2.0 * math.pi, 2.0 * math.pi, "chosen"),
         "direction from O to the slider, from x; -90 deg: below O",
     )
     crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")

@@ -139,6 +139,8 @@ class Result:
         where = f", in {self.path}" if self.path else ""
         first = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
         first += [] if self.life is None else [f"{self.life}"]
+        remark = self.scene.bin_remark
+        lines += [f"worn volume: {remark}"] if remark else []
         return "\n".join([*first, *lines, *press.deep_contacts(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":

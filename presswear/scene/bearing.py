@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import InitVar, dataclass
+from dataclasses import InitVar, dataclass, replace
 from typing import Any, cast, get_args
 
 import numpy as np
@@ -25,19 +25,19 @@ class Conventions(Checked):
     """Choices of the contact and wear model; each can be set separately."""
 
     stiffness: laws.StiffnessReading = choice(
-        "paper", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
+        "refined", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
     )
     slip: elements.Slip = choice(
-        "angle", elements.Slip, "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt"
+        "sliding", elements.Slip, "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt"
     )
     map_frame: elements.MapFrame = choice(
-        "fixed", elements.MapFrame, "wear maps fixed in direction, or turning with their bodies"
+        "body", elements.MapFrame, "wear maps fixed in direction, or turning with their bodies"
     )
     wear_distribution: elements.WearDistribution = choice(
-        "bin", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
+        "arc", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
     )
     contact: elements.SurfaceContact = choice(
-        *("radial", elements.SurfaceContact),
+        *("foundation", elements.SurfaceContact),
         "surfaces, new and worn, touch at a point by elasticity, or over an arc by a foundation",
     )
     wear_maps: elements.WearMaps = choice(
@@ -45,10 +45,11 @@ class Conventions(Checked):
     )
 
 
+_PAPER = Conventions("paper", "angle", "fixed", "bin", "radial", "raw")
 CONVENTIONS: dict[str, Conventions] = {
-    "standard": Conventions(),
-    "paper": Conventions(wear_maps="raw"),
-    "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
+    "refined": Conventions(),
+    "standard": replace(_PAPER, wear_maps="smoothed"),
+    "paper": _PAPER,
 }
 
 Law = str | UserFunction | Callable[..., float]
@@ -71,7 +72,7 @@ class Bearing(Checked):
     """
 
     clearance: float = quantity(
-        *(0.8e-3, "m", 1e-9, 1.0, "paper, per study"),
+        *(0.3e-3, "m", 1e-9, 1.0, "chosen"),
         "radial clearance R_i - R_j, half of that in diameter",
     )
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i")
@@ -173,6 +174,16 @@ class Bearing(Checked):
             allowed = f"0 to {ramp} below upper_speed, {high}"
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
 
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Names of the values that neither its laws nor its oil film read."""
+        lugre = "static_friction", "stribeck_speed", "bristle_stiffness", "bristle_damping"
+        return (
+            *(lugre if self.friction_law != laws.LUGRE else ()),
+            *(("viscous_damping",) if self.normal_law != laws.KELVIN_VOIGT else ()),
+            *(("roughness",) if self.viscosity is None else ()),
+        )
+
     def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
         """Raise InputError, beginning with ``where``, if surfaces cannot meet in this way."""
         if contact != "foundation":
@@ -182,7 +193,7 @@ class Bearing(Checked):
             advice = f"worn surfaces have one law; use contact = 'radial' with {self.elasticity}"
             raise InputError(f"{where}elasticity = {self.elasticity}: {allowed} {advice}")
         if self.exponent != 1.5:
-            allowed = "with contact = 'foundation' allowed is 1.5, which a linear foundation gives"
+            allowed = "with contact = 'foundation' allowed is 1.5; or use contact = 'radial'"
             raise InputError(f"{where}exponent = {self.exponent:g}: {allowed}")
         if is_worn and not isinstance(self.normal_law, str):
             allowed = f"one of {', '.join(laws.DAMPINGS)}; or use contact = 'radial'"

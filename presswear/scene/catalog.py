@@ -49,8 +49,13 @@ def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
     return make
 
 
+_STUDY: dict[str, Any] = {  # choices of the scenes of the paper
+    "conventions": CONVENTIONS["standard"],
+    "engine": "exudyn",
+    "max_cycles": 200,
+}
 _CLOSED_FORM = "The press without clearance, against the closed form"
-ideal = _named("ideal", _CLOSED_FORM, joints="none", wear_updates=0, cycles=2)
+ideal = _named("ideal", _CLOSED_FORM, joints="none", wear_updates=0, cycles=2, **_STUDY)
 
 
 def _paper(
@@ -60,8 +65,10 @@ def _paper(
     bearings = Bearing(clearance=clearance, friction=friction)
     mechanism = Press(speed=speed * math.pi)
     changes: dict[str, Any] = {"wear_updates": wear_updates, "cycles_per_update": 4e6}
-    changes |= {"mechanism": mechanism, "bearings": bearings}
-    return _named(name, title, **changes, origins={"cycles_per_update": "paper"})
+    changes |= {"mechanism": mechanism, "bearings": bearings, **_STUDY}
+    origins = dict.fromkeys(("cycles_per_update", "max_cycles"), "paper")
+    origins |= dict.fromkeys(("clearance", "wear_updates"), "paper, per study")
+    return _named(name, title, **changes, origins=origins)
 
 
 _WORN_TWICE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)"
@@ -78,7 +85,13 @@ clearance_c = _named("clearance-c", "The press with clearance at C alone", clear
 # 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in all.
 _CUTS = "The press cuts a sheet: clearance at A and C, worn once"
 _DRAWS = "The press draws a cup over a cushion, worn once"
-press_blanking = _named("press-blanking", _CUTS, wear_times, process=Blanking(), wear_updates=1)
+press_blanking = _named(
+    "press-blanking",
+    _CUTS,
+    bearings=Bearing(clearance=0.8e-3),
+    process=Blanking(),
+    cycles_per_update=4e6,
+)
 press_drawing = _named("press-drawing", _DRAWS, press_blanking, process=Drawing(cushion=20.0))
 
 
@@ -92,21 +105,19 @@ press_pendulum = _servo_press("press-pendulum", "while crank 7 swings", Pendulum
 
 _KNOWN = (
     *("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution"),
-    *("exponent", "crank_inertia", "rod_inertia"),
+    *("exponent", "crank_inertia", "rod_inertia", "slide_angle"),
 )
 # As Flores studied it.  The literature takes the stiffness with R_i - R_j.
 slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
-    mechanism=SliderCrank(crank_inertia=1e-4, rod_inertia=2.5e-4),
+    mechanism=SliderCrank(slide_angle=0.0, crank_inertia=1e-4, rod_inertia=2.5e-4),
     bearings=Bearing(0.5e-3, 0.010, materials=Materials(youngs_modulus=207e9), friction=0.0),
-    conventions=CONVENTIONS["refined"],
     joints="B",
     wear_updates=0,
     cycles=10,
     origins=dict.fromkeys(_KNOWN, LITERATURE)
-    | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
-    | dict.fromkeys(("wear_updates", "max_cycles"), "chosen"),
+    | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed"),
 )
 
 
@@ -132,15 +143,16 @@ def named_scene(scene: Scene) -> Scene | None:
     return SCENES[name].make() if name in SCENES else None
 
 
+def base_of(scene: Scene) -> Scene:
+    """Return the named scene of a scene, or the defaults of its mechanism."""
+    mechanism = scene.mechanism
+    default = mechanism if isinstance(mechanism, Linkage) else type(mechanism)()
+    return named_scene(scene) or Scene(default)
+
+
 def changes_of(scene: Scene) -> tuple[Change, ...]:
     """Return the changes of a scene against its named scene, or the defaults of its mechanism."""
-    base = named_scene(scene)
-    if base is None:
-        mechanism = scene.mechanism
-        base = Scene(mechanism if isinstance(mechanism, Linkage) else type(mechanism)())
-        if DEFAULT in scene.origins.values():
-            base = replace(base, wear_updates=0)  # the default of a scene file
-    return changes_from(base, scene)
+    return changes_from(base_of(scene), scene)
 
 
 def title_of(scene: Scene) -> str:

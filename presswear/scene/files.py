@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.linkage.mechanisms import Press
 from presswear.linkage.surface import SIDES
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import (
     DEFAULT,
     IN_FILE,
     TABLES,
+    Setting,
     changed,
     name_of_key,
     on_surfaces,
@@ -38,6 +40,7 @@ _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 POINTS = "points"
 EXAMPLES = (*MECHANISMS, POINTS)  # kinds of example files
 _COMMENT = 34  # width of an example file before its comments
+_OPEN = re.compile(r"^(\w+) =$", re.MULTILINE)  # a line that gets the default
 _OFF = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)  # of a line that is switched off
 
 
@@ -55,6 +58,9 @@ def example_file(kind: str) -> str:
     joints = getattr(MECHANISMS.get(kind), "default_joints", "B")
     named = {"KIND": kind, "MECHANISM": first, "JOINTS": ", ".join(joints), "JOINT": joints[0]}
     text = re.sub(r"\b(KIND|MECHANISM|JOINTS?)\b", lambda match: named[match[1]], text)
+    defaults = settings_of(Scene(MECHANISMS.get(kind, Press)()))
+    by_key = {setting.key: setting for setting in defaults}
+    text = _OPEN.sub(lambda match: f"{match[0]} {_toml_value(by_key[match[1]])}", text)
     scene = _scene_of(tomllib.loads(_OFF.sub("", text)), Path(kind))
     meanings = {setting.key: setting.meaning for setting in settings_of(scene)}
     lines, table = [], ""
@@ -71,6 +77,13 @@ def example_file(kind: str) -> str:
             explained = explained.partition(";")[0] + (f" ({words})" if words else "")
         lines.append(f"{line:{_COMMENT}}  # {explained}" if explained else line)
     return "\n".join([*lines, ""])
+
+
+def _toml_value(setting: Setting) -> str:
+    meaning, value = setting.meaning, setting.value
+    if isinstance(meaning, Choice):
+        return f'"{value}"'
+    return f'"{meaning.written(value)}"' if meaning.unit else f"{value:.6g}"
 
 
 _TOML_FAULTS = {  # beginnings of messages of tomllib, and what they mean
@@ -126,7 +139,7 @@ def _scene_of(data: dict[str, Any], file: Path) -> Scene:
             raise unknown("key", key, _KEYS)
     mechanism, parameters = _mechanism(data.pop("mechanism", None), file.parent)
     title = data.get("title", f"The linkage of {file.name}")
-    scene = Scene(mechanism, file.stem, title, wear_updates=0)  # by default nothing wears
+    scene = Scene(mechanism, file.stem, title)
     origins = dict.fromkeys((setting.key for setting in settings_of(scene)), DEFAULT)
     settings = _settings({"mechanism": parameters, **data}, file.parent)
     scene = changed(replace(scene, origins=origins), settings, IN_FILE)

@@ -66,8 +66,8 @@ class Scene(Checked):
     bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
-        *("standard", CONVENTIONS),
-        "model choices: standard (paper, smoothed maps), paper (as printed), refined (advised)",
+        *("refined", CONVENTIONS),
+        "model choices: refined (advised), paper (as printed), standard (paper, smoothed maps)",
     )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(
@@ -77,7 +77,9 @@ class Scene(Checked):
         several=True,
     )
     engine: str = choice(
-        "exudyn", ENGINES, "dae: in-house, fastest; exudyn: exudyn-tree, else exudyn-joints"
+        InHouse.word,
+        ENGINES,
+        "dae: in-house, fastest; exudyn: exudyn-tree, else exudyn-joints",
     )
     purpose: str = choice(
         "auto", PURPOSES, "purpose, sets the tolerances; auto: wear if joints wear, else trajectory"
@@ -85,7 +87,7 @@ class Scene(Checked):
     drive_torque: str = choice(
         "auto", ("auto", "off", "on"), "storage of drive torques; auto: if there is a process"
     )
-    wear_updates: int = count(2, 0, 20, "paper, per study", "number of wear updates")
+    wear_updates: int = count(1, 0, 20, "chosen", "number of wear updates")
     cycles: int | None = count(
         None, 1, 100_000, "chosen", "cycles of a replicate; default: until the wear maps converge"
     )
@@ -93,7 +95,7 @@ class Scene(Checked):
         0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps over their rms"
     )
     max_cycles: int = count(
-        200, 1, 100_000, "paper", "most cycles of all replicates together, if cycles = none"
+        256, 1, 100_000, "chosen", "most cycles of all replicates together, if cycles = none"
     )
     cycles_per_update: float | None = quantity(
         *(None, "", 1.0, 1e12, "chosen"),
@@ -291,6 +293,16 @@ class Scene(Checked):
         if self.extrapolation == "conventions":
             return self.conventions.wear_distribution == "arc"
         return self.extrapolation == "steps"
+
+    @property
+    def bin_remark(self) -> str:
+        """Remark on depths and volumes that the width of the bins changes; else empty."""
+        bearings = [self.bearing(name) for name in self.clearance_joints]
+        wears = [one for one in bearings if one.materials.wear_coefficient > 0.0]
+        if self.conventions.wear_distribution != "bin" or not wears:
+            return ""
+        widths = dict.fromkeys(f"{360.0 / one.angles:.3g}°" for one in wears)
+        return f"bins of {' and '.join(widths)}; twice as many bins halve it"
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """Return the linkage on worn surfaces, bearing and pin by joint, or on initial ones."""

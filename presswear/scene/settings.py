@@ -68,6 +68,29 @@ def settings_of(scene: Scene) -> list[Setting]:
     return [*settings_in(scene, scene.origins), *differing]
 
 
+def used_settings_of(scene: Scene) -> list[Setting]:
+    """Return the settings whose values a run of the scene uses.
+
+    Left out are values of bearings that each joint has a value of its own for, or that its laws
+    do not read, and the settings of the other engines.
+    """
+    used = {
+        (one.key, one.value)
+        for bearing in map(scene.bearing, scene.clearance_joints)
+        for one in settings_in(bearing)
+        if one.key not in bearing.unread
+    }
+    common = {one.key for one in settings_in(scene.bearings)}
+    engines = (one for one in vars(scene.numerics).values() if one.word != scene.solver.word)
+    unused = {one.key for engine in engines for one in settings_in(engine)}
+    unused |= {f"{j}.{key}" for j in scene.clearance_joints for key in scene.bearing(j).unread}
+    return [
+        one
+        for one in settings_of(scene)
+        if one.key not in unused and (one.key not in common or (one.key, one.value) in used)
+    ]
+
+
 def setting_of(scene: Scene, key: str) -> Setting:
     """Return the setting with a key, also one of a single joint; raise InputError for none."""
     settings, name = _by_key(scene), name_of_key(key)
@@ -96,7 +119,10 @@ def _by_key(scene: Scene) -> dict[str, Setting]:
 
 def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
     for setting in settings_in(scene.bearing(joint)):
-        yield replace(setting, key=f"{joint}.{setting.key}")
+        key, meaning = f"{joint}.{setting.key}", setting.meaning
+        if isinstance(meaning, Quantity):
+            meaning = replace(meaning, origin=scene.origins.get(key, SET))
+        yield Setting(key, setting.value, meaning)
 
 
 def settings_in(

@@ -39,9 +39,9 @@ from presswear.results.oil_film import dry_contact
 from presswear.results.result import Result
 from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Bearing
-from presswear.scene.catalog import changes_of, named_scene, title_of
+from presswear.scene.catalog import base_of, changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
-from presswear.scene.settings import SET, settings_of
+from presswear.scene.settings import DEFAULT, SET, Setting, settings_of, used_settings_of
 from presswear.show import page
 from presswear.show.figures import drawings
 from presswear.show.figures.life import limit_text, services_done
@@ -57,7 +57,7 @@ from presswear.show.page import NOTHING, Illustration, Line, Row, Table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.quantities import Choice, Quantity
+from presswear.tools.quantities import Quantity
 
 Record = dict[str, Any]
 
@@ -402,24 +402,30 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
 def setting_tables(result: Result) -> dict[str, Table]:
     """Return the tables ``parameters``, of all settings, and ``chosen``, of those the user set."""
     scene = result.scene
-    is_from_paper = named_scene(scene) is not None
+    before = {setting.key: setting.value for setting in settings_of(base_of(scene))}
     records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
-    for setting in settings_of(scene):
+    for setting in used_settings_of(scene):
         meaning, value = setting.meaning, setting.value
-        record = {"setting": setting, "value": "none" if value is None else str(value)}
-        if isinstance(meaning, Choice):
-            one_of = "one of " if meaning.words else ""
-            record["origin"] = f"{one_of}{', '.join(meaning.allowed())}"
-        else:
-            record["origin"] = meaning.origin
-            if isinstance(value, int | float):
-                record["value"] = _engineers(meaning, value)
-            if not is_from_paper and meaning.origin.startswith("paper"):
-                record["origin"] = ""  # the value is the user's, or a default
+        record: Record = {"setting": setting, "value": "none" if value is None else str(value)}
+        if isinstance(meaning, Quantity) and isinstance(value, int | float):
+            record["value"] = _engineers(meaning, value)
+        record["origin"] = _origin(scene, setting, before)
         records["parameters"].append(record)
-        if scene.origins.get(setting.key, "").startswith(SET):
+        if record["origin"].startswith(SET):
             records["chosen"].append(record)
     return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
+
+
+def _origin(scene: Scene, setting: Setting, before: Mapping[str, Any]) -> str:
+    """Return the origin of a value; ``before`` are the values of the named scene, or defaults."""
+    origin = scene.origins.get(setting.key, DEFAULT)
+    if origin != DEFAULT:
+        return origin
+    if setting.value != before.get(setting.key, before):
+        return SET
+    if named_scene(scene) is None or not isinstance(setting.meaning, Quantity):
+        return DEFAULT
+    return setting.meaning.origin
 
 
 def _engineers(meaning: Quantity, value: float) -> str:

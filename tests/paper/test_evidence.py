@@ -1,24 +1,26 @@
 """Quantities of the study against known numbers."""
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 from known_results import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 
-import presswear as pw
 from presswear.paper.evidence import QUANTITIES, Evidence, Measured
 from presswear.paper.printed import Place
 from presswear.paper.settings import BASE, base_scene
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
+from presswear.scene.bearing import CONVENTIONS
 
 SETTING = "wear-times"
 FORCE = len(CYCLE_FIXED) + CYCLE_JOINT.index("force_max")  # column of the first joint
 SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
 one = partial(stage, SETTING)
-body_maps = partial(evidence_of, SETTING, conventions=pw.Conventions(map_frame="body"))
+BODY = replace(CONVENTIONS["standard"], map_frame="body")
+body_maps = partial(evidence_of, SETTING, conventions=BODY)
 
 
 def measured(evidence: Evidence, quantity: str, wear_updates: int = 0, joint: str = "") -> Measured:

@@ -65,7 +65,7 @@ def test_the_press_moves_as_in_closed_form(name: str, speed: float, cycles: list
 
 @given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
 def test_the_slider_crank_moves_as_in_closed_form(crank: float, ratio: float, speed: float) -> None:
-    mechanism = SliderCrank(crank, min(ratio * crank, 10.0), speed=speed)
+    mechanism = SliderCrank(crank, min(ratio * crank, 10.0), slide_angle=0.0, speed=speed)
     time = np.linspace(0.0, 2.0 * mechanism.period, 97)
     agree(motion_of(mechanism).at(time), slider_crank_motion(mechanism, time), speed)
 
@@ -87,7 +87,7 @@ def test_the_four_bar_moves_as_in_the_textbook() -> None:
 def test_rows_are_those_of_the_engines() -> None:
     """Phi, its derivatives and its Jacobian, far from any assembled position."""
     generator = np.random.default_rng(2)
-    for linkage in (Press().linkage(), SliderCrank().linkage(), four_bar()):
+    for linkage in (Press().linkage(), SliderCrank(slide_angle=0.0).linkage(), four_bar()):
         rows, constraints = Rows(linkage), constraints_of(linkage)
         assert rows.names == constraints.names
         shape = 5, rows.bodies, 3
@@ -243,7 +243,7 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
 @pytest.mark.parametrize(("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)])
 def test_slider_crank_is_lowest_in_line(direction: float, part: float, sign: float) -> None:
     """In the opposite direction the bottom falls on the boundary of two cycles."""
-    mechanism = SliderCrank()
+    mechanism = SliderCrank(slide_angle=0.0)
     linkage = mechanism.linkage().changed(output=OutputPoint("slider", direction))
     bottom = bottom_of(motion_of(linkage))
     assert bottom is not None

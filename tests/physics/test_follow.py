@@ -59,8 +59,8 @@ def test_the_press_recovers_the_motion_of_its_servo(drive: Drive, speed: float) 
 
 
 DWELL = Press(servo=Dwell()).linkage()
-CRANK = SliderCrank().linkage()
-R, ROD = SliderCrank().crank_length, SliderCrank().rod_length
+CRANK = SliderCrank(slide_angle=0.0).linkage()
+R, ROD = SliderCrank(slide_angle=0.0).crank_length, SliderCrank().rod_length
 amplitudes = st.floats(-0.25, 0.25)
 
 

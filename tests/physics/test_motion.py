@@ -64,7 +64,7 @@ def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> 
 
 FOURIER = Drive("crank", 30.0, 0.2, harmonics=[(0.1, 0.3), (0.0, -0.05), (0.02, 0.0)])
 UNEVEN = FOUR_BAR.changed(drives=[FOURIER])
-CRANK = SliderCrank()
+CRANK = SliderCrank(slide_angle=0.0)
 SWINGING = Drive("crank", angle=0.5, frequency=40.0, harmonics=[(0.0, 0.8)])
 ROCKING = CRANK.linkage().changed(drives=[SWINGING])
 

@@ -26,10 +26,17 @@ from presswear.physics.statics import (
     needed_torques,
     pull_of,
 )
+from presswear.scene.bearing import CONVENTIONS
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
-LIGHT = pw.Scene(pw.SliderCrank(gravity=0.0), joints="AB", wear_updates=0)
+LIGHT = pw.Scene(
+    pw.SliderCrank(slide_angle=0.0, gravity=0.0),
+    bearings=pw.Bearing(clearance=0.8e-3),
+    conventions=CONVENTIONS["standard"],
+    joints="AB",
+    wear_updates=0,
+)
 
 
 def play(joint: ClearanceJoint, force: float, worn: float = 0.0) -> float:
@@ -134,7 +141,7 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
 
 def held(force: float) -> Linkage:
     """A slider-crank whose crank stands, loaded at the slider."""
-    crank = pw.SliderCrank().linkage()
+    crank = pw.SliderCrank(slide_angle=0.0).linkage()
     drive, load = replace(crank.drives[0], speed=0.0, angle=2.0), pw.Load("slider", x=force)
     return crank.changed(drives=[drive], loads=[load], guess={"rod": -0.4}, cycle=0.005)
 

@@ -428,7 +428,7 @@ def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:
     assert drive_table(replace(result, stages=(cut,))) is None
 
 
-CRANK = pw.SliderCrank(speed=30.0, gravity=0.0)
+CRANK = pw.SliderCrank(slide_angle=0.0, speed=30.0, gravity=0.0)
 THIN_SHEET = pw.Blanking(height=3e-3, force=50.0)
 SOFT = pw.Bearing(clearance=1e-4, friction=0.0, normal_law="flores", restitution=0.1)
 """Pins come to rest on it, and nothing grows."""

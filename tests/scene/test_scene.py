@@ -16,12 +16,12 @@ from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
-from presswear.scene.catalog import SCENES, scene_named
+from presswear.scene.catalog import SCENES, scene_named, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of
 from presswear.tools.errors import InputError
 
-BASE = Scene(name="base", title="a scene")
+BASE = replace(wear_times(), name="base", title="a scene")
 
 
 def test_joints_are_those_of_the_mechanism() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import presswear as pw
 from presswear.physics.ideal import bottom_of, motion_of
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import MECHANISMS
 from presswear.scene.settings import changed
@@ -31,7 +32,7 @@ def test_an_example_is_a_scene_with_the_default_mechanism(kind: str, tmp_path: P
     text = example_file(kind)
     scene = scene_from(written(tmp_path, text))
     assert scene.name == "my-own"
-    assert scene.bearings == replace(pw.Bearing(), clearance=0.3e-3)
+    assert plain(scene.bearings) == approximate(plain(pw.Bearing()))
     assert pw.Scene.from_dict(scene.as_dict()) == scene
     assert scene.origins["clearance"] == "set by the user, in the file"
     assert scene.origins["exponent"] == "default"
@@ -42,14 +43,29 @@ def test_an_example_is_a_scene_with_the_default_mechanism(kind: str, tmp_path: P
     if kind != "points":
         assert isinstance(scene.mechanism, MECHANISMS[kind])
         default = MECHANISMS[kind]()
-        if isinstance(default, pw.SliderCrank):  # upright
-            default = replace(default, slide_angle=-0.5 * math.pi)
         assert plain(scene.mechanism) == approximate(plain(default))
         assert scene.clearance_joints == default.default_joints
     # Each value has a comment, and no number has more than six digits.
     values = [line for line in text.split("[bearings]")[-1].splitlines() if " = " in line]
     assert all("  # " in line for line in values)
     assert not re.search(r"[1-9][0-9.]{7}", text)
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_an_example_has_the_defaults_of_python(kind: str, tmp_path: Path) -> None:
+    scene = scene_from(written(tmp_path, example_file(kind)))
+    mechanism = scene.mechanism if kind == "points" else MECHANISMS[kind]()
+    same = pw.Scene(mechanism, joints=scene.joints, name=scene.name, title=scene.title)
+    assert plain(replace(scene, origins={})) == approximate(plain(same))
+    assert scene.conventions == CONVENTIONS["refined"]
+
+
+def test_a_file_and_python_have_the_same_defaults(tmp_path: Path) -> None:
+    text = "mechanism = 'slider-crank'\n[settings]\nspeed = '1000 rpm'\nclearance = '0.1 mm'\n"
+    read = scene_from(written(tmp_path, text))
+    crank = pw.SliderCrank(speed=1000.0 * math.pi / 30.0)
+    made = pw.Scene(crank, "my-own", read.title, bearings={"B": pw.Bearing(clearance=0.1e-3)})
+    assert replace(read, origins={}) == made
 
 
 def approximate(data: Any) -> Any:

@@ -17,10 +17,10 @@ from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
 from presswear.results.stage import StageStatistics, WearPeak
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
-from presswear.scene.settings import settings_of
+from presswear.scene.settings import used_settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import prepare, render_report, stage_tables, write_report
+from presswear.show.report import prepare, render_report, setting_tables, stage_tables, write_report
 
 
 def page_of(result: pw.Result) -> Page:
@@ -181,13 +181,59 @@ def test_settings_changes_and_provenance() -> None:
     assert "(docs/theory in the source)" in page.text
     assert (Path(__file__).parents[2] / "docs/theory/index.md").is_file()
     listed = {(row[0], row[-1]) for row in page.rows if row}
-    assert {(setting.key, setting.meaning.text) for setting in settings_of(made.BOTH)} <= listed
+    settings = used_settings_of(made.BOTH)
+    assert {(setting.key, setting.meaning.text) for setting in settings} <= listed
     assert page.row("clearance")[1:3] == ["0.8 mm", "paper, per study"]
     assert page.row("source revision")[1] == "0123456789ab"
     changed = page_of(made_up(wear_times(clearance="0.5 mm", wear_updates=1), 1))
     title = f"{wear_times().title}, changed: clearance 0.5 mm, wear updates 1"
     assert changed.words.count(title) == 2
     assert changed.row("clearance")[:4] == ["clearance", "0.5", "0.8", "mm"]
+
+
+OWN_BEARINGS = """
+[mechanism]
+kind = "slider-crank"
+
+[bearings]
+joints = "O, A"
+materials = "304L-304L"
+
+[bearings.O]
+clearance = "0.1 mm"
+friction = 0.1
+
+[bearings.A]
+clearance = "0.2 mm"
+"""
+
+
+def origins(scene: pw.Scene) -> dict[str, tuple[str, str]]:
+    """Return value and origin of each setting that the report lists."""
+    table = setting_tables(made_up(scene, 1))["parameters"]
+    return {key: (value, origin) for _, lines in table.groups for key, value, origin, _ in lines}
+
+
+def test_values_of_single_bearings_are_those_of_the_user(tmp_path: Path) -> None:
+    """Values that no joint or law uses are left out."""
+    file = tmp_path / "mine.toml"
+    file.write_text(OWN_BEARINGS)
+    rows = origins(pw.scene_from(file))
+    in_file = "set by the user, in the file"
+    assert rows["O.clearance"] == ("0.1 mm", in_file)
+    assert rows["A.clearance"] == ("0.2 mm", in_file)
+    assert rows["O.friction"] == ("0.1", in_file)
+    assert rows["friction"] == ("0.02", "default")  # of A
+    assert rows["materials"] == ("304L-304L", in_file)
+    assert rows["wear_coefficient"][1] == "set by the user"  # by the materials
+    assert "bearing_radius" in rows
+    assert not rows.keys() & {"clearance", "stribeck_speed", "roughness", "tree_tolerance"}
+    bearings = {"O": pw.Bearing(clearance=1e-4), "A": pw.Bearing(clearance=2e-4, friction=0.1)}
+    rows = origins(pw.Scene(pw.SliderCrank(rod_length=0.2), bearings=bearings))
+    assert rows["clearance"] == ("0.1 mm", "set by the user")
+    assert rows["A.friction"] == ("0.1", "set by the user")
+    assert rows["rod_length"] == ("200 mm", "set by the user")
+    assert rows["crank_length"] == ("50 mm", "default")
 
 
 def test_bodies_joints_and_contacts_are_listed() -> None:
@@ -201,7 +247,7 @@ def test_bodies_joints_and_contacts_are_listed() -> None:
     bearing = OWN_FOUR_BAR.bearing("B")
     stiffness = bearing.normal(OWN_FOUR_BAR.conventions).stiffness
     places = ["coupler: 100, 0", "rocker: 60, 0"]
-    contact = ["14.700", f"{1e-9 * stiffness:.2f}·10⁹", f"{0.75 * (1.0 - 0.9**2):.4f}"]
+    contact = ["14.700", f"{1e-9 * stiffness:.4g}·10⁹", f"{0.75 * (1.0 - 0.9**2):.4f}"]
     assert page.row("B")[1:] == places + contact
     assert page.row("P")[1:] == ["frame: 180, 0", "rocker: −60, 0", "–", "–", "–"]
     assert "A cycle takes 209.44 ms." in page.text
