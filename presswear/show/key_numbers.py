@@ -13,13 +13,12 @@ from presswear.results.stage import BottomStatistics, StageResult
 from presswear.scene.plausible import doubts, unusual
 from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
-from presswear.show.page import KeyNumber
+from presswear.show.page import NOTHING, KeyNumber
 from presswear.tools import numbers
 from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction
 
 ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
-_WIDE = 2.0  # end of an interval over its mean, above which fewer strokes give no number
 _MADE = 0.02  # energy that contacts make, relative to what they dissipate
 _FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
@@ -35,18 +34,24 @@ _LOADS = {  # title, unit and words of the loads of bearings, by the settings th
 def measured(
     name: str, estimate: Estimate | None, unit: str, meaning: str, strokes: int | None = None
 ) -> KeyNumber:
-    """Return a key number of an estimate in SI, or that its strokes are too few."""
-    estimate = estimate or Estimate(0.0)
+    """Return a key number of an estimate in SI; a doubtful one has a note.
+
+    ``strokes`` are the strokes behind it (default: the samples of the estimate).
+    """
+    if strokes is None:
+        strokes = estimate.samples if estimate else 0
+    note = f"{strokes} of {ENOUGH} strokes" if strokes < ENOUGH else ""
+    if estimate is None:
+        return KeyNumber(name, NOTHING, "", meaning, note=note)
     low, mean, high = estimate.low, estimate.mean, estimate.high
-    strokes = estimate.samples if strokes is None else strokes
-    if low is None or high is None or (strokes < ENOUGH and low > 0.0 and high > _WIDE * mean):
-        advice = f"run at least {ENOUGH}" if strokes < ENOUGH else "they scatter too much"
-        return KeyNumber(name, f"too few strokes ({strokes})", advice, meaning)
     factor, shown = numbers.unit_scale(unit, abs(mean))
+    if low is None or high is None:
+        value = f"{numbers.readable(factor * mean, 2)} {shown}"
+        return KeyNumber(name, value, "interval unknown", meaning, note=note or "scatters too much")
     digits = 3 if high - low < 0.2 * abs(mean) else 2
     texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
     interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
-    return KeyNumber(name, f"{texts[0]} {shown}", interval, meaning)
+    return KeyNumber(name, f"{texts[0]} {shown}", interval, meaning, note=note)
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
@@ -166,6 +171,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             bearing = scene.bearing(name)
             coefficient = written(bearing.materials.wear_coefficient, "1/Pa").replace("^3", "³")
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
+            text += f" It is for {scene.bin_remark}." if scene.bin_remark else ""
             rest = [
                 f"{joint} {numbers.quantity_text(max(depths), 'm')}"
                 for joint in stage.statistics.joints
@@ -204,7 +210,7 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text += "negative is deeper."
     if bottoms := equal_bottoms_text(scene, bdc):
         text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
-    result.append(measured("Bottom dead centre error", bdc.error, "m", text))
+    result.append(measured("Bottom dead centre error", bdc.error, "m", text, bdc.strokes))
     text = "Standard deviation of bottom dead centre from stroke to stroke."
     return [*result, measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes)]
 

@@ -163,6 +163,7 @@ class KeyNumber(NamedTuple):
     """Number on the first screen: its name, value with unit, interval, and short meaning.
 
     ``compared`` holds names and values to which it is compared, a line each.
+    A number with a note, such as ``12 of 20 strokes``, is uncertain and shown in grey.
     """
 
     name: str
@@ -170,6 +171,7 @@ class KeyNumber(NamedTuple):
     interval: str
     meaning: str
     compared: tuple[tuple[str, str], ...] = ()
+    note: str = ""
 
 
 def render_page(

@@ -10,25 +10,32 @@ import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.results.press_analysis import ideal_drives, rubbing_drives
 from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, measured, warnings
+from presswear.show.page import render_page
 from presswear.show.report import render_report
 from presswear.tools.numbers import quantity_text
 
 
 @pytest.mark.parametrize(
-    ("estimate", "value", "interval"),
+    ("estimate", "value", "interval", "note"),
     [
-        (Estimate.symmetric(225e3, 0.0, 30), "225 kN", ""),
-        (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N"),
-        (Estimate.symmetric(150.0, 260.0, 3).positive, "too few strokes (3)", "run at least 20"),
-        (Estimate(150.0, samples=1), "too few strokes (1)", "run at least 20"),
-        (Estimate.symmetric(150.0, 3.0, 3), "150 N", "147 to 153 N"),
-        (Estimate.symmetric(-150.0, 100.0, 3), "−150 N", "−250 to −50 N"),
+        (Estimate.symmetric(225e3, 0.0, 30), "225 kN", "", ""),
+        (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N", ""),
+        (Estimate.symmetric(150.0, 260.0, 3).positive, "150 N", "27 to 850 N", "3 of 20 strokes"),
+        (Estimate(150.0, samples=1), "150 N", "interval unknown", "1 of 20 strokes"),
+        (Estimate(150.0, samples=40), "150 N", "interval unknown", "scatters too much"),
+        (Estimate.symmetric(150.0, 3.0, 19), "150 N", "147 to 153 N", "19 of 20 strokes"),
+        (Estimate.symmetric(-150.0, 100.0, 20), "−150 N", "−250 to −50 N", ""),
     ],
 )
-def test_intervals_are_asymmetric_or_left_out(
-    estimate: Estimate, value: str, interval: str
+def test_a_number_of_few_strokes_is_shown_with_their_count(
+    estimate: Estimate, value: str, interval: str, note: str
 ) -> None:
-    assert measured("force", estimate, "N", "")[1:3] == (value, interval)
+    number = measured("force", estimate, "N", "")
+    assert (number.value, number.interval, number.note) == (value, interval, note)
+    text = render_page("a title", key_numbers=[number])
+    assert ('class="value few"' in text) == bool(note)
+    assert value in text
+    assert note in text
 
 
 def test_an_interval_of_a_positive_number_is_that_of_its_logarithm() -> None:
@@ -166,11 +173,12 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     result = made_up(made.BOTH, 2)
     (last,) = [one for one in key_numbers(result) if one.name == WEAR]
     assert "2 million strokes on worn surfaces, with wear_coefficient = " in last.meaning
-    assert last.value == "too few strokes (2)"
+    assert last.note == "2 of 20 strokes"
+    assert "bins of 1°; twice as many bins halve it" in last.meaning
     statistics = result.stages[1].statistics
     started = altered(result, 1, statistics=replace(statistics, cycles=4))
     (last,) = [one for one in key_numbers(started) if one.name == WEAR]
-    assert last.value == "too few strokes (2)"  # without those of the start-up
+    assert last.note == "2 of 20 strokes"  # without those of the start-up
     peaks = {
         name: {side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()}
         for name, one in statistics.joints.items()
