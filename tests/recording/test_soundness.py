@@ -19,6 +19,7 @@ from presswear.physics.forces import Ledger, made_energy, made_remedy
 from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, Progress, examine
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import scene_named
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -123,7 +124,9 @@ def test_missing_energy_of_a_vibrating_pin() -> None:
     """
     coarse = ExudynJoints(steps_per_contact=20, steps_sustained=5, free_steps=1000)
     settings = {"clearance": 1e-5, "friction": 0.3, "restitution": 0.6}
-    scene = changed(Scene(mechanism=FOUR_BAR, joints="A", wear_updates=0), settings)
+    standard = CONVENTIONS["standard"]
+    scene = Scene(mechanism=FOUR_BAR, joints="A", wear_updates=0, conventions=standard)
+    scene = changed(scene, settings)
     period = scene.mechanism.period
     found = {}
     for engine in (coarse, ExudynJoints()):

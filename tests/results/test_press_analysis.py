@@ -491,7 +491,9 @@ def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
     assert rise[0] > 2e-4
 
 
-SCENE = pw.scenes.press_blanking(wear_updates=0, cycles=1, engine="dae", clearance="0.5 mm")
+SCENE = pw.scenes.press_blanking(
+    conventions="standard", wear_updates=0, cycles=1, clearance="0.5 mm"
+)
 EQUAL = (
     "Joint C: the pin penetrates its bearing by 500 µm, 1.00 of the clearance, and touches it over "
     "120 degrees. The contact stiffness holds for small contacts: bottom dead centre under load is "

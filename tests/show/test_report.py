@@ -95,7 +95,9 @@ def test_key_numbers_and_means() -> None:
         "delay as crank angle (degrees)": ["−1.8\u00a0± 1.0"] * 3,
         "steps": ["4\u202f000"] * 3,
     }.items():
-        assert page.row(label)[1:] == numbers
+        assert page.numbers(label, 3) == numbers
+    remark = "bins of 1°; twice as many bins halve it"
+    assert page.row("next wear update: volume (mm³)")[1] == remark
     assert page.numbers("delay (ms)", 3) == ["−3.00 (too few cycles)"] * 3
     assert page.numbers("mean range of successive strokes (µm)", 3) == ["100 (too few cycles)"] * 3
     assert "80 ± 12" in page.text
