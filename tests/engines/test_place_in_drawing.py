@@ -21,7 +21,7 @@ Place = tuple[float, float]  # of the origin of the drawing, m
 
 def mirrored_cranks(x: float, y: float) -> Linkage:
     """Return two equal slider-cranks that run as mirror images, 0.25 m to either side."""
-    bodies: list[pw.Bar | pw.Body] = []
+    bodies: list[pw.Body] = []
     joints: list[pw.Pin | pw.Guide] = []
     drives = []
     guess = {}
