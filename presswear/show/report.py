@@ -506,9 +506,28 @@ def _life(result: Result, life: LifeResult) -> Record:
         "first": first,
         "rivals": rivals,
         "services": services_done(result),
+        "pin": _pin_that_ends(result, life),
         "limits": _line_table("limits", result, limits, True, end=end),
         "phases": _line_table("phases", result, phases, True, end=end),
     }
+
+
+def _pin_that_ends(result: Result, life: LifeResult) -> str:
+    """Return a sentence if a pin ends a life in which only its bushing was serviced, or nothing."""
+    first, stages = life.first, result.stages
+    joint, _, name = first.key.partition(".") if first else ("", "", "")
+    serviced = {service.joint for service in services_done(result)}
+    is_whole = len(stages) == result.scene.wear_updates + 1 and not stages[-1].failed
+    if life.ended != "limit" or name != "depth" or joint not in serviced or not is_whole:
+        return ""
+    end = stages[-1].joints[joint]  # on the surfaces at the end of the life
+    bearing, pin = (numbers.quantity_text(float(end.depth(side).max()), "m") for side in SIDES)
+    if end.depth("pin").max() <= end.depth("bearing").max():
+        return ""
+    return (
+        f"The pin of {joint} ends this life: it is worn by {pin} at the end, its bushing by "
+        f"{bearing}. A new or turned bushing does not renew the pin."
+    )
 
 
 def _limit_line(scene: Scene, limit: LimitResult) -> Line:

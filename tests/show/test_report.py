@@ -315,6 +315,20 @@ def test_the_answer_on_a_life() -> None:
     assert "Service life" not in page_of(made_up(made.BODY, 3)).words
 
 
+def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named() -> None:
+    """The depth of the joint ends the life, and the bushing alone was replaced."""
+    life, stage = made.made_up_life(), LIVED.stages[-1]
+    first = replace(life.limits[1], key="A.depth")
+    sentence = "The pin of A ends this life: it is worn by 50.0 µm at the end, its bushing by"
+    for side, key, is_named in (("pin", "A", True), ("bearing", "A", False), ("pin", "C", False)):
+        depth = {"A_depth_bearing": np.full(72, 2e-5), "A_depth_pin": np.full(72, 2e-5)}
+        depth[f"A_depth_{side}"][3] = 5e-5
+        result = altered(LIVED, len(LIVED.stages) - 1, arrays={**stage.arrays, **depth})
+        limits = (replace(first, key=f"{key}.depth"),)
+        text = page_of(replace(result, life=replace(life, limits=limits))).text
+        assert (sentence in text.replace("\u00a0", " ")) == is_named
+
+
 @pytest.mark.parametrize(
     ("ended", "message", "line"),
     [
