@@ -145,6 +145,7 @@ def run_scenes(
     engine: str | Engine | None = None,
     jobs: int | None = None,
     on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
+    on_life_start: Callable[[str, float, float], object] = lambda name, cycles, seconds: None,
 ) -> dict[str, Result]:
     """Run named scenes, several at a time, each into the sub-folder of its name.
 
@@ -160,6 +161,9 @@ def run_scenes(
     on_progress : callable
         Called with the name of a scene, the completed fraction of its run, and a few words. At
         1.0 the run has ended and the words are its status.
+    on_life_start : callable
+        Called with the name of a scene, and the cycles and seconds that its service life will
+        still take in one process, after the first strokes.
 
     Returns
     -------
@@ -185,7 +189,9 @@ def run_scenes(
         on_progress(names[key], 1.0, status)
         return {}
 
-    def on_report(key: int, done: float, words: str, _: object) -> None:
+    def on_report(key: int, done: float, words: str, need: Array | None) -> None:
+        if need is not None:
+            on_life_start(names[key], *need.tolist())
         on_progress(names[key], 0.0 if math.isnan(done) else done, words)
 
     tasks = {
@@ -206,6 +212,9 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
         def on_progress(self, progress: Progress) -> None:
             is_compiling = progress.word == COMPILING
             report(math.nan if is_compiling else min(progress.whole, 0.999), progress.word)
+
+        def on_life_start(self, cycles: float, seconds: float) -> None:
+            report(math.nan, "", np.array([cycles, seconds]))
 
     result = run(scene, path, jobs=1, observers=[Reports()], check=False)
     return f"{result.status}: {result.message}" if result.message else result.status

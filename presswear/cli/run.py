@@ -27,7 +27,7 @@ from presswear.scene.settings import SET, changed, changes_from, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
 from presswear.tools.numbers import counted, large, lasting, unit_scale
-from presswear.tools.processes import check_stopped
+from presswear.tools.processes import check_stopped, cores
 
 if TYPE_CHECKING:
     from presswear.results.life import LifeResult
@@ -213,18 +213,10 @@ class RunObserver(Observer):
 
     def on_life_start(self, cycles: float, seconds: float) -> None:
         """Print what a life will take; ask a user at a terminal before a long one."""
-        count = large(cycles, digits=2)
-        line = f"the life needs about {count} cycles of all replicates, {lasting(seconds)} more"
-        terminal.print_lines(self._bar.console, line)
-        is_terminal = self._bar.console.is_terminal and sys.stdin.isatty()
-        if self._is_confirmed or not is_terminal or seconds <= LONG_LIFE:
-            return
+        terminal.print_lines(self._bar.console, f"the life {_need(cycles, seconds)}")
         asked = clock.perf_counter()
-        self._bar.stop()
-        answer = input("continue? [y/N] (--yes: do not ask) ")
-        if answer.strip().lower() not in ("y", "yes"):
-            raise KeyboardInterrupt
-        self._bar.start()
+        if not self._is_confirmed:
+            _confirm(self._bar, seconds)
         self._compiled += clock.perf_counter() - asked
 
     def on_life(self, life: "LifeResult") -> None:
@@ -250,6 +242,24 @@ class RunObserver(Observer):
         lines += [f"{line} ({remark})" if remark else line for line in wear]
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
+
+
+def _need(cycles: float, seconds: float) -> str:
+    """Return what a life will still take, in words."""
+    return (
+        f"needs about {large(cycles, digits=2)} cycles of all replicates, {lasting(seconds)} more"
+    )
+
+
+def _confirm(bar: ProgressBar, seconds: float) -> None:
+    """Ask a user at a terminal before a long life goes on; KeyboardInterrupt if it does not."""
+    if not (bar.console.is_terminal and sys.stdin.isatty()) or seconds <= LONG_LIFE:
+        return
+    bar.stop()
+    answer = input("continue? [y/N] (--yes: do not ask) ")
+    if answer.strip().lower() not in ("y", "yes"):
+        raise KeyboardInterrupt
+    bar.start()
 
 
 @contextmanager
@@ -341,8 +351,10 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             raise InputError(f"{label}: changes nothing, so there is nothing to compare")
         scenes[name_for(label)] = variant
     folder = terminal.output_folder(arguments, "lives")
-    with _several_runs(console, "lives", folder, len(scenes)) as show:
-        results = run_scenes(scenes, folder, jobs=arguments.jobs, on_progress=show)
+    with _several_runs(console, "lives", folder, len(scenes)) as (show, bar):
+        together = min(arguments.jobs or cores(), len(scenes))
+        announce = _announcing(bar, len(scenes) / together, arguments.yes)
+        results = run_scenes(scenes, folder, None, arguments.jobs, show, announce)
     plain = results["plain"].life
     for name, result in results.items():
         life = result.life
@@ -356,22 +368,50 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     return 0
 
 
+def _announcing(
+    bar: ProgressBar, turns: float, is_confirmed: bool
+) -> Callable[[str, float, float], None]:
+    """Return a function for ``run_scenes`` that prints what each of several lives will take.
+
+    All of them take about ``turns`` times as long as one. A user at a terminal is asked once.
+    """
+    asked = is_confirmed
+
+    def announce(name: str, cycles: float, seconds: float) -> None:
+        nonlocal asked
+        whole = turns * seconds
+        words = f"{name}: the life {_need(cycles, seconds)}; all lives take about {lasting(whole)}"
+        terminal.print_lines(bar.console, words)
+        if not asked and whole > LONG_LIFE:
+            asked = True
+            _confirm(bar, whole)
+
+    return announce
+
+
 @contextmanager
 def _several_runs(
     console: Console, name: str, folder: Path, count: int
-) -> Iterator[Callable[[str, float, str], None]]:
+) -> Iterator[tuple[Callable[[str, float, str], None], ProgressBar]]:
     """Show the progress of several runs in a folder; yield a function for ``run_scenes``."""
     shares: dict[str, float] = {}
-    with terminal.resumable_steps(console, name, folder, "finished runs are stored") as report:
+    command = f"the same command with --resume --out {folder} continues"
+    with (
+        terminal.resumable(command, folder, lambda: "finished runs are stored"),
+        terminal.progress_bar(console) as bar,
+    ):
+        task = bar.add_task(name, total=1.0)
 
         def show(run: str, share: float, words: str) -> None:
+            check_stopped()
             shares[run] = share
             finished = sum(share == 1.0 for share in shares.values())
-            report(f"{name}: {finished} of {count} finished", sum(shares.values()) / count)
+            text = f"{name}: {finished} of {count} finished"
+            bar.update(task, description=text, completed=sum(shares.values()) / count)
             if share == 1.0:
                 terminal.print_lines(console, f"finished {run}: {words}")
 
-        yield show
+        yield show, bar
 
 
 def improve(arguments: argparse.Namespace, console: Console) -> int:
@@ -384,7 +424,7 @@ def improve(arguments: argparse.Namespace, console: Console) -> int:
     settings = terminal.parse_settings(arguments.set)
     scene = changed(scene, terminal.merge_options(settings, options))
     folder = terminal.output_folder(arguments, f"{scene.name}-improve")
-    with _several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as show:
+    with _several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as (show, _):
         improvement = improve(scene, folder, arguments.jobs, show)
     for key, items in improvement.effects.items():
         lines = (f"  {item}" for item in items)

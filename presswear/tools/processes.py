@@ -31,8 +31,8 @@ LOST = "a worker process was ended from outside, for example because memory ran 
 _STOPS = math.inf  # progress of a job that stops; what it stores may take long
 _IDLE, _DROPPED = "idle", "dropped"  # in place of the key of a job
 
-# Called by a job with its progress (nan while it gets ready) and optionally a word and rows, which
-# stay in this process; KeyboardInterrupt stops the job.
+# Called by a job with its progress (nan while it gets ready) and optionally a word, which stays in
+# this process, and rows; KeyboardInterrupt stops the job.
 Report = Callable[..., object]
 Job = Callable[[Report], Any]
 OnResult = Callable[[int, Any], Mapping[int, Job | None]]
@@ -112,7 +112,7 @@ class Workers:
                 idle = [worker for worker in self._workers if worker.key == _IDLE]
                 for worker, key in zip(idle, list(waiting), strict=False):
                     worker.send(waiting.pop(key))
-                    worker.key, worker.progress = key, None
+                    worker.key, worker.progress, worker.rows = key, None, None
                 for key, result in self._results():
                     if isinstance(result, BaseException):
                         raise result
@@ -124,7 +124,8 @@ class Workers:
                             worker.send(None)
                 for worker in self._running:
                     if worker.progress is not None and worker.key != _DROPPED:
-                        on_progress(worker.key, worker.progress, "", None)
+                        rows, worker.rows = worker.rows, None
+                        on_progress(worker.key, worker.progress, "", rows)
         except BaseException as error:
             is_interrupt, due = isinstance(error, KeyboardInterrupt), time.monotonic() + GRACE
             for worker in self._running:
@@ -150,7 +151,8 @@ class Workers:
             except (EOFError, OSError):
                 is_complete, content = True, RunFailed(LOST)
             if not is_complete:
-                worker.key, worker.progress = key, content
+                worker.key, (worker.progress, rows) = key, content
+                worker.rows = worker.rows if rows is None else rows
             elif key != _DROPPED:
                 yield key, content
 
@@ -171,6 +173,7 @@ class _Worker:
 
     key: Any = _IDLE  # of its job
     progress: float | None = None  # of its job, once it is reported
+    rows: Array | None = None  # that its job has reported and nobody has read
 
     def __init__(self, context: Any, imports: Sequence[str]) -> None:
         self.pipe, end = context.Pipe()
@@ -217,11 +220,11 @@ def _do_jobs(pipe: "Connection[Any, Any]") -> None:
 
     def report(done: float, word: str = "", rows: Array | None = None) -> None:
         nonlocal due
-        if math.isnan(done) or time.monotonic() >= due:
+        if math.isnan(done) or rows is not None or time.monotonic() >= due:
             due = time.monotonic() + POLL
-            pipe.send((False, done))
+            pipe.send((False, (done, rows)))
             if pipe.poll() and pipe.recv() is None:
-                pipe.send((False, _STOPS))
+                pipe.send((False, (_STOPS, None)))
                 raise KeyboardInterrupt
 
     while True:

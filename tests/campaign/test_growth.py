@@ -522,6 +522,31 @@ def test_a_long_life_is_announced_and_confirmed(
     assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize("answer", ["y", "n"])
+def test_compared_lives_are_announced_and_confirmed_once(
+    answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    console = Console(file=StringIO(), force_terminal=True, width=200)
+    scene, asked = replace(LIFE, tolerance=0.1), []
+    use(FakeEngine(exponential))
+    monkeypatch.setattr(cli_run, "LONG_LIFE", 0.0)
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", lambda question: asked.append(question) or answer)
+    announce = cli_run._announcing(progress_bar(console), 2.0, False)
+    lives = {"plain": scene, "other": replace(scene, seed=1)}
+    run_lives = partial(campaigns.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce)
+    if answer == "n":
+        with pytest.raises(KeyboardInterrupt):
+            run_lives()
+    else:
+        assert [result.status for result in run_lives().values()] == ["completed"] * 2
+    shown = console.file.getvalue()  # type: ignore[attr-defined]
+    assert len(asked) == 1
+    assert "plain: the life needs about" in shown
+    assert "all lives take about" in shown
+    assert ("other: the life needs about" in shown) == (answer == "y")
+
+
 class Noted(RunObserver):
     """Keeps the announced cycles."""
 

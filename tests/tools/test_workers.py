@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import psutil
 import pytest
 
@@ -101,6 +102,20 @@ def test_a_job_that_gets_ready_is_reported_at_once(pool: Workers) -> None:
     reported: list[float] = []
     pool.run({0: gets_ready}, nothing, lambda key, done, *_: reported.append(done))
     assert math.isnan(reported[-1])
+
+
+def reports_rows(report: Report) -> None:
+    report(0.0, "", np.array([3.0, 4.0]))
+    for _ in range(10):
+        report(0.5)
+        time.sleep(0.05)
+
+
+def test_rows_of_a_job_are_reported_once(pool: Workers) -> None:
+    rows: list[Any] = []
+    for workers in (Workers(), pool):
+        workers.run({0: reports_rows}, nothing, lambda key, done, word, each: rows.append(each))
+    assert [each.tolist() for each in rows if each is not None] == [[3.0, 4.0]] * 2
 
 
 def test_a_dropped_job_is_stopped(pool: Workers) -> None:
