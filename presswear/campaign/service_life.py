@@ -32,6 +32,9 @@ EVERY = slice(None)
 
 FIRST_CHANGE = 5e-3  # of the clearance, that a cycle of the first refinement takes off
 MIN_BLOCK = 2  # cycles
+FIRST_WEAR = (
+    1.2e-15  # 1/Pa, K_d times the strokes of a cycle of the first block: one stroke of steel
+)
 BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
 MIN_BLOCKS_FOR_REFUSAL = 16  # after which a limit that seems exceeded when new is taken to be so
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
@@ -55,6 +58,7 @@ class LifeProblem:
     at_most: float  # strokes
     tolerance: float  # relative error of the life
     max_cycles: int  # of all histories in a refinement
+    first_share: float = 1.0  # strokes that a cycle stands for before a wear rate is known
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,7 @@ class BlockPlan:
 
 @dataclass(frozen=True)
 class Refinement:
-    """One computation of a life; its first block has steps of one stroke, on new surfaces."""
+    """One computation of a life; its first block has short steps, on new surfaces."""
 
     change: float = FIRST_CHANGE  # part of the clearance that a cycle takes off
     block: int = MIN_BLOCK  # cycles in a block
@@ -278,7 +282,7 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     """Return what a refinement runs next; None if it is finished."""
     blocks = refinement.blocks
     if not blocks:
-        return BlockPlan(MIN_BLOCK, 1.0)
+        return BlockPlan(MIN_BLOCK, min(problem.first_share, problem.at_most / MIN_BLOCK))
     last, interval = blocks[-1], blocks[-1].interval
     is_used_up = last.strokes >= problem.at_most or refinement.cycles >= 2 * problem.max_cycles
     if last.ended_by or is_used_up or refinement.determines(problem.limits):
@@ -289,7 +293,7 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
         return problem.services[interval]
     if not last.cycles:
         # After maintenance the rate is that of the bushing before it: the new state runs first.
-        return BlockPlan(MIN_BLOCK, 1.0)
+        return BlockPlan(MIN_BLOCK, min(problem.first_share, (until - last.strokes) / MIN_BLOCK))
     finished = [block for block in blocks if block.cycles and block.interval == interval]
     rate = sum(block.rate for block in finished[-2:]) / len(finished[-2:])
     share = refinement.change / rate if rate > 0.0 else math.inf

@@ -12,6 +12,7 @@ from presswear.campaign import wear_update
 from presswear.campaign.ensemble import EnsembleState, Runner
 from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
 from presswear.campaign.service_life import (
+    FIRST_WEAR,
     BlockPlan,
     LifeProblem,
     LoadBlock,
@@ -29,7 +30,7 @@ from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.results.stage import WearStep
-from presswear.scene.options import Service
+from presswear.scene.options import Life, Service
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
@@ -146,7 +147,7 @@ class WearHistories:
         rows = np.array([recorder.cycles[finished : finished + cycles] for recorder in recorders])
         removed = (depth - earlier).mean(axis=0) / (plan.share * cycles)
         if not before:
-            self._check_reach(depth, cycles)
+            self._check_reach(depth, plan.share * cycles)
         return LoadBlock(
             strokes + plan.share * cycles,
             cycles,
@@ -196,6 +197,19 @@ class WearHistories:
             )
 
 
+def problem_of(scene: Scene, life: Life) -> LifeProblem:
+    """Return limits and accuracy of a service life of a scene.
+
+    The first cycles wear as much whatever the wear coefficients are, so that the surfaces follow
+    one another alike, and a life is inversely proportional to the coefficients.
+    """
+    joints = scene.clearance_joints
+    coefficient = max(scene.bearing(name).materials.wear_coefficient for name in joints)
+    limits, services = life.limits(joints), life.services(joints)
+    accuracy = life.at_most, scene.tolerance, life.max_cycles
+    return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
+
+
 def run_life(
     runner: Runner,
     initial: Array,
@@ -211,11 +225,9 @@ def run_life(
     life and the stages through it will still take.
     InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
-    scene = runner.scene
-    life, joints = scene.life, scene.clearance_joints
+    scene, life = runner.scene, runner.scene.life
     assert life is not None
-    limits, services = life.limits(joints), life.services(joints)
-    problem = LifeProblem(limits, services, life.at_most, scene.tolerance, life.max_cycles)
+    problem = problem_of(scene, life)
     histories = WearHistories(runner, initial, problem, state, keep)
 
     def keep_blocks(refinements: Refinements) -> None:

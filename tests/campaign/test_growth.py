@@ -33,12 +33,14 @@ from presswear.recording.statistics import (
     smoothing_widths,
 )
 from presswear.results.export import life_table
+from presswear.results.life import LifeResult
 from presswear.results.result import load, unfinished
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
 from presswear.show.report import render_report
 from presswear.tools.arrays import Array, named, part
 from presswear.tools.errors import InputError
@@ -89,10 +91,14 @@ class Seen(Observer):
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
         self.progress: list[Progress] = []
+        self.life: LifeResult | None = None
         self.status = self.message = ""
 
     def on_progress(self, progress: Progress) -> None:
         self.progress.append(progress)
+
+    def on_life(self, life: LifeResult) -> None:
+        self.life = life
 
     def on_stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
@@ -446,6 +452,23 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
     return scene
 
 
+def test_life_is_inversely_proportional_to_the_wear_coefficient(campaign: Campaign) -> None:
+    lives = []
+    for factor in (1.0, 10.0):
+
+        def law(run: int, depth: Array, factor: float = factor) -> Array:
+            return factor * exponential(run, depth)
+
+        coefficient = factor * LIFE.bearings.materials.wear_coefficient
+        scene = changed(LIFE, {"wear_coefficient": f"{coefficient!r}/Pa"})
+        seen = campaign(scene, FakeEngine(law))
+        assert seen.life is not None
+        lives.append(seen.life)
+    first, second = lives
+    assert 10.0 * second.strokes == pytest.approx(first.strokes, rel=1e-12, abs=0.0)
+    assert second.step == pytest.approx(first.step, rel=1e-9, abs=0.0)
+
+
 def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path: Path) -> None:
     """It is stored with its state, and reported, while the next refinement runs."""
     path = tmp_path / "life"
@@ -528,10 +551,15 @@ def test_compared_lives_are_announced_and_confirmed_once(
 ) -> None:
     console = Console(file=StringIO(), force_terminal=True, width=200)
     scene, asked = replace(LIFE, tolerance=0.1), []
+
+    def answering(question: str) -> str:
+        asked.append(question)
+        return answer
+
     use(FakeEngine(exponential))
     monkeypatch.setattr(cli_run, "LONG_LIFE", 0.0)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("builtins.input", lambda question: asked.append(question) or answer)
+    monkeypatch.setattr("builtins.input", answering)
     announce = cli_run._announcing(progress_bar(console), 2.0, False)
     lives = {"plain": scene, "other": replace(scene, seed=1)}
     run_lives = partial(campaigns.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bush import CLEARANCE as GAP
-from bush import bush
+from bush import COEFFICIENT, bush
 from endurance.sameness import folder_differences
 from hypothesis import given
 from hypothesis import strategies as st
@@ -398,7 +398,9 @@ def test_equal_replicates_leave_the_error_of_the_step(whole: tuple[Path, Any]) -
 def test_wear_steps_of_a_life_are_its_blocks(whole: tuple[Path, Any]) -> None:
     """Each of their cycles stands for as many strokes as their factor, in both replicates."""
     steps = pw.load(whole[0]).stages[0].wear_steps
-    assert (steps[0].cycles, steps[0].factor) == (4, 1.0)
+    first = service_life.FIRST_WEAR / COEFFICIENT
+    assert steps[0].cycles == 4
+    assert steps[0].factor == pytest.approx(first, rel=1e-15, abs=0.0)
     assert sum(step.factor * step.cycles / 2 for step in steps) == pytest.approx(whole[1].strokes)
 
 
@@ -452,6 +454,33 @@ def test_interrupted_life_resumes_bit_for_bit(
         pw.run(scene, path, observers=[Stops(number, reports)], jobs=1)
     pw.run(scene, path, jobs=1)
     assert folder_differences(whole[0], path) == []
+
+
+def with_wear(scene: pw.Scene, factor: float) -> pw.Scene:
+    """Return a scene with all wear coefficients times a factor."""
+    settings = {}
+    for name in scene.clearance_joints:
+        coefficient = scene.bearing(name).materials.wear_coefficient
+        settings[f"{name}.wear_coefficient"] = f"{factor * coefficient!r}/Pa"
+    return changed(scene, settings)
+
+
+def test_life_is_inversely_proportional_to_the_wear_coefficient(whole: tuple[Path, Any]) -> None:
+    """A motion without chaos wears the same surfaces one after another."""
+    life = life_of_scene(with_wear(pw.load(whole[0]).scene, 10.0))
+    assert 10.0 * life.strokes == pytest.approx(whole[1].strokes, rel=1e-6, abs=0.0)
+
+
+@pytest.mark.slow
+def test_life_of_a_chaotic_motion_is_inversely_proportional_to_the_wear_coefficient() -> None:
+    """A power of two changes no digit of the surfaces."""
+    limits = pw.Life(until="A.depth > 8 um", max_cycles=40)
+    settings: dict[str, Any] = {"conventions": "refined", "wear_updates": 1, "cycles": 1}
+    settings |= {"replicates": 2, "tolerance": 1.0, "engine": "dae", "life": limits}
+    scene = pw.scenes.wear_times(**settings)
+    plain, faster = (life_of_scene(with_wear(scene, factor)) for factor in (1.0, 16.0))
+    assert 16.0 * faster.strokes == pytest.approx(plain.strokes, rel=1e-12, abs=0.0)
+    assert plain.refinements[0].cycles == faster.refinements[0].cycles
 
 
 @pytest.mark.parametrize(("key", "word"), [("replaced", "replaced"), ("turned", "turned by half")])

@@ -139,7 +139,7 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) 
 
 def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> None:
     console = console_of(80, clock)
-    with run._several_runs(console, "improve", tmp_path, 2) as show:
+    with run._several_runs(console, "improve", tmp_path, 2) as (show, _):
         show("bush replaced_ A@2500000, B@4000000", 0.5, "applying the first wear in 128 steps")
         show("plain", 1.0, "completed")
     assert "finished plain: completed" in (text := console.export_text())
