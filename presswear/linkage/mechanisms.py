@@ -434,6 +434,70 @@ class SixBar(Mechanism):
         )
 
 
+@dataclass(frozen=True)
+class TwoPoint(Mechanism):
+    """Two-point press: two geared cranks that mirror each other hold the slide on two rods.
+
+    The cranks turn about O1 and O2, to the left and right of the middle. The rods join them in A1
+    and A2 and the slide in B1 and B2. Crank 2 turns at the given speed, crank 1 in the opposite
+    sense. The guide holds the angle of the slide, so that one of all constraints repeats the
+    others, unless a joint of a rod has clearance. Mass centres are at mid-length.
+    """
+
+    kind = "two-point"
+    allowed_joints = ("O1", "A1", "B1", "O2", "A2", "B2")
+    default_joints = ("B1", "B2")
+    origin = CHOSEN
+
+    distance: float = _c_length(1.2, "O1 to O2, and B1 to B2")
+    crank_length: float = _c_length(0.1, "cranks, O to A")
+    rod_length: float = _c_length(0.8, "rods, A to B; longer than the cranks")
+    crank_mass: float = _c_mass(60.0, "mass of a crank")
+    rod_mass: float = _c_mass(80.0, "mass of a rod")
+    slider_mass: float = _c_mass(500.0, "mass of the slide with the upper tool")
+    crank_inertia: float | None = _c_inertia(None, f"inertia of a crank (torque only){_ROD}")
+    rod_inertia: float | None = _c_inertia(None, f"inertia of a rod{_ROD}")
+    gravity: float = gravity()
+    speed: float = _c_speed(2.0 * math.pi, "speed of crank 2; crank 1 has the opposite one")
+    run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        least = _MIN_ROD_RATIO * self.crank_length
+        if not self.rod_length >= least:
+            raise InputError(
+                f"rod_length = {written(self.rod_length, 'm')}: with crank_length = "
+                f"{written(self.crank_length, 'm')} allowed is {written(least, 'm')} to "
+                f"{written(MAX_LINK, 'm')}; joints B1 and B2 do not close over the whole turn"
+            )
+
+    def _assemble(self) -> Linkage:
+        half, up = 0.5 * self.distance, 0.5 * math.pi
+        bodies, joints, drives = [], [], []
+        for number, side in (("1", -1.0), ("2", 1.0)):
+            crank, rod = f"crank {number}", f"rod {number}"
+            bodies += _bars(self, crank, rod)
+            joints += [
+                Pin(f"O{number}", (side * half, 0.0), f"{crank}.tail"),
+                Pin(f"A{number}", f"{crank}.head", f"{rod}.tail"),
+                Pin(f"B{number}", f"{rod}.head", f"slider.{number}"),
+            ]
+            drives.append(Drive(crank, side * self.speed, up, torque_limit=self.torque_limit))
+        # The guide holds the angle of the slide: its inertia never enters.
+        places = {"1": (-half, 0.0), "2": (half, 0.0)}
+        bodies.append(Body("slider", self.slider_mass, 1.0, places))
+        return assemble(
+            name=self.kind,
+            bodies=bodies,
+            joints=(*joints, Guide("guide", "slider", direction=up)),
+            drives=drives,
+            guess={"rod 1": -up, "rod 2": -up},
+            gravity=self.gravity,
+            run_up=self.run_up,
+        )
+
+
 def _bars(mechanism: Mechanism, *names: str) -> list[Body]:
     """Return bars of a mechanism whose fields begin with the first words of their names."""
     return [

@@ -88,13 +88,18 @@ class Rows:
         # is part of its round-off, but not of the scale of its angles.
         points = [math.hypot(guide.x, guide.y) for guide in linkage.guides]
         self.size = max(float(sizes.max(initial=0.0)), *points, 0.0) or 1.0
-        arm = float(sizes[:-1].max(initial=0.0)) or 1.0
+        self.arm = float(sizes[:-1].max(initial=0.0)) or 1.0  # farthest joint of a moving body, m
         self.scale = np.ones(3 * self.bodies)  # makes metres and radians comparable
-        self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], arm)
+        self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.arm)
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
             initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
             self.held[self.following] = initial[self.following]
+
+    @property
+    def repeated(self) -> int:
+        """Number of rows beyond the coordinates: they repeat what other rows hold."""
+        return max(len(self.names) - 3 * self.bodies, 0)
 
     def _moving(self, level: Array) -> Array:
         """Return a level with the frame, which is at rest, behind the bodies."""
@@ -197,7 +202,14 @@ class Rows:
         return [(group, columns[group]) for group in groups]
 
     def solve(self, q: Array, right: Array) -> Array:
-        """Solve the equations of the Jacobian, shape (n, rows), for coordinates like ``q``."""
+        """Solve the equations of the Jacobian, shape (n, rows), for coordinates like ``q``.
+
+        With repeated rows by least squares.
+        """
+        if self.repeated:
+            inverse = np.linalg.pinv(self.jacobian(q) * self.scale)
+            scaled = (inverse @ right[..., np.newaxis])[..., 0]
+            return np.asarray((scaled * self.scale).reshape(q.shape))
         parts, result = self._parts(q), np.zeros((len(q), self.bodies + 1, 3))
         flat = result.reshape(len(q), -1)
         for rows, columns in self.groups:
@@ -209,13 +221,25 @@ class Rows:
             flat[:, columns] = np.linalg.solve(block, rest[..., np.newaxis])[..., 0]
         return result[:, :-1]
 
+    def forces(self, q: Array, right: Array) -> Array:
+        """Return the forces of the rows that balance forces on the coordinates, (n, rows, k).
+
+        ``right`` has the shape (n, 3 bodies, k), N and N m. With repeated rows many forces do;
+        these have the smallest norm, in which a moment is divided by ``arm``.
+        """
+        transposed = self.jacobian(q).transpose(0, 2, 1)
+        if not self.repeated:
+            return np.asarray(np.linalg.solve(transposed, right))
+        arms = np.where(self.turn == 0.0, 1.0, self.arm)[:, np.newaxis]
+        return np.asarray(arms * (np.linalg.pinv(transposed * arms.T) @ right))
+
     def side(self, q: Array) -> Array:
         """Return a sign, shape (n,), that changes at dead points: of the Jacobian's determinant.
 
         1 where points follow curves: a drive may pass a position in which it does not move its
-        point, where the curve leads through it.
+        point, where the curve leads through it. 1 with repeated rows, which have no determinant.
         """
-        if self.following:
+        if self.following or self.repeated:
             return np.ones(len(q))
         parts = self._parts(q)
         signs = [np.linalg.slogdet(self._block(parts, group))[0] for group in self.groups]
@@ -227,6 +251,9 @@ class Rows:
         The norm of the inverse is that of each group: in a long chain of linkages the norm of the
         whole inverse grows with their number.
         """
+        if self.repeated:
+            values = np.linalg.svd(self.jacobian(q) * self.scale, compute_uv=False)
+            return np.asarray(1.0 / np.sqrt((values**-2.0).sum(axis=1)))
         parts, norms = self._parts(q), []
         for group in self.groups:
             inverse = np.linalg.inv(self._block(parts, group) * self.scale[group[1]])
@@ -276,6 +303,22 @@ def _guessed(linkage: Linkage) -> Array:
     return q[:-1]
 
 
+def _free_coordinates(linkage: Linkage) -> int:
+    """Return the coordinates less the constraint rows; below zero where rows are repeated."""
+    held = 2 * len(linkage.revolutes) + 2 * len(linkage.guides) + len(linkage.drives)
+    return 3 * len(linkage.bodies) - held
+
+
+def _count(linkage: Linkage) -> str:
+    """Return the numbers of coordinates and of constraint rows in words."""
+    coordinates = 3 * len(linkage.bodies)
+    held = coordinates - _free_coordinates(linkage)
+    return (
+        f"{len(linkage.bodies)} bodies have {coordinates} coordinates; pins and guides (2 each) "
+        f"and drives (1 each) hold {held}"
+    )
+
+
 def _closed(rows: Rows, time: Array, q: Array) -> Levels:
     """Close a linkage at an instant from guessed positions, by damped steps at first."""
 
@@ -301,23 +344,18 @@ def assembled(linkage: Linkage) -> Array:
     Raises
     ------
     AssemblyError
-        Unless joints, guides and drives hold each body just once; where it does not close, or
-        closes more than a right angle from what was guessed.
+        Unless joints, guides and drives hold each body; where it does not close, also where rows
+        that repeat others do not fit them, or closes more than a right angle from what was guessed.
     """
     # What follows a curve stands where its drive has it.
     linkage = linkage.changed(drives=[replace(drive, follow=None) for drive in linkage.drives])
-    held = 2 * len(linkage.revolutes) + 2 * len(linkage.guides) + len(linkage.drives)
-    free = 3 * len(linkage.bodies) - held
-    if free != 0:
-        state = "free to move" if free > 0 else "overconstrained"
-        number = f"{free} more are needed" if free > 0 else f"{-free} too many"
+    if (free := _free_coordinates(linkage)) > 0:
         held_bodies = [end.body for one in linkage.revolutes for end in (one.first, one.second)]
         held_bodies += [guide.body for guide in linkage.guides]
         single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
-        hint = f"; fewer than two joints hold {', '.join(single)}" if free > 0 and single else ""
+        hint = f"; fewer than two joints hold {', '.join(single)}" if single else ""
         raise AssemblyError(
-            f"the linkage is {state}: {len(linkage.bodies)} bodies have {3 * len(linkage.bodies)} "
-            f"coordinates; pins and guides (2 each) and drives (1 each) hold {held}, {number}{hint}"
+            f"the linkage is free to move: {_count(linkage)}, {free} more are needed{hint}"
         )
     rows, start = Rows(linkage), np.zeros(1)
     q, guess = _guessed(linkage)[np.newaxis], dict(linkage.guess)
@@ -369,7 +407,10 @@ def close(rows: Rows, time: Array, q: Array) -> Levels:
         phi = np.abs(rows.errors(time, q)[0])
         phi = np.where(np.isfinite(phi), phi, math.inf)
         instant = int(phi.max(axis=1).argmax())
-        raise _refusal(rows, float(time[instant]), rows.names[int(phi[instant].argmax())])
+        row = int(phi[instant].argmax())
+        if rows.repeated and phi[instant, row] < rows.size:
+            raise _misfit(rows, float(time[instant]), rows.names[row], float(phi[instant, row]))
+        raise _refusal(rows, float(time[instant]), rows.names[row])
     v = -_solved(rows, time, q, rows.errors(time, q, zero)[1])
     a = -_solved(rows, time, q, rows.errors(time, q, v, zero)[2])
     return Levels(q, v, a)
@@ -394,14 +435,26 @@ def stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
     return _refusal(rows, float(time[worst]), rows.names[2 * last])
 
 
-def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
-    where, refused = "", None
-    for drive in reversed(rows.linkage.drives):
-        if drive.follow is not None:
-            refused = drive.name
-        else:
+def _misfit(rows: Rows, time: float, name: str, distance: float) -> AssemblyError:
+    return AssemblyError(
+        f"the linkage is overconstrained: {_count(rows.linkage)}, {rows.repeated} too many, and "
+        f"they do not fit each other: {_crank_angle(rows, time)}{name} is off by {distance:.3g} m "
+        "or rad; allowed are 1e-9 of the size of the linkage, or clearance in one of the joints"
+    )
+
+
+def _crank_angle(rows: Rows, time: float) -> str:
+    """Return the angle of the first drive that turns a body, as the beginning of a message."""
+    for drive in rows.linkage.drives:
+        if drive.follow is None:
             turned = float(drive.motion(np.array([time]))[0][0]) - drive.angle
-            where = f"at crank angle {math.degrees(abs(turned)):.1f} deg "
+            return f"at crank angle {math.degrees(abs(turned)):.1f} deg "
+    return ""
+
+
+def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
+    where = _crank_angle(rows, time)
+    refused = next((one.name for one in rows.linkage.drives if one.follow is not None), None)
     if refused is not None:
         return AssemblyError(
             f"{refused} cannot make its point follow the curve: {where}({time:.6g} s after the "

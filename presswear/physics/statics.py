@@ -1,8 +1,9 @@
 """Linkages at rest under a load, and inverse dynamics of the ideal motion."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -74,11 +75,10 @@ def constraint_forces(
         settle_loads(packed.loads, t, *level)
         applied_forces(packed, t, *level[:2], force)
         right[k] -= force
-    jacobian = ideal.rows.jacobian(motion.position.reshape(time.size, -1, 3))
-    transposed = jacobian.transpose(0, 2, 1)
-    held = np.asarray(np.linalg.solve(transposed, right[..., np.newaxis])[..., 0])
+    forces_of = partial(ideal.rows.forces, motion.position.reshape(time.size, -1, 3))
+    held = forces_of(right[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
-    return _Friction(linkage, motion, rubbing, transposed).added(held) if rubbing else held
+    return _Friction(linkage, motion, rubbing, forces_of).added(held) if rubbing else held
 
 
 @compiled
@@ -120,7 +120,11 @@ class _Friction:
     """
 
     def __init__(
-        self, linkage: Linkage, motion: Motion, joints: Sequence[ClearanceJoint], transposed: Array
+        self,
+        linkage: Linkage,
+        motion: Motion,
+        joints: Sequence[ClearanceJoint],
+        forces_of: Callable[[Array], Array],
     ) -> None:
         self._joints, self._motion = joints, motion
         columns, self._spin = relative_spins(linkage, motion, joints)
@@ -134,7 +138,7 @@ class _Friction:
                 units[bearing, k] -= 1.0
         shape = (motion.time.size, linkage_size, len(joints))
         # Change of all multipliers by unit moments on the pins, (n, rows, joints)
-        self._changes = np.linalg.solve(transposed, np.broadcast_to(units, shape))
+        self._changes = forces_of(np.broadcast_to(units, shape))
 
     def _moments_of(self, size: Array) -> Array:
         """Return the moments on the pins under joint forces, (n, joints), N and N m."""
@@ -279,6 +283,11 @@ class _Rest:
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
         self.ideal = ideal_motion(closed(linkage), linkage.period)
+        if self.ideal.rows.repeated:
+            raise InputError(
+                f"{linkage.name}: joints hold a body more than once; a total clearance or a "
+                "deflection needs a linkage whose ideal joints hold each body just once"
+            )
         self.position = self.ideal.at(np.array([time])).position[0]
         self.packed = pack(replace(linkage, loads=linkage.dead_loads))
         self.tolerance = ROUND_OFF * self.ideal.rows.size

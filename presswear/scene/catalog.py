@@ -9,7 +9,7 @@ from presswear.linkage.drives import Dwell, Forming, Pendulum
 from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Blanking, Drawing
-from presswear.linkage.mechanisms import LITERATURE, Press, SliderCrank
+from presswear.linkage.mechanisms import LITERATURE, Press, SliderCrank, TwoPoint
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, Change, changed, changes_from
@@ -102,6 +102,18 @@ def _servo_press(name: str, title: str, servo: Any) -> Make:
 press_servo_dwell = _servo_press("press-servo-dwell", "with a dwell, by servo 7", Dwell())
 press_servo_forming = _servo_press("press-servo-forming", "at a constant speed", Forming())
 press_pendulum = _servo_press("press-pendulum", "while crank 7 swings", Pendulum())
+
+# 60 strokes a minute; bushings of bronze, at 38 MPa under half of the nominal force. All assumed.
+two_point = _named(
+    "two-point",
+    "A press on two points of 1,000 kN cuts a sheet: clearance at the slide",
+    mechanism=TwoPoint(),
+    joints="B1, B2",
+    bearings=Bearing(0.1e-3, 0.065, width=0.1, friction=0.08, restitution=0.8),
+    process=Blanking(force=900e3, height=6e-3, thickness=4e-3, rise=0.3e-3, snap=0.2e-3),
+    wear_updates=0,
+    cycles=10,
+)
 
 _KNOWN = (
     *("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution"),

@@ -11,7 +11,7 @@ import numpy as np
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage import loads
 from presswear.linkage.linkage import Linkage, branches_of, linkage_from
-from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank
+from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.physics.loads import check_springs
@@ -24,7 +24,7 @@ from presswear.tools.quantities import Choice, choice, count, named_set, one_of,
 from presswear.tools.serialize import Checked, check_type, converted, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
 
-Parametric = Press | SliderCrank | FourBar | SixBar
+Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint
 OneMechanism = Parametric | Linkage
 MECHANISMS: dict[str, type[Parametric]] = {one.kind: one for one in get_args(Parametric)}
 """The mechanisms that are made of a few quantities, by their kinds."""
@@ -44,7 +44,7 @@ class Scene(Checked):
 
     Attributes
     ----------
-    mechanism : Press, SliderCrank, FourBar, SixBar or Linkage
+    mechanism : Press, SliderCrank, FourBar, SixBar, TwoPoint or Linkage
     bearings : Bearing, or mapping of str to Bearing
         Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping gives
         its joints clearance, each with its bearing.

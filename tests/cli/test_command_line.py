@@ -41,7 +41,7 @@ report /dev/null: /dev/null: it is not a folder
 run .: .: expected a scene of presswear list
 run six-bar: six-bar is a mechanism; write a file of it with: presswear new six-bar
 run study.py: study.py is a Python script; run it with: python study.py
-new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, points
+new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, two-point, points
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
 run wear-times --set speed=200rmp: 'rmp'; did you mean rpm?

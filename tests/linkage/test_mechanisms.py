@@ -16,6 +16,7 @@ from presswear.linkage.mechanisms import (
     Geometry,
     Press,
     SixBar,
+    TwoPoint,
     SliderCrank,
 )
 from presswear.physics.ideal import bottom_of, motion_of
@@ -26,7 +27,17 @@ from presswear.tools.quantities import Quantity, meaning_of
 SHORT = r"rod_length = \S+ mm: with crank_length = 50 mm allowed is 50\.005 mm to 10000 mm"
 
 
-PARTS = [Press(), SliderCrank(), FourBar(), SixBar(), Blanking(), Drawing(), Coining(), Dwell()]
+PARTS = [
+    Press(),
+    SliderCrank(),
+    FourBar(),
+    SixBar(),
+    TwoPoint(),
+    Blanking(),
+    Drawing(),
+    Coining(),
+    Dwell(),
+]
 PARTS += [Forming(), Pendulum()]
 
 
@@ -144,7 +155,7 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
     assert (mirrored.height, mirrored.stroke) == pytest.approx((low, top - low), abs=1e-12)
 
 
-@pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar])
+@pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar, TwoPoint])
 def test_slow_presses_are_allowed(kind: Any) -> None:
     assert kind(speed="0.1 rpm").period == pytest.approx(600.0)
     with pytest.raises(InputError, match=r"speed = 0\.09 rpm"):

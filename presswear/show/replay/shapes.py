@@ -81,17 +81,22 @@ def attachments(linkage: Linkage, body: str) -> list[Attachment]:
 def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) -> Array:
     """Return the outline of a body in its own frame, m, shape (n, 2).
 
-    It is a block in a guide, otherwise a bar or a plate around the joints, or around one joint and
-    the mass centre. ``bar`` is the half width of a bar.
+    It is a block in a guide, with the joints outside of it, otherwise a bar or a plate around the
+    joints, or around one joint and the mass centre. ``bar`` is the half width of a bar.
     """
+    points = [(end.x, end.y) for end in attachments(linkage, body)]
     guide = next((guide for guide in linkage.guides if guide.body == body), None)
+    outline = np.zeros((0, 2))
     if guide is not None:
         half = 0.5 * np.array([5.6 * bar, 4.4 * bar]) - inset
         along = direction(guide.direction - guide.angle)
-        return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ [along, across(along)]
-    points = [(end.x, end.y) for end in attachments(linkage, body)]
-    points += [(0.0, 0.0)] * (len(points) < 2)
-    discs = np.vstack([circle(point, bar - inset) for point in points])
+        outline = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ [along, across(along)]
+        points = [point for point in points if math.hypot(*point) > half.max()]
+        if not points:
+            return outline
+    elif len(points) < 2:
+        points.append((0.0, 0.0))
+    discs = np.vstack([outline, *(circle(point, bar - inset) for point in points)])
     return discs[ConvexHull(discs).vertices]
 
 
