@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner
+from presswear.campaign.quick_life import WearRates, quick_life, rates_of
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.stage_statistics import stage_result
 from presswear.campaign.wear_histories import LifeState, run_life, unknown_life, wear_between
@@ -257,6 +258,7 @@ class Checkpoint:
     update: WearUpdate | None = None  # last refinement of the wear update after it
     running: EnsembleState = EnsembleState()  # unfinished runs of the stage or of a refinement
     life: LifeState | None = None  # of the service life, which comes before the stages
+    new: WearRates | None = None  # of the new surfaces, in a quick life
 
     @property
     def words(self) -> str:
@@ -351,7 +353,7 @@ class _Campaign:
 
     def run(self) -> Outcome:
         """Run the service life, if the scene has one, and all stages."""
-        if self.runner.scene.life is not None:
+        if self.runner.scene.life is not None and not self.runner.scene.is_quick:
             try:
                 self._run_life()
             except RunFailed as error:
@@ -423,7 +425,7 @@ class _Campaign:
         if finding is not None:
             return "failed", finding.words, finding
         if update is not None:
-            self.at = Checkpoint(index + 1, update.depth, life=at.life)
+            self.at = Checkpoint(index + 1, update.depth, life=at.life, new=self.at.new)
             self._keep(is_stage=True)
         return None
 
@@ -473,3 +475,14 @@ class _Campaign:
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)
         for observer in self.runner.observers:
             observer.on_stage(stage)
+        if self.runner.scene.is_quick and stage.status != "failed":
+            self._add_to_quick_life(stage)
+
+    def _add_to_quick_life(self, stage: StageResult) -> None:
+        """Keep the wear rates of the first stage; report the life after the last one."""
+        if self.at.new is None:
+            self.at = replace(self.at, new=rates_of(stage))
+            return
+        life = quick_life(self.runner.scene, self.at.new, stage)
+        for observer in self.runner.observers:
+            observer.on_life(life)

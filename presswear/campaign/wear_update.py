@@ -37,6 +37,7 @@ from presswear.results.stage import StageResult, WearStep
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array
 
+QUICK_CYCLES = 8  # of each replicate in a stage of a quick life
 FIRST_REFINEMENT = 8  # cycles of each replicate in the first refinement of a wear update
 
 
@@ -114,13 +115,30 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     """Return the cycles that a wear update after some runs represents.
 
     By default they are those that wear the deepest place by a tenth of the clearance at the wear
-    rate of the runs, to one digit.
+    rate of the runs, to one digit; in a quick life those in which half of the first limit is
+    reached.
     """
-    if scene.cycles_per_update is not None:
+    if scene.cycles_per_update is not None and not scene.is_quick:
         return scene.cycles_per_update
     added = smoothed_mean(ensemble.together.maps, ensemble.bins)
-    change = largest_change(ensemble.linkage.clearances, added)
+    joints = ensemble.linkage.clearances
+    if scene.is_quick:
+        reached = _largest_reached(scene, joints, added)
+        return max(0.5 / reached, 1.0) if reached > 0.0 else 1.0
+    change = largest_change(joints, added)
     return max(float(f"{0.1 / change:.1g}"), 1.0) if change > 0.0 else 1.0
+
+
+def _largest_reached(scene: Scene, joints: Sequence[ClearanceJoint], added: Array) -> float:
+    """Return the largest part of a limit of a quick life that some wear reaches."""
+    assert scene.life is not None
+    names, reached = [joint.name for joint in joints], []
+    for limit in scene.life.limits(scene.clearance_joints):
+        k = names.index(limit.joint)
+        depth = added[k, :, : joints[k].bins]
+        wear = worn_volume(joints[k], depth) if limit.name == "wear_volume" else float(depth.max())
+        reached.append(wear / limit.value)
+    return max(reached)
 
 
 def cycle_by_cycle(
@@ -205,6 +223,8 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
     """Return the run specification of a stage: its cycles, or the tolerance of its wear maps."""
     if scene.cycles is not None:
         return RunSpec(scene.cycles)
+    if scene.is_quick:
+        return RunSpec(STARTUP_CYCLES + QUICK_CYCLES)
     # A jump multiplies the noise of its map, which changes whatever comes after it long before it
     # shows in the map: all the cycles that are allowed, as in the paper.
     jumps = index < scene.wear_updates and not scene.wears_in_steps

@@ -307,7 +307,8 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
     change = partial(_with_life, arguments=arguments)
     if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
         return _compare(change(terminal.load_scene(arguments.scene)), arguments, console)
-    is_plain = has_no_options(arguments) and not arguments.until and arguments.at_most is None
+    is_plain = has_no_options(arguments) and not (arguments.until or arguments.quick)
+    is_plain = is_plain and arguments.at_most is None
     is_resumed = arguments.resume and arguments.out is not None
     return run_scene(arguments, console, None if is_plain and is_resumed else change)
 
@@ -320,10 +321,11 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
     if arguments.conventions is None and not specified & wear:
         scene = changed(scene, {"conventions": "refined"})
     is_open = arguments.wear_updates is None and "wear_updates" not in specified
-    if scene.wear_updates == 0 and is_open:
-        scene = changed(scene, {"wear_updates": WEAR_UPDATES})
+    if is_open and (arguments.quick or scene.wear_updates == 0):
+        scene = changed(scene, {"wear_updates": "1" if arguments.quick else WEAR_UPDATES})
     limits = ", ".join(arguments.until) or None
     life = {"life": Life.kind, "life.until": limits, "life.at_most": arguments.at_most}
+    life["life.quick"] = "on" if arguments.quick else None
     return with_options(scene, arguments, **life)
 
 

@@ -114,7 +114,9 @@ def life_table(result: Result) -> dict[str, Array]:
     if result.life is None:
         raise InputError(f"{result.scene.name} has no life to write: its scene has no `life`")
     if not result.life.curves:
-        raise InputError(f"{result.scene.name}: its life is preliminary, without curves to write")
+        raise InputError(
+            f"{result.scene.name}: its life is {result.life.ended}, without curves to write"
+        )
     curves = dict(result.life.curves)
     columns = {"strokes": curves.pop("strokes")}
     for key, values in curves.items():

@@ -23,7 +23,7 @@ import numpy as np
 
 from presswear.recording.observer import Observer
 from presswear.results.life import FILE as LIFE
-from presswear.results.life import PRELIMINARY, LifeResult
+from presswear.results.life import WITHOUT_CURVES, LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
@@ -149,7 +149,7 @@ def read_stored(path: Path) -> StoredResult:
     stored = typed(read_json(file, missing, SCHEMA), StoredResult, f"{file}")
     indices = [stage.index for stage in stored.stages]
     files = {name for index in indices for name in files_of(index)}
-    files |= {LIFE} if stored.life and stored.life.ended != PRELIMINARY else set()
+    files |= {LIFE} if stored.life and stored.life.ended not in WITHOUT_CURVES else set()
     if indices != list(range(len(indices))) or files != stored.files.keys():
         unlike = ", ".join(sorted(files ^ stored.files.keys()))
         raise InputError(f"{file}: the stages {indices} and 'files' differ: {unlike}")
@@ -291,7 +291,7 @@ class ResultFolder(Observer):
 
     def on_life(self, life: LifeResult) -> None:
         """Store a service life; the curves of a preliminary one are left out."""
-        if life.ended != PRELIMINARY:
+        if life.ended not in WITHOUT_CURVES:
             with self._writing():
                 self._stored.files[LIFE] = write_arrays(self.path / LIFE, life.curves)
         self._stored.life = life

@@ -14,7 +14,9 @@ from presswear.tools.serialize import NOT_STORED
 FILE = "life.npz"  # of the curves
 _FINE = 0.05  # half width of a logarithm below which a life has three digits
 PRELIMINARY: Final = "preliminary"
-Ended = Literal["limit", "at_most", "worn", "cycles", "preliminary"]
+QUICK: Final = "quick"
+WITHOUT_CURVES = (PRELIMINARY, QUICK)
+Ended = Literal["limit", "at_most", "worn", "cycles", "preliminary", "quick"]
 
 
 def _error(sampling: float | None, step: float | None) -> float | None:
@@ -68,18 +70,19 @@ class LifeResult:
 
     Attributes
     ----------
-    ended : {"limit", "at_most", "worn", "cycles", "preliminary"}
+    ended : {"limit", "at_most", "worn", "cycles", "preliminary", "quick"}
         A limit was exceeded; the strokes reached their maximum; a surface was worn deeper than the
-        model allows or a run failed; the cycles reached their maximum; refinements follow.
+        model allows or a run failed; the cycles reached their maximum; refinements follow; rates of
+        the new and the once worn surfaces, without an error of the wear steps.
     strokes : float
         Life; if no limit was exceeded, strokes for which the wear was computed.
     curves : mapping of str to ndarray
         ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): mean, and the ends of
-        its interval. A folder does not store those of a preliminary life.
+        its interval. A quick life has none, and a folder stores none of a preliminary life.
     """
 
     ended: Ended
-    message: str  # reason, unless a limit was exceeded; of a preliminary life its state
+    message: str  # reason, unless a limit was exceeded; state of a preliminary or a quick life
     strokes: float
     sampling: float | None  # half width of ln(strokes) by the scatter of the motion
     step: float | None  # half width of ln(strokes) by the wear step
@@ -133,7 +136,7 @@ class LifeResult:
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
         limit = f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
         line = f"life: {self.words} until {limit}{scatter}"
-        return f"{PRELIMINARY} {line}; {self.message}" if self.ended == PRELIMINARY else line
+        return f"{self.ended} {line}; {self.message}" if self.ended in WITHOUT_CURVES else line
 
 
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:

@@ -16,7 +16,7 @@ from presswear.recording.film import Film
 from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.life import FILE as LIFE
-from presswear.results.life import PRELIMINARY, LifeResult
+from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
 from presswear.results.stage import StageResult
 from presswear.results.stored_arrays import (
     CURVE_BYTES,
@@ -89,7 +89,7 @@ class Result:
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage: its wear updates, or its strokes in a service life."""
-        if self.life is None or index == 0:
+        if self.life is None or self.life.ended == QUICK or index == 0:
             return stage_name(index, bool(self.stages) and self.stages[0].is_worn)
         return f"after {large(self.life.strokes * index / self.scene.wear_updates)} strokes"
 
@@ -207,7 +207,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
         read = partial(_film, path / film, stored.files[film], linkage)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
     life = stored.life
-    if life is not None and life.ended != PRELIMINARY:
+    if life is not None and life.ended not in WITHOUT_CURVES:
         curves = read_numbers(path / LIFE, stored.files[LIFE], CURVE_BYTES)
         check_shapes(curves, dict.fromkeys(curves, ("strokes", 3)) | {"strokes": ("strokes",)})
         life = replace(life, curves=curves)

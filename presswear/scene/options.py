@@ -144,6 +144,9 @@ class Life(Checked):
     )
     replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
     turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
+    quick: str = choice(
+        "off", ("off", "on"), "only the wear rates of the new and the once worn surfaces, in short"
+    )
     max_cycles: int = count(
         10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
     )

@@ -206,8 +206,16 @@ class Scene(Checked):
         if self.conventions.wear_distribution != "arc":
             reason = "its depth depends on the width of the bins"
             raise InputError(f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}")
-        life.services(self.clearance_joints)
+        services = life.services(self.clearance_joints)
         limits = life.limits(self.clearance_joints)
+        if self.is_quick:
+            others = [one.key for one in limits if one.name not in ("depth", "wear_volume")]
+            faults = [f"until: {key}: allowed are depth and wear_volume" for key in others]
+            faults += [f"{one.words}: allowed is no maintenance" for one in services]
+            if self.wear_updates > 1:
+                faults.append(f"wear_updates = {self.wear_updates}: allowed is 1")
+            if faults:
+                raise InputError(f"{faults[0]} with life.quick = on")
         if limits and all(
             one.name == "depth" and one.value >= self.bearing(one.joint).clearance for one in limits
         ):
@@ -277,6 +285,11 @@ class Scene(Checked):
         return REPLICATES if self.wear_updates > 0 and self.clearance_joints else 1
 
     @property
+    def is_quick(self) -> bool:
+        """True if the life is one of two wear rates."""
+        return self.life is not None and self.life.quick == "on"
+
+    @property
     def stores_torques(self) -> bool:
         """True if the torques of the drives are stored."""
         if self.drive_torque == "auto":
@@ -290,6 +303,8 @@ class Scene(Checked):
         By default only with the distribution over the arc: a profile whose depth depends on the
         width of its bins has no step that is small enough.
         """
+        if self.is_quick:
+            return False
         if self.extrapolation == "conventions":
             return self.conventions.wear_distribution == "arc"
         return self.extrapolation == "steps"

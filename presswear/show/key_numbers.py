@@ -6,7 +6,7 @@ from typing import Any
 
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
-from presswear.results.life import PRELIMINARY, LifeResult, digits_of, span_of, words_of
+from presswear.results.life import QUICK, WITHOUT_CURVES, LifeResult, digits_of, span_of, words_of
 from presswear.results.oil_film import STEADY, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, StageResult
@@ -74,13 +74,15 @@ def key_numbers(result: Result) -> list[KeyNumber]:
 def _life(scene: Scene, life: LifeResult) -> KeyNumber:
     hours = numbers.readable(life.strokes * scene.mechanism.period / 3600.0, 2)
     first, name = life.first, "Service life"
-    name += ", preliminary" if life.ended == PRELIMINARY else ""
+    name += f", {life.ended}" if life.ended in WITHOUT_CURVES else ""
     if first is None:
         value = f"more than {numbers.large(life.strokes)} strokes"
         return KeyNumber(name, value, "", f"No limit is exceeded in {hours} hours.")
     value = f"{numbers.large(life.strokes, digits=digits_of(life.total_error))} strokes"
     interval = span_of(life.strokes, life.total_error)
     meaning = f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
+    if life.ended == QUICK:
+        meaning += " By two wear rates, with no error of steps."
     if interval:
         meaning += " The interval contains the scatter of the wear coefficients."
     return KeyNumber(name, value, interval and f"{interval} strokes", meaning)

@@ -28,7 +28,7 @@ from presswear.recording.statistics import Estimate
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import (
-    PRELIMINARY,
+    WITHOUT_CURVES,
     LifeResult,
     LimitResult,
     digits_of,
@@ -482,7 +482,7 @@ def provenance_table(result: Result) -> Table | None:
 
 def _life(result: Result, life: LifeResult) -> Record:
     """Return what the template reads on the service life of a result."""
-    first = life.first if life.ended in ("limit", PRELIMINARY) else None
+    first = life.first if life.ended in ("limit", *WITHOUT_CURVES) else None
     high = (life.interval.high if first else None) or 0.0
     rivals = [
         words_of(limit.key)

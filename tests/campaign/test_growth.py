@@ -586,3 +586,70 @@ class Noted(RunObserver):
 
     def on_stage(self, stage: StageResult) -> None:
         """Ignore stages, because the fake engine has no statistics of a solver."""
+
+
+def quick(until: str = "A.depth > 0.3 mm", **settings: Any) -> Scene:
+    return replace(LIFE, life=Life(until=until, quick="on"), **{"cycles": None} | settings)
+
+
+def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
+    """dh/dN = a + b h: up to half of the limit at the rate a, then at the rate a + b h."""
+    use(FakeEngine(exponential))
+    path = tmp_path / "life"
+    result = campaigns.run(quick(), path, jobs=1)
+    assert (result.status, len(result.stages)) == ("completed", 2)
+    life = load(path).life
+    assert life == result.life
+    assert life is not None
+    assert (life.ended, life.step, life.error, life.refinements) == ("quick", None, None, ())
+    half, rate = 0.15e-3, RATE * SHAPE[0].max()
+    first, second = half / rate, half / (rate + half / REPRESENTED)
+    assert life.strokes == pytest.approx(first + second, rel=0.02)
+    by_joint = [phase for phase in life.phases if phase.joint == "A"]
+    assert [phase.name for phase in by_joint] == ["new", "worn once"]
+    assert by_joint[0].until == by_joint[1].since == pytest.approx(first, rel=0.02)
+    growth = 1.0 + half / (rate * REPRESENTED)
+    assert by_joint[1].rate / by_joint[0].rate == pytest.approx(growth, rel=0.02)
+    assert f"{life}".startswith("quick life: ")
+    page = render_report(result)
+    for text in (f"{life}", page):
+        assert "no error of steps" in text
+    assert "This life is quick, with no error of steps" in page
+    assert "Service life, quick" in page
+    with pytest.raises(InputError, match="its life is quick, without curves"):
+        life_table(result)
+
+
+def test_a_quick_life_runs_two_short_stages(use: Use) -> None:
+    use(FakeEngine(exponential))
+    result = campaigns.run(quick(replicates=3), jobs=1)
+    assert [stage.statistics.cycles for stage in result.stages] == [30, 30]
+
+
+def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
+    class StopsInTheSecondStage(Observer):
+        def on_progress(self, progress: Progress) -> None:
+            if progress.stage == 1:
+                raise KeyboardInterrupt
+
+    use(FakeEngine(exponential))
+    whole = campaigns.run(quick(), jobs=1).life
+    path = tmp_path / "life"
+    with pytest.raises(KeyboardInterrupt):
+        campaigns.run(quick(), path, observers=[StopsInTheSecondStage()], jobs=1)
+    assert load(path).life is None
+    assert campaigns.run(quick(), path, jobs=1).life == whole
+
+
+@pytest.mark.parametrize(
+    ("until", "settings", "message"),
+    [
+        ("bdc_drift > 1 mm", {}, "until: bdc_drift: allowed are depth and wear_volume with"),
+        ("depth > 0.1 mm", {"wear_updates": 2}, "wear_updates = 2: allowed is 1 with life.quick"),
+    ],
+)
+def test_a_quick_life_of_other_limits_is_refused(
+    until: str, settings: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        quick(until, **settings)

@@ -335,6 +335,16 @@ def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> Non
     assert all(line in again for line in lines)
 
 
+def test_a_quick_life_has_two_rates(tmp_path: Path, command: Command) -> None:
+    line = "life wear-times --quick --engine dae --cycles 3 --jobs 1 --until A.depth>8um"
+    output = command(f"{line} --set replicates=2 --no-report --out {tmp_path / 'life'}")
+    assert "quick life: " in output
+    assert "no error of steps: wear rates of the new surfaces" in output
+    stored = json.loads((tmp_path / "life" / "result.json").read_text())["life"]
+    assert (stored["ended"], stored["step"]) == ("quick", None)
+    assert stored["message"].startswith("no error of steps")
+
+
 def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -> None:
     pw.run(pw.scenes.slider_crank(cycles=4), tmp_path / "run", engine="dae", jobs=1)
     output = command(f"dynamics {tmp_path / 'run'}")
