@@ -16,8 +16,8 @@ from presswear.linkage.mechanisms import (
     Geometry,
     Press,
     SixBar,
-    TwoPoint,
     SliderCrank,
+    TwoPoint,
 )
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.scene.scene import Scene
