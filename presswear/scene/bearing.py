@@ -16,6 +16,11 @@ from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
+# Bristles make the steps of explicit methods short: a pin that slides by d takes about 0.3 d / z
+# steps, with the deflection z, m, at which bristles slip, and a flight of t about 0.3 t / tau,
+# with the time tau, s, in which bristles relax.
+LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
+LEAST_RELAXATION = 1e-6  # s
 AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
 
@@ -92,7 +97,7 @@ class Bearing(Checked):
     )
     restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution c_e")
     viscous_damping: float = quantity(
-        0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
+        0.0, "N s/m", 0.0, 1e8, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
     )
     friction_law: Law = choice(
         "ramp", tuple(laws.FRICTIONS), "friction law", laws.FRICTION_PARAMETERS
@@ -107,10 +112,10 @@ class Bearing(Checked):
         1e-3, "m/s", 1e-6, 1.0, "chosen", "v_s of friction_law = lugre: from c_s to c_f"
     )
     bristle_stiffness: float = quantity(
-        1e5, "1/m", 1e2, 1e8, "chosen", "sigma_0 of friction_law = lugre, per unit of force"
+        1e5, "1/m", 1e2, 1e7, "chosen", "sigma_0 of friction_law = lugre, per unit of force"
     )
     bristle_damping: float = quantity(
-        10.0, "s/m", 1e-2, 1e5, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
+        10.0, "s/m", 1e-2, 1e4, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
     )
     viscosity: float | None = quantity(
         *(None, "Pa s", 1e-5, 1e3, "chosen"),
@@ -147,17 +152,8 @@ class Bearing(Checked):
                 raise InputError(f"{fault}: allowed is {self.friction:g}, the friction, up to 2")
             if friction_law != laws.LUGRE:
                 raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
-        if friction_law == laws.LUGRE and self.static_friction is not None and self.friction > 0.0:
-            coefficients = self.friction, self.static_friction
-            highest = laws.greatest_bristle_damping(*coefficients, self.stribeck_speed)
-            if self.bristle_damping > highest:
-                speed = written(self.stribeck_speed, "m/s")
-                raise InputError(
-                    f"bristle_damping = {self.bristle_damping:g} s/m: with friction = "
-                    f"{self.friction:g}, static_friction = {self.static_friction:g} and "
-                    f"stribeck_speed = {speed} allowed is up to {0.999 * highest:.4g} s/m; "
-                    "more drives the sliding and creates energy"
-                )
+        if friction_law == laws.LUGRE and self.friction > 0.0:
+            self._check_bristles()
         if not isinstance(friction_law, str) and self.friction == 0.0:
             raise InputError(f"friction = 0: with friction_law = {friction_law} allowed is above 0")
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
@@ -173,6 +169,36 @@ class Bearing(Checked):
             )
             allowed = f"0 to {ramp} below upper_speed, {high}"
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
+
+    def _check_bristles(self) -> None:
+        """Raise InputError where bristles are too stiff for the steps, or drive the sliding."""
+        stiffness, damping = self.bristle_stiffness, self.bristle_damping
+        highest = self.friction / LEAST_SLIP
+        if stiffness > 1.001 * highest:
+            raise InputError(
+                f"bristle_stiffness = {stiffness:g} 1/m: with friction = {self.friction:g} allowed "
+                f"is up to {highest:.4g} 1/m, with which bristles slip at a deflection of "
+                f"{1e9 * LEAST_SLIP:g} nm; 1e5 1/m is usual"
+            )
+        lowest = stiffness * LEAST_RELAXATION
+        if damping < 0.999 * lowest:
+            raise InputError(
+                f"bristle_damping = {damping:g} s/m: with bristle_stiffness = {stiffness:g} 1/m "
+                f"allowed is from {lowest:.4g} s/m, with which bristles relax within "
+                f"{1e6 * LEAST_RELAXATION:g} us"
+            )
+        if self.static_friction is None:
+            return
+        coefficients = self.friction, self.static_friction
+        highest = laws.greatest_bristle_damping(*coefficients, self.stribeck_speed)
+        if damping > highest:
+            speed = written(self.stribeck_speed, "m/s")
+            raise InputError(
+                f"bristle_damping = {damping:g} s/m: with friction = "
+                f"{self.friction:g}, static_friction = {self.static_friction:g} and "
+                f"stribeck_speed = {speed} allowed is up to {0.999 * highest:.4g} s/m; "
+                "more drives the sliding and creates energy"
+            )
 
     @property
     def unread(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE, Materials
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.packed import mass_of
-from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
+from presswear.scene.bearing import LEAST_RAMP, LEAST_RELAXATION, LEAST_SLIP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.options import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
@@ -88,6 +88,10 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
         values["exponent"] = 1.5
     held = max(values["static_friction"], values["friction"])
     values["static_friction"] = held if values["friction_law"] == LUGRE else None
+    stiffness = min(values["bristle_stiffness"], values["friction"] / LEAST_SLIP)
+    values["bristle_stiffness"] = max(stiffness, 1e2)
+    least = values["bristle_stiffness"] * LEAST_RELAXATION
+    values["bristle_damping"] = max(values["bristle_damping"], least)
     # Damping without bounds is stiff without bounds.
     least = DAMPINGS[values["normal_law"]].least
     values["restitution"] = max(values["restitution"], 0.05 if least > 0.0 else 0.0)

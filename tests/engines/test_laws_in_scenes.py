@@ -89,6 +89,17 @@ def test_engines_agree_and_keep_the_energy(settings: dict[str, object], tmp_path
         assert np.abs(one.end.position - plain.end.position).max() > 1e-8
 
 
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_a_force_that_jumps_acts_from_the_touchdown_on(seed: int) -> None:
+    """A step from a pin that round-off leaves just open starts without the force."""
+    masses = {"rod_mass": 0.01, "slider_mass": 0.01}
+    law = {"normal_law": KELVIN_VOIGT, "viscous_damping": 1e5}
+    scene = pw.scenes.slider_crank(**masses, **law, seed=seed, wear_updates=0)
+    run = run_scene(scene, InHouse(), 5e-4)
+    contacts = contacts_of(run, 0)
+    assert contacts["touchdown"].size >= 1 or run.recorder.records.onset[0] > 0.0
+
+
 def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
     """Ten touchdowns of a four-bar with soft bristles, which bend during all of a contact.
 

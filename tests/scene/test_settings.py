@@ -114,6 +114,8 @@ press | joints=none replicates=2 | replicates = 2: allowed is 1 without
 press | joints=A engine=exudyn-tree | engine = 'exudyn-tree'.*closes a loop
 press | joints=C A.friction=0.1 | A\.friction: joint A has no clearance; jo
 press | static_friction=0.5 | .*it needs friction_law = lugre
+press | friction_law=lugre bristle_stiffness=2.1e6/m | .*friction = 0.02 allowed is up to 2e\+06 1/m
+press | friction_law=lugre bristle_damping=0.09s/m | .*allowed is from 0\.1 s/m, .* within 1 us
 press | normal_law=flores restitution=0 | .*allowed is 0.01 to 1
 press | viscous_damping=1Ns/m | .*normal_law = 'lankarani-nikravesh' allowed is 0
 press | elasticity=liu exponent=1.2 | .*allowed is 1.5

@@ -218,6 +218,16 @@ def start_search(control: Records, h: float) -> None:
 
 
 @compiled
+def is_abrupt_touchdown(joints: Records, onset: Array, k: int) -> bool:
+    """Return whether the force of a joint jumps at the event that ends its open state.
+
+    Such a step must end with the pin in the wall. A step from the open side of the touchdown starts
+    without the force, and no step is short enough for the jump within it.
+    """
+    return bool(onset[k] <= 0.0 and joints[k].normal.abrupt)
+
+
+@compiled
 def search_event(
     address: PackedArguments,
     tableau: Tableau | None,
@@ -227,9 +237,9 @@ def search_event(
 ) -> bool:
     """Search in a trial step for the first event; return whether a trial of another length follows.
 
-    At the end of the step that is found a joint has zero penetration, a load is just behind the
-    change of its law.  Newton's method, held between the ends of the trial step: where a surface is
-    steep it would stray.
+    At the end of the step that is found a joint has zero penetration, or is just closed if its
+    force begins with a jump, and a load is just behind the change of its law.  Newton's method,
+    held between the ends of the trial step: where a surface is steep it would stray.
     """
     (run,) = unpack(address)
     state, contacts = run.control[0], run.system.contacts.shape[0]
@@ -237,6 +247,8 @@ def search_event(
         aim, near, accepted = 0.0, EVENT_DEPTH, max(DEPTH_TOL, state.resolution)
         if state.event >= contacts:
             aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
+        elif is_abrupt_touchdown(run.system.packed.joints, run.records.onset, state.event):
+            aim = 2.0 * EVENT_DEPTH
         value, rate = event_value(address, classical, state.event, t, state.length)
         value -= aim
         following, is_found = state.length, abs(value) <= near or state.is_last
