@@ -345,6 +345,21 @@ def _next_cycles(problem: LifeProblem, sampling: float, finished: float) -> floa
     return max(growth * finished, MIN_CYCLES)
 
 
+def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> float:
+    """Return the cycles of each history that two refinements take at least, before any has run.
+
+    A cycle of the first one wears no joint by more than a part of its clearance, m, so that a limit
+    on a depth takes some cycles. The second one has at least twice as many.
+    """
+    parts = [
+        limit.value / (FIRST_CHANGE * clearances[limit.joint]) if limit.name == "depth" else 0.0
+        for limit in problem.limits
+    ]
+    first = max(min(parts), MIN_BLOCK)
+    second = max(MAX_STEP_GROWTH * first, MIN_CYCLES)
+    return 2 * (STARTUP_CYCLES + MIN_BLOCK) + first + second
+
+
 def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     """Return the cycles of each history that are expected until the life is known.
 

@@ -20,6 +20,7 @@ from presswear.campaign.service_life import (
     Refinements,
     cycles_left,
     estimate_life,
+    fewest_cycles,
     run_refinements,
 )
 from presswear.linkage.elements import ClearanceJoint
@@ -208,6 +209,14 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     limits, services = life.limits(joints), life.services(joints)
     accuracy = life.at_most, scene.tolerance, life.max_cycles
     return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
+
+
+def fewest_cycles_of(scene: Scene) -> float:
+    """Return the cycles of all replicates that a life takes at least, before anything has run."""
+    life, joints = scene.life, scene.clearance_joints
+    assert life is not None
+    clearances = {name: scene.bearing(name).clearance for name in joints}
+    return scene.replicate_count * fewest_cycles(problem_of(scene, life), clearances)
 
 
 def run_life(

@@ -89,6 +89,7 @@ def run_scene(
     folder = arguments.out or terminal.free_folder(name)
     unfinished = None if arguments.out else terminal.unfinished_folder(name)
     from presswear.campaign.campaign import run_into, workers_of
+    from presswear.campaign.wear_histories import fewest_cycles_of
     from presswear.results.folder import ResultFolder
     from presswear.results.press_analysis import deep_contacts
     from presswear.results.result import load
@@ -102,6 +103,8 @@ def run_scene(
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
         warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
         terminal.print_lines(console, title_of(scene), *warnings, *store.remarks, *remarks)
+        if scene.life and not (scene.is_quick or store.is_finished or store.resumed):
+            terminal.print_lines(console, f"the life {_least_need(fewest_cycles_of(scene))}")
         if unfinished:
             advice = terminal.resume_command(arguments, unfinished, scene)
             terminal.print_lines(console, f"{unfinished} holds an unfinished run; {advice}")
@@ -251,6 +254,13 @@ def _need(cycles: float, seconds: float) -> str:
     )
 
 
+def _least_need(cycles: float) -> str:
+    """Return what a life takes at least, in words, before anything has run."""
+    count = large(cycles, digits=1)
+    text = f"needs at least about {count} cycles of all replicates"
+    return f"{text}; after its first strokes follow a closer number and the time"
+
+
 def _confirm(bar: ProgressBar, seconds: float) -> None:
     """Ask a user at a terminal before a long life goes on; KeyboardInterrupt if it does not."""
     if not (bar.console.is_terminal and sys.stdin.isatty()) or seconds <= LONG_LIFE:
@@ -344,6 +354,7 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
 def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> int:
     """Run the life of a scene and of its variants, and print all of them."""
     from presswear.campaign.campaign import run_scenes
+    from presswear.campaign.wear_histories import fewest_cycles_of
     from presswear.results.life import life_ratio
 
     scenes = {"plain": scene}
@@ -353,6 +364,8 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             raise InputError(f"{label}: changes nothing, so there is nothing to compare")
         scenes[name_for(label)] = variant
     folder = terminal.output_folder(arguments, "lives")
+    if not scene.is_quick:
+        terminal.print_lines(console, f"each life {_least_need(fewest_cycles_of(scene))}")
     with _several_runs(console, "lives", folder, len(scenes)) as (show, bar):
         together = min(arguments.jobs or cores(), len(scenes))
         announce = _announcing(bar, len(scenes) / together, arguments.yes)

@@ -234,6 +234,19 @@ def test_cycles_left_are_estimated(limit: Limit) -> None:
     assert np.mean([1.0 / 1.5 <= ratio <= 1.5 for ratio in ratios]) > 0.5
 
 
+@pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
+def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
+    """A cycle of the first refinement wears half a percent of the clearance, on average."""
+    fewest = service_life.fewest_cycles(problem(limit), {"A": CLEARANCE})
+    expected = 8.0 + 10.0 + 20.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
+    assert fewest == pytest.approx(expected)
+    whole = [
+        ran(service_life.run_refinements(problem(limit, tolerance=1.0), KnownWear(seed)))
+        for seed in range(20)
+    ]
+    assert fewest <= min(whole) <= 2.5 * fewest
+
+
 RATES = {"running-in": (3.0, 4), "steady": (1.0, 8), "accelerated": (2.0, 4)}
 """Wear rate, and blocks of a thousand strokes with it."""
 

@@ -326,6 +326,7 @@ def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> Non
     names = {path.parent.name for path in out.glob("*/result.json")}
     assert names == {"plain", "wear_coefficient=9e-13-Pa"}
     assert " times as long, longer with a probability of " in first
+    assert first.startswith("each life needs at least about ")
     assert "plain: the life needs about " in first
     assert "add --resume" in command(f"{line} --out {out}", 2)
     again = command(f"{line} --out {out} --resume")
