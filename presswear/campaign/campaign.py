@@ -412,6 +412,7 @@ class _Campaign:
             if scene.wears_in_steps and not is_last and self.strokes is None:
                 runner.later = 3.0 * (scene.cycles or FIRST_REFINEMENT)
             ensemble = self._run(at.depth, spec, StepCheck(scene, at.depth[0]))
+        runner.before = max(float(run.cycles) for run in ensemble.state.runs if run)
         finding = ensemble.finding
         try:
             if not (is_last or ensemble.failure):

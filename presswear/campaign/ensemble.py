@@ -185,6 +185,7 @@ class Runner:
     done: float = 0.0  # cycles of the ensembles before this one
     later: float = 0.0  # cycles expected after it
     reported: float = 0.0  # cycles that were reported
+    before: float = 0.0  # cycles of each run in the stage before
     shares: Shares = (0.0, 0.0)  # completed part of the stage
     life: Shares = (0.0, 0.0)  # part of the campaign that the service life was
 
@@ -260,8 +261,9 @@ class _Rounds:
         self._linkages = [linkage_on(self.runner.scene, surfaces) for surfaces in self.depth]
         self._groups: dict[int, Sequence[int]] = {}  # runs of each work unit
         self._done = [0.0 if run is None else float(run.cycles) for run in runs]
-        # Most often the first round is enough, which shows only at its end.
-        self._needed = [float(max(until))] * sets
+        # As many as in the stage before, or the first round, is most often enough.
+        before = self.runner.before if self.spec.tolerance is not None else 0.0
+        self._needed = [max(float(max(until)), before)] * sets
 
     def _deal(self, total: int) -> tuple[int, ...]:
         """Return cycles for the runs of a set, with a total, as equal as possible."""

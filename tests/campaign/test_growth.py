@@ -426,6 +426,16 @@ def test_progress_never_falls_and_names_the_refinement(
     assert any(each.word.startswith("second wear in ") for each in progress if each.stage == 1)
 
 
+def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(campaign: Campaign) -> None:
+    """Replicates that differ take all cycles that are allowed."""
+    settings = {"cycles": None, "max_cycles": 60, "wear_updates": 1, "cycles_per_update": 10.0}
+    progress = campaign(SCENE, FakeEngine(uneven), **settings).progress
+    words = [each.word for each in progress if each.stage == 1 and each.word.startswith("cycle")]
+    first = [each.word for each in progress if each.stage == 0 and each.word.startswith("cycle")]
+    assert first[0].endswith("of 12")
+    assert words[0].endswith("of 30")
+
+
 LIFE = replace(
     SCENE, conventions=CONVENTIONS["refined"], life=Life(until="A.depth > 0.3 mm"), wear_updates=1
 )
