@@ -50,8 +50,8 @@ def test_replicates_start_close_together_and_diverge(two: tuple[StageResult, Ens
         assert np.abs(phi_t).max() < 1e-14
     one, other = (recorder.each_cycle("force_max", 0) for recorder in two[1].recorders)
     assert one.shape == other.shape
-    # That of the sixth cycle has nothing in common.
-    assert abs(one[5] - other[5]) > 1e-3 * one[5] > 0.0
+    # The last cycles have nothing in common.
+    assert np.abs(one - other)[3:].max() > 1e-3 * one.max() > 0.0
 
 
 def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> None:
@@ -85,8 +85,9 @@ def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
     assert (volume.low, volume.high) == pytest.approx(
         (ratio * distance.low, ratio * distance.high), rel=1e-9, abs=0.0
     )
-    # Their cycles explain 9e-5.
-    assert volume.half_width == pytest.approx(1.6e-3 * volume.mean, rel=0.1)
+    first, second = stage.joints["B"].arrays["wear_batches"].sum(axis=(1, 2))
+    part = float(stats.t.ppf(0.975, 1)) * abs(first - second) / (first + second)
+    assert volume.half_width == pytest.approx(part * volume.mean, rel=1e-3)
 
 
 def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:

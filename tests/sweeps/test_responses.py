@@ -27,7 +27,8 @@ def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result) -> N
     forces = result.stages[1].joints["A"].each_cycle("force_max")
     force = values["A.force_max@1"]
     assert forces.min() <= cast(float, force.value) <= forces.max()
-    assert force.half_width is not None
+    peaks = result.stages[1].statistics.joints["A"].peak_force_per_cycle
+    assert force.half_width == peaks.half_width
     for index in (0, 1):
         depths = [side.depth for side in result.stages[index].surfaces["A"]]
         assert values[f"A.depth@{index}"].value == max(depth.max() for depth in depths)
