@@ -174,6 +174,9 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     named = [load.name for load in linkage.live_loads if isinstance(load, Force) and load.name]
     if named:
         model = f"{model}; forces: {', '.join(named)}"
+    if linkage.rubbing_pins:
+        rubs = listed(joint.name for joint in linkage.rubbing_pins)
+        model = f"{model}; friction without clearance: {rubs}"
     joints = linkage.clearances
     if not joints:
         return f"{model}; clearance: none"

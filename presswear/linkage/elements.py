@@ -148,11 +148,27 @@ class Pin(Checked):
 
 @dataclass(frozen=True)
 class Revolute:
-    """Ideal pin joint between two points."""
+    """Ideal pin joint between two points, without friction or with that of a bearing.
+
+    The friction is a moment r F_t(r omega, F) against the relative spin omega, with the radius r of
+    the bearing, the joint force F and the force F_t of the friction law.
+    """
 
     name: str
     first: Attachment
     second: Attachment
+    bearing_radius: float = 0.0  # m
+    friction: FrictionLaw = field(default_factory=FrictionLaw)
+
+    @property
+    def bearing(self) -> Attachment:
+        """Centre of the bearing."""
+        return self.first
+
+    @property
+    def pin(self) -> Attachment:
+        """Centre of the pin."""
+        return self.second
 
 
 @dataclass(frozen=True)
@@ -235,3 +251,7 @@ class ClearanceJoint:
         if self.wear is not None:
             return self.wear.angles
         return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)
+
+
+Bushing = ClearanceJoint | Revolute
+"""Pin joint whose pin may rub in its bearing."""

@@ -21,6 +21,7 @@ from presswear.linkage.elements import (
     Attachment,
     Bar,
     Body,
+    Bushing,
     ClearanceJoint,
     End,
     Guide,
@@ -86,6 +87,17 @@ class Linkage(Checked):
     def revolutes(self) -> tuple[Revolute, ...]:
         """Ideal pin joints."""
         return tuple(joint for joint in self.joints if isinstance(joint, Revolute))
+
+    @property
+    def rubbing_pins(self) -> tuple[Revolute, ...]:
+        """Ideal pin joints with friction."""
+        return tuple(joint for joint in self.revolutes if joint.friction.coefficient > 0.0)
+
+    @property
+    def bushings(self) -> tuple[Bushing, ...]:
+        """Pin joints with friction, with and without clearance."""
+        loose = (joint for joint in self.clearances if joint.friction.coefficient > 0.0)
+        return (*loose, *self.rubbing_pins)
 
     @property
     def guides(self) -> tuple[Guide, ...]:
@@ -277,7 +289,10 @@ def assemble(
                 part, x=x if part.x is None else part.x, y=y if part.y is None else part.y
             )
         if isinstance(part, Pin | Revolute):
-            return Revolute(part.name, point(part.first, where), point(part.second, where))
+            ends = point(part.first, where), point(part.second, where)
+            if isinstance(part, Revolute):
+                return replace(part, first=ends[0], second=ends[1])
+            return Revolute(part.name, *ends)
         if isinstance(part, Spring):
             first, second = point(part.first, where), point(part.second, where)
             if first.body == second.body:
@@ -397,10 +412,11 @@ def _parts_of(linkage: Linkage) -> _Parts:
             points = {"centre": (0.0, 0.0)} | dict(linkage.bodies[linkage.index(part.body)].points)
             names = [name for name, place in points.items() if place == (part.x, part.y)]
             return f"{part.body}.{names[0]}" if names else part
-        if not isinstance(part, Revolute | Spring | Force | Drive | Follow):
+        if isinstance(part, Revolute):
+            return Pin(part.name, named(part.first), named(part.second))
+        if not isinstance(part, Spring | Force | Drive | Follow):
             return part
-        kind = Pin if isinstance(part, Revolute) else type(part)
-        return kind(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
+        return type(part)(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
 
     return _Parts(
         named(linkage.output),
@@ -510,8 +526,11 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     """Return the free bodies as an open tree, parents before children, or why there is none.
 
     Where clearance joints cut every loop that has a freedom, the rest hangs from the frame, from
-    bodies with prescribed motion, or from nothing.
+    bodies with prescribed motion, or from nothing. An open tree has no forces of its joints, which
+    the friction of rigid joints needs.
     """
+    for joint in linkage.rubbing_pins:
+        return f"joint {joint.name} rubs without clearance, and its friction needs the joint force"
     prescribed = prescribed_of(linkage)
     for drive in linkage.drives:
         if drive.body not in prescribed:

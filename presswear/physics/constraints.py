@@ -91,11 +91,10 @@ def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
 
 
 @compiled
-def solve(held: Held) -> None:
-    """Solve for the multipliers by S = L D L^T; overwrites ``right``."""
-    matrix, jacobian, right = held.matrix, held.jacobian, held.right
-    rows = right.shape[0]
-    for i in range(rows):
+def factor(held: Held) -> None:
+    """Factor S = L D L^T."""
+    matrix, jacobian = held.matrix, held.jacobian
+    for i in range(matrix.shape[0]):
         for j in range(i + 1):
             total = 0.0
             for c in range(jacobian.shape[1]):
@@ -103,6 +102,14 @@ def solve(held: Held) -> None:
             for k in range(j):
                 total -= matrix[i, k] * matrix[j, k] * matrix[k, k]
             matrix[i, j] = total / matrix[j, j] if j < i else total
+
+
+@compiled
+def substitute(held: Held) -> None:
+    """Solve for the multipliers with the factors of S; overwrites ``right``."""
+    matrix, right = held.matrix, held.right
+    rows = right.shape[0]
+    for i in range(rows):
         for k in range(i):
             right[i] -= matrix[i, k] * right[k]
     for i in range(rows - 1, -1, -1):
@@ -110,6 +117,26 @@ def solve(held: Held) -> None:
         for k in range(i + 1, rows):
             value -= matrix[k, i] * held.multipliers[k]
         held.multipliers[i] = value
+
+
+@compiled
+def solve(held: Held) -> None:
+    """Solve for the multipliers by S = L D L^T; overwrites ``right``."""
+    factor(held)
+    substitute(held)
+
+
+@compiled
+def multipliers_of(held: Held, alpha: float, beta: float, force: Array) -> None:
+    """Fill the multipliers under generalized forces, from the factors of their matrix."""
+    damping = 2.0 * alpha
+    stiffness = beta * beta
+    for row in range(held.phi.shape[0]):
+        right = damping * held.phi_t[row] + stiffness * held.phi[row] - held.gamma[row]
+        for c in range(force.shape[0]):
+            right += held.jacobian[row, c] * held.inverse_mass[c] * force[c]
+        held.right[row] = right
+    substitute(held)
 
 
 @compiled

@@ -1,7 +1,7 @@
 """A linkage as the kernels see it: arrays and records instead of objects."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +47,19 @@ JOINT = np.dtype(
 )
 
 
+# A rigid pin joint with friction as the kernels see it; SI units
+RUBBING = np.dtype(
+    [
+        ("row", np.int64),  # first of the two rows of its constraint
+        ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
+        ("pin_body", np.int64),
+        ("bearing_radius", np.float64),
+        ("friction", FRICTION),
+        ("moment", np.float64),  # on the pin, working space
+    ]
+)
+
+
 class Packed(NamedTuple):
     """A linkage as the kernels see it."""
 
@@ -57,6 +70,7 @@ class Packed(NamedTuple):
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
     driven: NDArray[np.int64]  # indices of the angles of the driven bodies in q
+    rubbing: Records | None  # of RUBBING; None without friction in rigid joints
 
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
@@ -94,10 +108,26 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     surfaces = np.zeros((len(joints), ROWS, most + TOGETHER if most else 0))
     turned = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
     springs, loads = pack_springs(linkage), pack_loads(linkage)
-    packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, turned)
+    rubbing = _pack_rubbing(linkage, offset)
+    packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, turned, rubbing)
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
+
+
+def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None:
+    """Return the rigid joints with friction as records of RUBBING."""
+    if not linkage.rubbing_pins:
+        return None
+    names = [joint.name for joint in linkage.revolutes]
+    records = np.zeros(len(linkage.rubbing_pins), RUBBING)
+    for record, joint in zip(records, linkage.rubbing_pins, strict=True):
+        record["row"] = 2 * names.index(joint.name)
+        record["bearing_body"] = offset[joint.bearing.body]
+        record["pin_body"] = offset[joint.pin.body]
+        record["bearing_radius"] = joint.bearing_radius
+        record["friction"] = friction_record(joint.friction)
+    return records
 
 
 def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:

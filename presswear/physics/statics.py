@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, ClearanceJoint, Revolute
+from presswear.linkage.elements import GROUND, Bushing, Revolute
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, OverPosition, OverTime
 from presswear.physics.assembly import ROUND_OFF
@@ -36,7 +36,7 @@ MAX_ITERATIONS = 50  # of Newton's method for them
 
 
 def needed_torques(
-    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[ClearanceJoint] = ()
+    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[Bushing] = ()
 ) -> Array:
     """Return the torques of the drives, all joints closed, shape (n, drives), N m.
 
@@ -47,7 +47,7 @@ def needed_torques(
 
 
 def constraint_forces(
-    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[ClearanceJoint] = ()
+    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[Bushing] = ()
 ) -> Array:
     """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m.
 
@@ -55,7 +55,7 @@ def constraint_forces(
 
     Parameters
     ----------
-    bushings : sequence of ClearanceJoint
+    bushings : sequence of ClearanceJoint or Revolute
         Bearings of pin joints of the same name, whose friction acts in the rigid joints: a moment
         mu F r against the relative spin, with the joint force F, the radius r of the bearing and
         the friction law at the sliding speed r times the relative spin.
@@ -96,7 +96,7 @@ def fill_steady_friction(law: Records, sliding: Array, normal: Array, force: Arr
 
 
 def relative_spins(
-    linkage: Linkage, motion: Motion, joints: Sequence[ClearanceJoint]
+    linkage: Linkage, motion: Motion, joints: Sequence[Bushing]
 ) -> tuple[NDArray[np.int64], Array]:
     """Return the columns of the angles of pins and bearings, and their relative spin, rad/s.
 
@@ -123,7 +123,7 @@ class _Friction:
         self,
         linkage: Linkage,
         motion: Motion,
-        joints: Sequence[ClearanceJoint],
+        joints: Sequence[Bushing],
         forces_of: Callable[[Array], Array],
     ) -> None:
         self._joints, self._motion = joints, motion
@@ -182,7 +182,7 @@ class _Friction:
 
 
 def friction_corners(
-    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[ClearanceJoint]
+    linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[Bushing]
 ) -> Array:
     """Return the instants at which friction in rigid joints has a corner, shape (k,), s.
 
@@ -228,9 +228,7 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     return np.asarray(instants[(instants >= time[0]) & (instants <= time[-1])])
 
 
-def check_drives(
-    linkage: Linkage, ideal: IdealMotion, bushings: Sequence[ClearanceJoint] = ()
-) -> None:
+def check_drives(linkage: Linkage, ideal: IdealMotion, bushings: Sequence[Bushing] = ()) -> None:
     """Raise InputError where a drive needs more than its torque limit in the second cycle.
 
     Joints are rigid, with the friction of ``bushings``; see ``constraint_forces``.

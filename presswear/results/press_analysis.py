@@ -12,7 +12,7 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import Bushing
 from presswear.linkage.laws import Elasticity, NormalLaw
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.physics.ideal import bottom_of
@@ -370,12 +370,12 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     }
 
 
-def rubbing_joints(scene: Scene) -> tuple[ClearanceJoint, ...]:
-    """Return the clearance joints with friction, whose laws act in rigid joints too.
+def rubbing_joints(scene: Scene) -> tuple[Bushing, ...]:
+    """Return the pin joints with friction, whose laws act in rigid joints too.
 
     Empty if a friction law is source code that is stored in a result.
     """
-    joints = tuple(one for one in scene.linkage().clearances if one.friction.coefficient > 0.0)
+    joints = scene.linkage().bushings
     laws = (one.friction.user_law for one in joints)
     return joints if all(law is None or law.is_trusted for law in laws) else ()
 
@@ -490,7 +490,7 @@ def ideal_curves(scene: Scene, rubs: bool = False) -> tuple[dict[str, DriveCurve
 
 
 def _integrated(
-    scene: Scene, edges: Array, corners: Array, bushings: Sequence[ClearanceJoint]
+    scene: Scene, edges: Array, corners: Array, bushings: Sequence[Bushing]
 ) -> tuple[dict[str, DriveCurve], Array]:
     """Return ideal drives and Gauss weights, s, in the last cycle between some edges, s.
 

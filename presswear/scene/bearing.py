@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import InitVar, dataclass, replace
+from dataclasses import InitVar, dataclass, fields, replace
 from typing import Any, cast, get_args
 
 import numpy as np
@@ -23,6 +23,10 @@ LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
 LEAST_RELAXATION = 1e-6  # s
 AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
+# Values that a rigid joint reads
+_READ_RIGID = {
+    *("clearance", "bearing_radius", "friction_law", "friction", "lower_speed", "upper_speed")
+}
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,8 @@ CONVENTIONS: dict[str, Conventions] = {
 
 Law = str | UserFunction | Callable[..., float]
 DIAMETRAL = "diametral_clearance"  # setting that stands for twice the clearance
-_DIAMETRAL = Quantity("m", 2e-9, 2.0, text="clearance in diameter")
+_DIAMETRAL = Quantity("m", 0.0, 2.0, text="clearance in diameter")
+LEAST_CLEARANCE = 1e-9  # m, of a joint that has any
 
 
 def radial_clearance(diametral: float | str) -> float:
@@ -72,13 +77,14 @@ class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
     Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance`` stands for
-    twice the clearance, in its place. A law can be a function of some of
-    NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a force, N.
+    twice the clearance, in its place. A clearance of 0 is a rigid joint that rubs: its friction is
+    a moment r F_t(r omega, F) of the joint force F; see ``rigid``. A law can be a function of some
+    of NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a force, N.
     """
 
     clearance: float = quantity(
-        *(0.3e-3, "m", 1e-9, 1.0, "chosen"),
-        "radial clearance R_i - R_j, half of that in diameter",
+        *(0.3e-3, "m", 0.0, 1.0, "chosen"),
+        "radial clearance R_i - R_j, half of that in diameter; 0: a rigid joint with friction",
     )
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i")
     width: float = quantity(0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True)
@@ -138,7 +144,13 @@ class Bearing(Checked):
         if diametral_clearance is not None:
             object.__setattr__(self, "clearance", radial_clearance(diametral_clearance))
         super().__post_init__()
+        if 0.0 < self.clearance < LEAST_CLEARANCE:
+            allowed = f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
+            raise InputError(f"clearance = {written(self.clearance, 'm')}: {allowed}")
         law, friction_law = self.normal_law, self.friction_law
+        if self.clearance == 0.0 and friction_law == laws.LUGRE:
+            names = ", ".join(name for name in laws.FRICTIONS if name != laws.LUGRE)
+            raise InputError(f"friction_law = {laws.LUGRE}: with clearance = 0 allowed is {names}")
         if isinstance(law, str):
             allowed = f"with normal_law = {law!r} allowed is"
             least, damping = laws.DAMPINGS[law].least, self.viscous_damping
@@ -203,6 +215,8 @@ class Bearing(Checked):
     @property
     def unread(self) -> tuple[str, ...]:
         """Names of the values that neither its laws nor its oil film read."""
+        if self.clearance == 0.0:
+            return tuple(one.name for one in fields(self) if one.name not in _READ_RIGID)
         lugre = "static_friction", "stribeck_speed", "bristle_stiffness", "bristle_damping"
         return (
             *(lugre if self.friction_law != laws.LUGRE else ()),
@@ -258,28 +272,41 @@ class Bearing(Checked):
             state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
             laws.check_normal(key, law, {**state, "clearance": self.clearance})
             law.check_compiles(key, laws.NORMAL_PARAMETERS)
+        self.check_user_friction(joint)
+
+    def check_user_friction(self, joint: str) -> None:
+        """Raise InputError where a user friction law is unsound; see ``check_user_laws``."""
         if isinstance(law := self.friction_law, UserFunction):
             key = f"{joint}.friction_law"
             ramp = {"lower_speed": self.lower_speed, "upper_speed": self.upper_speed}
             laws.check_friction(key, law, {"coefficient": self.friction, **ramp})
             law.check_compiles(key, laws.FRICTION_PARAMETERS)
 
-    def joint(
-        self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
-    ) -> elements.ClearanceJoint:
-        """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
+    @property
+    def friction_parameters(self) -> laws.FrictionLaw:
+        """Friction law with its parameters."""
         function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if function else str(self.friction_law)
         static = self.friction if self.static_friction is None else self.static_friction
         ramp = self.friction, self.lower_speed, self.upper_speed
         bristles = self.stribeck_speed, self.bristle_stiffness, self.bristle_damping
-        friction = laws.FrictionLaw(*ramp, name, function, static, *bristles)
+        return laws.FrictionLaw(*ramp, name, function, static, *bristles)
+
+    def rigid(self, revolute: elements.Revolute) -> elements.Revolute:
+        """Return an ideal pin joint with the friction of this bearing."""
+        law = self.friction_parameters
+        return replace(revolute, bearing_radius=self.bearing_radius, friction=law)
+
+    def joint(
+        self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
+    ) -> elements.ClearanceJoint:
+        """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
         coefficient, share = self.materials.wear_coefficient, self.materials.bearing_share
         slip, distribution = conventions.slip, conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.width
-        forces = self.normal(conventions), friction
+        forces = self.normal(conventions), self.friction_parameters
         law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
         return elements.ClearanceJoint(
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn

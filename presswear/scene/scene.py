@@ -10,6 +10,7 @@ import numpy as np
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage import loads
+from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage, branches_of, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
@@ -73,7 +74,7 @@ class Scene(Checked):
     joints: str | Any = choice(
         None,
         lambda scene: (*scene.mechanism.allowed_joints, "none"),
-        "joints with clearance; default: those of the mechanism",
+        "joints with clearance, or rigid with friction; default: those of the mechanism",
         several=True,
     )
     engine: str = choice(
@@ -141,7 +142,7 @@ class Scene(Checked):
             if name not in self.mechanism.allowed_joints:
                 raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
         self._set(  # in one spelling, so that equal scenes are equal
-            joints=self._joint_choice.combine(self.clearance_joints),
+            joints=self._joint_choice.combine(self.bearing_joints),
             joint_bearings={k: b for k, b in self.joint_bearings.items() if b != self.bearings},
             surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing),
         )
@@ -189,7 +190,7 @@ class Scene(Checked):
         if is_limited and not self.has_untrusted_loads:
             from presswear.physics.statics import check_drives  # slow import
 
-            check_drives(loaded, self.ideal, self.linkage().clearances)
+            check_drives(loaded, self.ideal, self.linkage().bushings)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)
@@ -224,10 +225,20 @@ class Scene(Checked):
             raise InputError(f"{limit}: allowed is below the clearance, {clearance}")
 
     @property
-    def clearance_joints(self) -> tuple[str, ...]:
-        """Names of the joints with clearance."""
+    def bearing_joints(self) -> tuple[str, ...]:
+        """Names of the joints with a bearing, which has clearance or only friction."""
         words = self._joint_choice.split(self.joints)
         return tuple(name for name in self.mechanism.allowed_joints if name in words)
+
+    @property
+    def clearance_joints(self) -> tuple[str, ...]:
+        """Names of the joints with clearance."""
+        return tuple(name for name in self.bearing_joints if self.bearing(name).clearance > 0.0)
+
+    @property
+    def rigid_bearings(self) -> tuple[str, ...]:
+        """Names of the joints that have a bearing without clearance."""
+        return tuple(name for name in self.bearing_joints if self.bearing(name).clearance == 0.0)
 
     @property
     def _joint_choice(self) -> Choice:
@@ -238,6 +249,8 @@ class Scene(Checked):
         self.check_trusted()
         for joint in self.clearance_joints:
             self.bearing(joint).check_user_laws(joint, self.conventions)
+        for joint in self.rigid_bearings:
+            self.bearing(joint).check_user_friction(joint)
         for key, law in self.user_laws.items():
             if key.startswith("loads["):
                 loads.check_load(key, law)
@@ -250,6 +263,9 @@ class Scene(Checked):
             f"{joint}.{key}": getattr(self.bearing(joint), key)
             for joint in self.clearance_joints
             for key in ("normal_law", "friction_law")
+        }
+        laws |= {
+            f"{one}.friction_law": self.bearing(one).friction_law for one in self.rigid_bearings
         }
         applied = enumerate(self.mechanism.linkage().loads)
         laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}
@@ -337,7 +353,14 @@ class Scene(Checked):
             for joint in ideal.revolutes
             if joint.name in names
         )
-        joints = tuple(joint for joint in ideal.joints if joint.name not in names)
+        rigid = self.rigid_bearings
+        joints = tuple(
+            self.bearing(one.name).rigid(one)
+            if isinstance(one, Revolute) and one.name in rigid
+            else one
+            for one in ideal.joints
+            if one.name not in names
+        )
         return replace(ideal, joints=joints, clearances=(*ideal.clearances, *clearances))
 
     @property

@@ -76,14 +76,14 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     """
     used = {
         (one.key, one.value)
-        for bearing in map(scene.bearing, scene.clearance_joints)
+        for bearing in map(scene.bearing, scene.bearing_joints)
         for one in settings_in(bearing)
         if one.key not in bearing.unread
     }
     common = {one.key for one in settings_in(scene.bearings)}
     engines = (one for one in vars(scene.numerics).values() if one.word != scene.solver.word)
     unused = {one.key for engine in engines for one in settings_in(engine)}
-    unused |= {f"{j}.{key}" for j in scene.clearance_joints for key in scene.bearing(j).unread}
+    unused |= {f"{j}.{key}" for j in scene.bearing_joints for key in scene.bearing(j).unread}
     return [
         one
         for one in settings_of(scene)
@@ -110,9 +110,9 @@ def name_of_key(key: str) -> str:
 
 
 def _by_key(scene: Scene) -> dict[str, Setting]:
-    """Return all settings that a scene has, also those of each joint with clearance."""
+    """Return all settings that a scene has, also those of each joint with a bearing."""
     settings = [*settings_in(scene, scene.origins)]
-    for joint in scene.clearance_joints:
+    for joint in scene.bearing_joints:
         settings += _of_joint(scene, joint)
     return {setting.key: setting for setting in settings}
 
@@ -226,15 +226,15 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if part is not None and part.value == NONE:
         kinds = ", ".join(name for name in cast(Choice, part.meaning).words if name != NONE)
         return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
-    if first in scene.mechanism.allowed_joints and first not in scene.clearance_joints:
+    if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
         return InputError(f"{key}: joint {first} has no clearance; joints = {scene.joints}")
     inner = [name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")]
     if part is not None and inner:
         return unknown(f"key of {first}", last, inner)
-    if first not in scene.clearance_joints and part is None and last in vars(scene.bearings):
+    if first not in scene.bearing_joints and part is None and last in vars(scene.bearings):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
-    names = [name for name in allowed if name.rpartition(".")[0] not in scene.clearance_joints]
-    if first in scene.clearance_joints:
+    names = [name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints]
+    if first in scene.bearing_joints:
         names = [f"{first}.{name}" for name in inner]
     hint = nearest(key, [*names, *SYMBOLS])
     return InputError(f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}")

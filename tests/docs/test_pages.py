@@ -206,7 +206,7 @@ def test_help_of_a_bearing_states_units_ranges_and_defaults() -> None:
     text = inspect.getdoc(pw.Bearing) or ""
     names = re.findall(r"(?m)^(\w+) : .*, default ", text)
     assert names == [item.name for item in fields(pw.Bearing)]
-    assert "clearance : 1e-09 to 1 m, default 0.0008\n    radial clearance" in text
+    assert "clearance : 0 to 1 m, default 0.0003\n    radial clearance" in text
 
 
 def test_reference_lists_all_public_names() -> None:

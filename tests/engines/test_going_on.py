@@ -11,6 +11,7 @@ from listeners import EndsAfter, Keeps
 from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.base import Run
 from presswear.recording.observer import Observer
+from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -18,6 +19,7 @@ from presswear.tools.arrays import State, read_arrays, write_arrays
 
 RECORDED = 2
 FAST = {"speed": "60rad/s"}
+RUBBING = {"B": Bearing(), "O": Bearing(clearance=0.0), "A": Bearing(clearance=0.0)}
 COARSE = {"steps_per_contact": "20", "steps_sustained": "5"}
 
 
@@ -54,6 +56,10 @@ CASES = {
     ),
     "bodies and joints, a plate left out": Case(
         changed(clearance_c(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2
+    ),
+    "in-house, rigid joints that rub": Case(replace(slider_crank(), bearings=RUBBING), 3),
+    "bodies and joints, rigid joints that rub": Case(
+        changed(replace(slider_crank(), bearings=RUBBING), {"engine": "exudyn-joints", **COARSE}), 2
     ),
     "bodies and joints": Case(changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2),
 }

@@ -18,7 +18,7 @@ from presswear.linkage.mechanisms import Press, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import SCENES, scene_named, wear_times
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, setting_of
+from presswear.scene.settings import changed, setting_of, used_settings_of
 from presswear.tools.errors import InputError
 
 BASE = replace(wear_times(), name="base", title="a scene")
@@ -223,3 +223,37 @@ def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions: Any) -
     scene = Scene(SliderCrank(), bearings={}, conventions=conventions, cycles=1, engine="dae")
     assert scene.wear_updates == 0
     assert len(run(scene).stages) == 1
+
+
+def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
+    rigid, loose = Bearing(clearance=0, friction=0.1, bearing_radius=0.03), Bearing()
+    scene = Scene(SliderCrank(), bearings={"B": loose, "O": rigid})
+    assert scene.joints == "OB"
+    assert scene.clearance_joints == ("B",)
+    linkage = scene.linkage()
+    assert [joint.name for joint in linkage.clearances] == ["B"]
+    (joint,) = linkage.rubbing_pins
+    assert (joint.name, joint.bearing_radius, joint.friction.coefficient) == ("O", 0.03, 0.1)
+    assert [joint.name for joint in linkage.bushings] == ["B", "O"]
+    assert Scene.from_dict(scene.as_dict()) == scene
+    used = {setting.key for setting in used_settings_of(scene)}
+    assert {"O.friction", "O.bearing_radius"} <= used
+    assert not {"O.restitution", "O.angles"} & used
+    moved = changed(scene, {"B.clearance": "0 mm", "O.clearance": "0.2 mm"})
+    assert moved.clearance_joints == ("O",)
+    assert Scene(SliderCrank(), bearings={"O": rigid}).wear_updates == 0
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (
+            {"clearance": 1e-10},
+            "clearance = 1e-07 mm: allowed is 0, a rigid joint, or from 1e-06 mm",
+        ),
+        ({"clearance": 0.0, "friction_law": "lugre"}, "lugre: with clearance = 0 allowed is ramp"),
+    ],
+)
+def test_a_bearing_has_clearance_or_none(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Bearing(**values)

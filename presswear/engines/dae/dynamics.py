@@ -6,14 +6,21 @@ a freedom, the coordinates of the open tree do, and there are no constraints.
 
 The state is y = (x, x', integrals): coordinates, rates, and as quadratures the drive
 work, its absolute value, per clearance joint the rates of ``add_contacts``, and per drive its
-torque and power and their squares; last, where there is any, the work of loads and dampers.
+torque and power and their squares; last, where there is any, the work of loads and dampers, and
+the heat of friction in rigid joints.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from presswear.physics.constraints import Constraints, Held, evaluate_constraints, solve
+from presswear.physics.constraints import (
+    Constraints,
+    Held,
+    evaluate_constraints,
+    factor,
+    multipliers_of,
+)
 from presswear.physics.contact import (
     CONTACT,
     note_contact,
@@ -34,6 +41,7 @@ from presswear.physics.prescribed import (
     place_prescribed,
     subtract_inertia,
 )
+from presswear.physics.rubbing import add_friction, friction_power
 from presswear.physics.tree import (
     ARTICULATED,
     CARRIED,
@@ -148,7 +156,13 @@ def system_of(
 
 def state_size(system: System) -> int:
     """Return the number of components of the state of a system."""
-    return system.first_torque + TORQUE_INTEGRALS * system.torque.size + system.has_work
+    return load_work_place(system) + system.has_work + (system.packed.rubbing is not None)
+
+
+@inlined
+def load_work_place(system: System) -> int:
+    """Return the place in the state of the work of loads and dampers, if there is any."""
+    return system.first_torque + TORQUE_INTEGRALS * system.torque.shape[0]
 
 
 @inlined
@@ -215,13 +229,14 @@ def evaluate(
                 else:
                     note_contact(alone, k, q, v, system.contacts[k], axes)
     if system.has_work:
-        out[out.shape[0] - 1] = power
+        out[load_work_place(system)] = power
     for k in range(system.contacts.shape[0]):
         system.contacts[k].bristle = y[bristle_place(2 * n, k)]
     rates = out[2 * n + DRIVE_INTEGRALS :]
     add_contacts(system.packed.joints, system.onset, system.contacts, force, rates)
     if held is not None:
-        power = solve_multipliers(held, system.alpha, system.beta, system.state, t, out[n : 2 * n])
+        coefficients = system.alpha, system.beta
+        power = solve_multipliers(held, system.packed.rubbing, *coefficients, system.state, t, out)
     if tree is not None:
         carry_branches(tree.links, v, a, axes, tree.carried)
         articulate(tree.links, v, axes, tree.carried, force, tree.bodies)
@@ -305,20 +320,27 @@ def note_members(
 
 @compiled
 def solve_multipliers(
-    held: Held, alpha: float, beta: float, state: Array, t: float, out: Array
+    held: Held,
+    rubbing: Records | None,
+    alpha: float,
+    beta: float,
+    state: Array,
+    t: float,
+    slopes: Array,
 ) -> float:
-    """Fill multipliers and accelerations; returns the power of the drives, W."""
+    """Fill multipliers and accelerations; returns the power of the drives, W.
+
+    Friction in rigid joints fills its power, too, the last of ``slopes``.
+    """
     q, v, _, force, _ = state
+    out = slopes[v.shape[0] : 2 * v.shape[0]]
     copy_to(out, force)
     evaluate_constraints(held, t, q, v)
-    damping = 2.0 * alpha
-    stiffness = beta * beta
-    for row in range(held.phi.shape[0]):
-        right = damping * held.phi_t[row] + stiffness * held.phi[row] - held.gamma[row]
-        for c in range(out.shape[0]):
-            right += held.jacobian[row, c] * held.inverse_mass[c] * out[c]
-        held.right[row] = right
-    solve(held)
+    factor(held)
+    multipliers_of(held, alpha, beta, out)
+    if rubbing is not None:
+        add_friction(held, rubbing, alpha, beta, v, out)
+        slopes[slopes.shape[0] - 1] = friction_power(rubbing, v)
     for row in range(held.phi.shape[0]):
         multiplier = held.multipliers[row]
         for c in range(out.shape[0]):

@@ -7,7 +7,12 @@ from functools import partial
 import numpy as np
 
 from presswear.engines.base import Plan, Start, described, listed
-from presswear.engines.dae.dynamics import DRIVE_INTEGRALS, state_size, system_of
+from presswear.engines.dae.dynamics import (
+    DRIVE_INTEGRALS,
+    load_work_place,
+    state_size,
+    system_of,
+)
 from presswear.engines.dae.march import BROKEN, RUNNING, STUCK, march_controlled, march_fixed
 from presswear.engines.dae.pack import Member, lanes_for, together
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
@@ -72,10 +77,20 @@ def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> st
     return next((name for name, size in pairs if size < least), None)
 
 
-def _problem(state: int, constraints: Constraints, time: float, q: Array, v: Array) -> Finding:
-    """Return the finding on a march that ended in a status, with the joint near which it did."""
+def _problem(
+    state: int, constraints: Constraints, rubs: bool, time: float, q: Array, v: Array
+) -> Finding:
+    """Return the finding on a march that ended in a status, with the joint near which it did.
+
+    ``rubs``: a rigid joint has friction.
+    """
     if state != STUCK:
-        return Finding("state", "the state is no longer finite", time, "", REMEDY)
+        what = "the state is no longer finite"
+        if rubs:
+            what += (
+                "; friction in rigid joints blocks motion where mu r exceeds the levers of forces"
+            )
+        return Finding("state", what, time, "", REMEDY)
     singular = dependent_joint(constraints.evaluate(time, q, v)[3], constraints.names, 1e-2)
     if singular:
         what, remedy = "the step vanished near a singular position", "other lengths of the links"
@@ -167,7 +182,7 @@ def prepare(
         if made:
             return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
         if status in (BROKEN, STUCK):
-            return _problem(status, constraints, *state())
+            return _problem(status, constraints, bool(linkage.rubbing_pins), *state())
         return progress.judge(int(control["steps"][0]), time)
 
     def advance(end: float) -> Finding | None:
@@ -181,7 +196,9 @@ def prepare(
 
     def ledger() -> Ledger:
         contact, friction, made = joints.sum(axis=0)[[CONTACT_LOSS, FRICTION_LOSS, MADE]].tolist()
-        load_work = float(y[-1]) if system.has_work else 0.0
+        load_work = float(y[load_work_place(system)]) if system.has_work else 0.0
+        if records.packed.rubbing is not None:
+            friction += float(y[-1])
         stored_change = stored() - energy_before
         work, exchange = drives.tolist()
         return Ledger(work, exchange, stored_change, contact, friction, made, load_work)

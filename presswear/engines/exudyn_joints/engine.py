@@ -27,20 +27,23 @@ from presswear.engines.exudyn import Solver, add, settings_of
 from presswear.engines.exudyn_joints.kernels import (
     Drives,
     Frame,
+    Friction,
+    Indices,
     accept_joint_step,
+    begin_friction,
     connector_forces,
     refresh,
     shorter_joint_step,
 )
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.elements import GROUND, Attachment, Bushing
 from presswear.linkage.linkage import Linkage, bodies_of, prescribed_of
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
-from presswear.physics.packed import spring_period
+from presswear.physics.packed import Packed, spring_period
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
 from presswear.recording.recorder import Recorder
@@ -53,6 +56,8 @@ exu = exudyn_module()
 
 REMEDY = "more steps_per_contact, or engine = dae, may help"  # advice that makes a run finer
 
+# Where rigid joints have friction: most iterations of a step, smallest tolerance
+NEWTON_STEPS, LEAST_NEWTON = 50, 1e-10
 SPRING_STEPS = 100  # fewest steps in the period of a body on its spring
 
 # Names that Exudyn gives to coordinates, rates, accelerations and multipliers
@@ -60,11 +65,15 @@ _SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoor
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
-    """Return the prescribed bodies that only clearance joints connect to the others."""
+    """Return the prescribed bodies that only clearance joints connect to the others.
+
+    Joints with friction stay, because the friction needs their forces.
+    """
     omitted = prescribed_of(linkage)
     if len(omitted) == len(linkage.bodies):
         return frozenset()
     omitted -= {end.body for spring in linkage.springs for end in spring.ends}
+    omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
         held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= omitted))
@@ -182,7 +191,13 @@ def _speed_function(motion: Records) -> Callable[..., float]:
     return lambda system, t, item, offset: drive_motion(motion, t)[1]
 
 
-def frame_of(linkage: Linkage, start: Start, omitted: frozenset[str], solved: list[Any]) -> Frame:
+def frame_of(
+    linkage: Linkage,
+    start: Start,
+    omitted: frozenset[str],
+    solved: list[Any],
+    friction: Friction | None,
+) -> Frame:
     """Return the coordinates of all bodies from Exudyn's live coordinates and derivatives."""
     prescribed = pack_prescribed(linkage, omitted)
     begin_motion(prescribed, 0.0, start.position)
@@ -198,12 +213,11 @@ def frame_of(linkage: Linkage, start: Start, omitted: frozenset[str], solved: li
         q, v, a = np.array(start.position), np.array(start.velocity), np.zeros(count)
     contacts = np.zeros(len(linkage.clearances), CONTACT)
     rows = np.array(places, np.int64)
-    return Frame(
-        solved[0], solved[1], solved[2], rows, prescribed, q, v, a, np.zeros(count), contacts
-    )
+    live = solved[0], solved[1], solved[2]
+    return Frame(*live, rows, prescribed, q, v, a, np.zeros(count), contacts, friction)
 
 
-def _settings(accuracy: ExudynJoints, longest: float) -> Any:
+def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
     settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
     # Steps are chosen by accept_joint_step; Exudyn must not lengthen them behind its back.
@@ -211,6 +225,15 @@ def _settings(accuracy: ExudynJoints, longest: float) -> Any:
     integration.newton.relativeTolerance = accuracy.newton
     integration.newton.absoluteTolerance = accuracy.newton
     integration.newton.modifiedNewtonContractivity = 0.01
+    if rubs:
+        # No Jacobian knows how friction depends on joint forces: convergence is linear, and ends
+        # at the round-off of the joint forces.
+        tolerance = max(accuracy.newton, LEAST_NEWTON)
+        integration.newton.relativeTolerance = tolerance
+        integration.newton.absoluteTolerance = tolerance
+        integration.newton.maxIterations = NEWTON_STEPS
+        integration.newton.maxModifiedNewtonIterations = NEWTON_STEPS
+        integration.newton.maxModifiedNewtonRestartIterations = NEWTON_STEPS
     return settings
 
 
@@ -234,6 +257,22 @@ def _drives(
     )
 
 
+def _friction(
+    system: Any,
+    linkage: Linkage,
+    objects: dict[str, int],
+    slots: Indices,
+    multipliers: Any,
+    packed: Packed,
+) -> Friction | None:
+    """Return the friction in rigid joints; ``slots`` are those of their bearings and pins."""
+    if packed.rubbing is None:
+        return None
+    number, names = system.systemData.GetObjectLTGAE, [one.name for one in linkage.rubbing_pins]
+    rows = np.array([number(objects[name])[0] for name in names], np.int64)
+    return Friction(packed.rubbing, rows, slots, multipliers)
+
+
 def prepare(
     linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
 ) -> Simulation:
@@ -243,7 +282,8 @@ def prepare(
     steps["free"], steps["least"] = longest, settings.least_step
     steps["per_contact"], steps["sustained"] = settings.steps_per_contact, settings.steps_sustained
     records, omitted = recorder.records, left_out(linkage)
-    ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
+    joints: list[Bushing] = [*linkage.clearances, *linkage.rubbing_pins]
+    ends = [end.body for joint in joints for end in (joint.bearing, joint.pin)]
     loaded = [load.body for load in linkage.live_loads]
     joined = [name for name in dict.fromkeys(ends + loaded) if name not in {GROUND, *omitted}]
     slots = [3 * joined.index(name) if name in joined else -1 for name in ends]
@@ -274,27 +314,33 @@ def prepare(
         add(system, "Object", "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
     system.Assemble()
     solved = [getattr(system.systemData, f"Get{name}")(copy=False) for name in _SOLVED]
-    frame = frame_of(linkage, start, omitted, solved[:3])
+    room = np.array(slots, np.int64).reshape(-1, 2)
+    loose, rubbing = np.split(room, [len(linkage.clearances)])
+    friction = _friction(system, linkage, objects, rubbing, solved[3], records.packed)
+    frame = frame_of(linkage, start, omitted, solved[:3], friction)
     drives = _drives(system, linkage, objects, solved[3], records.packed.mass)
     solver = Solver(
         recorder,
         plan,
         bind(accept_joint_step, frame, drives, records, steps),
         exu.DynamicSolverType.TrapezoidalIndex2,
-        _settings(settings, longest),
+        _settings(settings, longest, rubs=friction is not None),
         longest,
         REMEDY,
         {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
     )
     solver.install(system)
     if joined:
-        room = np.array(slots, np.int64).reshape(-1, 2), np.array(places, np.int64)
-        arguments = frame, records, *room, np.zeros_like(drives.force), np.frombuffer(out)
+        where = loose, np.array(places, np.int64)
+        arguments = frame, records, *where, np.zeros_like(drives.force), np.frombuffer(out)
         fill = bind(connector_forces, *arguments)
         shorter = bind(shorter_joint_step, frame, records, steps)
         system.SetPostNewtonUserFunction(send_back)
     built = clock.perf_counter() - began
     note_contacts(records.packed, records.contacts, start.position, start.velocity)
+    if friction is not None:
+        held = constraints_of(linkage).held(records.packed.mass)
+        begin_friction(friction, held, records, drives, start.position, start.velocity)
     energies = records.memory["energy"]
     energies[:] = records.contacts["energy"]  # of pins that start pressed in
     before = stored_energy(records.packed, energies, start.position, start.velocity)

@@ -6,7 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.constraints import Held, project, project_acceleration
+from presswear.physics.constraints import (
+    Held,
+    evaluate_constraints,
+    factor,
+    multipliers_of,
+    project,
+    project_acceleration,
+)
 from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import drive_motion, step_to_break
 from presswear.physics.forces import add_contacts, load_of, loss_powers
@@ -25,6 +32,7 @@ from presswear.physics.prescribed import (
     place_prescribed,
     subtract_inertia,
 )
+from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
 from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, settle
 from presswear.physics.wear import wear_rates
@@ -36,6 +44,15 @@ Indices = NDArray[np.int64]
 
 # Change of a load on passing from one piece of its law to the next that is a jump, part of it.
 JUMP = 1e-3
+
+
+class Friction(NamedTuple):
+    """Friction in rigid joints, and where Exudyn has its joint forces and takes its moments."""
+
+    joints: Records  # of RUBBING
+    rows: Indices  # index of the first of the two multipliers of each joint
+    slots: Indices  # of bearing and pin, as in ``connector_forces``
+    multipliers: Array  # Exudyn's live ones
 
 
 class Frame(NamedTuple):
@@ -54,6 +71,7 @@ class Frame(NamedTuple):
     a: Array
     axes: Array
     contacts: Records  # working space of states on trial
+    friction: Friction | None  # None without friction in rigid joints
 
 
 @compiled
@@ -70,8 +88,40 @@ def refresh(frame: Frame, t: float) -> None:
 
 
 @compiled
+def note_friction(friction: Friction | None, v: Array) -> float:
+    """Fill the friction moments of rigid joints under the present joint forces.
+
+    Returns the power that they turn into heat, W. In Newton's method the joint forces are those of
+    the present iterate, so that moments and joint forces converge together.
+    """
+    if friction is None:
+        return 0.0
+    for k in range(friction.joints.shape[0]):
+        row = friction.rows[k]
+        x, y = friction.multipliers[row], friction.multipliers[row + 1]
+        joint = friction.joints[k]
+        joint.moment = friction_moment(joint, v, math.sqrt(x * x + y * y))
+    return friction_power(friction.joints, v)
+
+
+@compiled
+def add_moments(friction: Friction | None, out: Array) -> None:
+    """Add the friction moments of rigid joints to the forces of the connector."""
+    if friction is None:
+        return
+    for k in range(friction.joints.shape[0]):
+        moment = friction.joints[k].moment
+        i = friction.slots[k, 0]
+        if i >= 0:
+            out[i + 2] -= moment
+        i = friction.slots[k, 1]
+        if i >= 0:
+            out[i + 2] += moment
+
+
+@compiled
 def connector_forces(address: PackedArguments, t: float) -> None:
-    """Fill the generalized forces of clearance joints and loads on the bodies of the connector.
+    """Fill the generalized forces of clearance joints, rigid joints with friction, and loads.
 
     ``address`` packs Frame; RecorderState; where the forces on bearing and pin belong among those
     of the connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; where each
@@ -98,6 +148,8 @@ def connector_forces(address: PackedArguments, t: float) -> None:
             out[i] += load.x
             out[i + 1] += load.y
             out[i + 2] += load.pin_moment
+    note_friction(frame.friction, frame.v)
+    add_moments(frame.friction, out)
     if count_transitions(packed.loads) > 0:
         for i in range(force.shape[0]):
             force[i] = 0.0
@@ -116,6 +168,24 @@ class Drives(NamedTuple):
     # Constraints, where a drive of Exudyn's turns unevenly or a load bends over position: see
     # ``hold``
     held: Held | None
+
+
+@compiled
+def begin_friction(
+    friction: Friction, held: Held, records: RecorderState, drives: Drives, q: Array, v: Array
+) -> None:
+    """Fill the joint forces in the initial state, from which Exudyn finds its accelerations."""
+    force, rates = drives.force, drives.rates
+    applied_forces(records.packed, 0.0, q, v, force)
+    add_contacts(records.packed.joints, records.onset, records.contacts, force, rates)
+    evaluate_constraints(held, 0.0, q, v)
+    factor(held)
+    multipliers_of(held, 0.0, 0.0, force)
+    add_friction(held, friction.joints, 0.0, 0.0, v, force)
+    for k in range(friction.joints.shape[0]):
+        row = friction.joints[k].row
+        for c in range(2):
+            friction.multipliers[friction.rows[k] + c] = held.multipliers[row + c]
 
 
 @compiled
@@ -162,7 +232,12 @@ def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tu
 
 @compiled
 def sum_step(
-    records: RecorderState, drive_power: float, load_power: float, t: float, h: float
+    records: RecorderState,
+    drive_power: float,
+    load_power: float,
+    rubbed_power: float,
+    t: float,
+    h: float,
 ) -> None:
     """Fill the wear integrals of a step, and add to the ledger of energy, by the trapezoidal rule.
 
@@ -170,7 +245,7 @@ def sum_step(
     which has no place any more, is left out.
     """
     ledger = records.ledger[0]
-    contact_power = friction_power = made_power = 0.0
+    contact_power, heat, made_power = 0.0, rubbed_power, 0.0
     for k in range(records.memory.shape[0]):
         contact, integrals = records.contacts[k], records.wear_integrals[k]
         work, pressure = wear_rates(records.packed.joints[k], contact, contact.normal)
@@ -181,17 +256,17 @@ def sum_step(
         integrals.work_rate, integrals.pressure_rate = work, pressure
         lost, rubbed, made = loss_powers(contact, contact.normal, contact.tangential)
         contact_power += lost
-        friction_power += rubbed
+        heat += rubbed
         made_power += made
     half = 0.5 * h
     ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
     ledger.drive_work += half * (ledger.drive_power + drive_power)
     ledger.load_work += half * (ledger.load_power + load_power)
     ledger.contact_loss += half * (ledger.contact_power + contact_power)
-    ledger.friction_loss += half * (ledger.friction_power + friction_power)
+    ledger.friction_loss += half * (ledger.friction_power + heat)
     ledger.made += half * (ledger.made_power + made_power)
     ledger.drive_power, ledger.load_power = drive_power, load_power
-    ledger.contact_power, ledger.friction_power = contact_power, friction_power
+    ledger.contact_power, ledger.friction_power = contact_power, heat
     ledger.made_power = made_power
 
 
@@ -211,7 +286,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     if not all_finite(frame.q, frame.v):
         return math.nan
     settle(records, t, LEAST_STEPS)
-    sum_step(records, power, load_power, t, h)
+    sum_step(records, power, load_power, note_friction(frame.friction, frame.v), t, h)
     sum_drives(records, h, frame.v)
     packed = records.packed
     records.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)

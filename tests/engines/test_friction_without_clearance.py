@@ -1,0 +1,151 @@
+"""Rigid joints with friction in runs: closed forms, ideal torques, energies, engines."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+
+import presswear as pw
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.dae.dynamics import state_size, system_of
+from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.linkage import Linkage
+from presswear.physics.constraints import constraints_of
+from presswear.physics.packed import pack
+from presswear.physics.statics import needed_torques
+
+RUBS = pw.Bearing(clearance=0.0, friction=0.1, bearing_radius=0.02)
+LOOSE = pw.Bearing(clearance=1e-4, friction=0.1, bearing_radius=0.02)
+MASS, LENGTH, SPIN, DURATION = 2.0, 0.4, 20.0, 0.2
+
+
+def free_bar(law: FrictionLaw, radius: float) -> Linkage:
+    """A bar without weight that turns about a pin of the frame at its end."""
+    linkage = pw.assemble(
+        [pw.Bar("bar", length=LENGTH, mass=MASS)],
+        [pw.Pin("O", (0.0, 0.0), "bar.tail")],
+        gravity=0.0,
+        cycle=DURATION,
+    )
+    pin = replace(linkage.revolutes[0], bearing_radius=radius, friction=law)
+    return replace(linkage, joints=(pin,))
+
+
+def run_of_bar(engine: Any, law: FrictionLaw, radius: float) -> Run:
+    arm = 0.5 * LENGTH
+    start = Start(np.array([arm, 0.0, 0.0]), np.array([0.0, SPIN * arm, SPIN]))
+    linkage = free_bar(law, radius)
+    run: Run = engine.for_cycle(DURATION).simulate(linkage, start, Plan(DURATION, 1))
+    return run
+
+
+@pytest.mark.parametrize(
+    ("engine", "law", "error"),
+    [
+        (InHouse(), "ramp", 1e-12),
+        (InHouse(), "smooth", 1e-12),
+        (ExudynJoints(), "ramp", 2e-8),
+        (ExudynJoints(free_steps=40_000), "ramp", 2e-9),
+    ],
+)
+def test_a_free_bar_slows_down_by_the_friction_of_its_pin(
+    engine: Any, law: str, error: float
+) -> None:
+    """F = m a sqrt(w^4 + w'^2), so that w' = -k w^2 and w = w_0 / (1 + k w_0 t)."""
+    coefficient, radius, arm = 0.3, 0.05, 0.5 * LENGTH
+    run = run_of_bar(engine, FrictionLaw(coefficient, name=law), radius)
+    assert run.status == "completed", run.message
+    inertia, torque = MASS * LENGTH**2 / 3.0, coefficient * radius * MASS * arm
+    k = torque / math.sqrt(inertia**2 - torque**2)
+    spin = SPIN / (1.0 + k * SPIN * DURATION)
+    assert run.end.velocity[2] == pytest.approx(spin, rel=error)
+    lost = 0.5 * inertia * (SPIN**2 - spin**2)
+    assert run.diagnostics["friction_loss_J"] == pytest.approx(lost, rel=10.0 * error)
+    assert abs(float(run.diagnostics["energy_residual_J"])) < 10.0 * error * lost
+
+
+def test_friction_beyond_the_lever_of_the_joint_force_ends_the_run() -> None:
+    """Above r mu m a = I no joint force holds the moment."""
+    law, radius = FrictionLaw(0.8), 0.4
+    run = run_of_bar(InHouse(), law, radius)
+    assert run.status == "failed"
+    assert "friction in rigid joints blocks motion" in run.message
+
+
+@pytest.mark.parametrize("run_up", [0, 1])
+@pytest.mark.parametrize(
+    ("engine", "error"),
+    [
+        (InHouse(), 1e-11),
+        (InHouse(projection="on"), 1e-12),
+        (ExudynJoints(), 1e-6),
+    ],
+)
+def test_drives_of_a_run_give_the_ideal_torque_with_friction(
+    engine: Any, error: float, run_up: int
+) -> None:
+    scene = pw.Scene(pw.SliderCrank(run_up=run_up), bearings=dict.fromkeys("OAB", RUBS))
+    assert scene.clearance_joints == ()
+    linkage = scene.linkage()
+    run = run_scene(scene, engine, recorded_cycles=1, run_up=scene.run_up)
+    time, torque = run.recorder.series("time"), run.recorder.rows[:, -1]
+    rubbed = needed_torques(linkage, scene.ideal, time, linkage.bushings)[:, 0]
+    free = needed_torques(linkage, scene.ideal, time)[:, 0]
+    assert np.abs(rubbed - free).max() > 0.2 * np.abs(rubbed).max()
+    np.testing.assert_allclose(torque, rubbed, rtol=0.0, atol=error * np.abs(rubbed).max())
+    assert residual(run) < 1e-6
+    loss, work = (float(run.diagnostics[f"{name}_J"]) for name in ("friction_loss", "drive_work"))
+    if run_up == 0:  # after a cycle everything else is as before
+        assert loss == pytest.approx(work, rel=1e-9)
+    assert loss > 0.1 * float(run.diagnostics["drive_exchange_J"])
+
+
+@pytest.mark.parametrize("bearings", [{"O": RUBS, "A": RUBS, "B": LOOSE}, {"O": RUBS, "A": LOOSE}])
+def test_engines_agree_with_clearance_beside_rigid_joints_that_rub(
+    bearings: dict[str, pw.Bearing],
+) -> None:
+    """Also on the pin of a crank that would be prescribed and left out."""
+    scene = pw.Scene(pw.SliderCrank(), bearings=bearings, wear_updates=0)
+    end = scene.mechanism.period / 8.0
+    exact = run_scene(scene, InHouse("dop853", 1e-12), end)
+    other = run_scene(scene, InHouse("dopri5", 1e-12, projection="on"), end)
+    fine = ExudynJoints(free_steps=40_000, steps_per_contact=800, steps_sustained=40)
+    exudyn = run_scene(scene, fine, end)
+    for run, distance, energy in ((other, 1e-9, 1e-7), (exudyn, 1e-5, 1e-4)):
+        np.testing.assert_allclose(run.end.position, exact.end.position, rtol=0.0, atol=distance)
+        for name in ("friction_loss_J", "drive_work_J"):
+            assert run.diagnostics[name] == pytest.approx(exact.diagnostics[name], rel=energy)
+        assert residual(run) < 1e-5
+    plain = replace(scene, bearings={name: one for name, one in bearings.items() if one is LOOSE})
+    without = run_scene(plain, InHouse(), end)
+    losses = [float(one.diagnostics["friction_loss_J"]) for one in (exact, without)]
+    assert losses[0] > 1.5 * losses[1]
+    assert "friction without clearance: O" in str(exact.diagnostics["model"])
+
+
+def test_the_open_tree_refuses_rigid_joints_that_rub() -> None:
+    scene = pw.Scene(pw.SliderCrank(), bearings={"O": RUBS, "B": LOOSE})
+    says = "joint O rubs without clearance, and its friction needs the joint force"
+    with pytest.raises(pw.InputError, match=f"exudyn-tree.*{says}.*exudyn-joints, dae"):
+        replace(scene, engine="exudyn-tree").check()
+    with pytest.raises(pw.InputError, match=says):
+        ExudynTree().simulate(scene.linkage(), Start(np.zeros(9), np.zeros(9)), Plan(1.0, 1))
+    assert replace(scene, engine="exudyn").solver.word == "exudyn-joints"
+
+
+def test_nothing_is_added_where_no_joint_rubs() -> None:
+    smooth = replace(RUBS, friction=0.0)
+    for scene in (
+        pw.Scene(pw.SliderCrank(), bearings={"O": smooth, "A": smooth}),
+        pw.Scene(pw.SliderCrank(), bearings={"B": LOOSE}),
+    ):
+        linkage = scene.linkage()
+        packed = pack(linkage)
+        assert packed.rubbing is None
+        start = scene.ideal.at(np.zeros(1)).position[0]
+        system = system_of(packed, constraints_of(linkage), start)
+        assert state_size(system) == 2 * system.size + 2 + 6 * len(linkage.clearances) + 4
