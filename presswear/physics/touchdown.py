@@ -445,8 +445,10 @@ def settle(records: Any, t: float, needed: int) -> int:
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
             h = t - last.time
-            s, _, _, leaving = joint_crossing(last, contact, True, h)
-            separate(records, k, last.time + min(s, 1.0) * h, -leaving, needed)
+            s = min(joint_crossing(last, contact, True, h)[0], 1.0)
+            # Behind the separation no contact force changes the rate any more.
+            leaving = -contact.rate if is_reversed(last, contact) else contact.rate
+            separate(records, k, last.time + s * h, leaving, needed)
             onset[k] = 0.0
             events += 1
         remember(last, joints[k], onset[k], contact, t)

@@ -157,7 +157,7 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
         engine = {own.word: own for own in vars(scene.numerics).values()}[word.split()[0]]
         if word.endswith("coordinates"):
             engine = replace(engine, coordinates="all")
-        run = run_scene(scene, engine, 0.1 * crank.period)
+        run = run_scene(scene, engine, 0.08 * crank.period)
         assert len(run.recorder.stored_contacts(0)) > 0
         ends.append(np.array([run.end.position, run.end.velocity]))
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-9, atol=1e-9)
