@@ -200,7 +200,7 @@ def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock) -> N
 
 
 def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
-    """Of many joints the three with the largest values, in at most three lines of 80 characters."""
+    """Of many joints the three with the largest values, a line each, and what the bins change."""
     joints, some = {}, Estimate(1.0)
     for k, name in enumerate("ABCDEFG"):
         force = Estimate.symmetric(1e3 * k, 20.0)
@@ -212,9 +212,11 @@ def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
     stage = stage_of(StageStatistics(cycles=5, joints=joints), 1.0, 1.0)
     RunObserver(progress_bar(console), SCENE).on_stage(stage)
     lines = console.export_text().splitlines()
-    assert len(lines) == 3
+    assert len(lines) == 4
     assert all(len(line) <= 80 for line in lines)
     assert re.sub(r"\s", " ", lines[1]).endswith("F 5 000 ± 20, E 4 000 ± 20, 4 more")
+    assert re.sub(r"\s", " ", lines[2]).endswith("F 5.00 ± 0.10, E 4.00 ± 0.10, 4 more")
+    assert lines[3].strip() == "(bins of 1°; twice as many bins halve it)"
 
 
 def test_long_lines_are_wrapped_between_words(clock: Clock) -> None:
