@@ -124,7 +124,7 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"joints": [Pin("O", (0, 0), "crank.tial")]}, "unknown point of crank in joint O 'tial'"),
         ({"joints": [Guide("g", "slider")]}, "unknown body in guide g 'slider'"),
         *(
-            ({"joints": [Pin(f"{sign}A", (0, 0), "crank.tail")]}, "must not begin with + - or @")
+            ({"joints": [Pin(f"{sign}A", (0, 0), "crank.tail")]}, r"must not begin with \+ - or @")
             for sign in "+-@＝"
         ),
         (

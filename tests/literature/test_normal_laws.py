@@ -21,7 +21,7 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.surface import Surface
 from presswear.physics.friction_and_normal import elastic_of, normal_record
-from presswear.scene.bearing import Bearing, Conventions
+from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact
@@ -120,7 +120,7 @@ def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
     """Liu's as printed; the foundation's by quadrature over the arc; their energies too."""
     depth = part * CLEARANCE
     bearing = Bearing(CLEARANCE, width=0.03, materials=Materials(206e9, 110e9), elasticity="liu")
-    liu = normal_record(bearing.normal(Conventions()), CLEARANCE)
+    liu = normal_record(bearing.normal(CONVENTIONS["paper"]), CLEARANCE)
     modulus = 1.0 / (0.91 / 206e9 + 0.91 / 110e9)
     printed = 0.5 * math.pi * depth * modulus * 0.03
     printed *= math.sqrt(depth / (2.0 * (CLEARANCE + depth)))
@@ -153,9 +153,9 @@ def test_small_contacts_have_the_stiffness_of_the_law() -> None:
     press = Bearing(0.8e-3)
     conforming = replace(press, elasticity="liu")
     measured = replace(conforming, contact_stiffness=2e9)
-    assert conforming.normal(Conventions()).stiffness == pytest.approx(8.63e10, rel=1e-3)
-    assert press.normal(Conventions()).stiffness == pytest.approx(1.25e10, rel=0.01)
-    assert measured.normal(Conventions()).stiffness == 2e9
+    assert conforming.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(8.63e10, rel=1e-3)
+    assert press.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(1.25e10, rel=0.01)
+    assert measured.normal(CONVENTIONS["paper"]).stiffness == 2e9
 
 
 @pytest.mark.parametrize("elasticity", ["liu", "foundation"])

@@ -233,5 +233,9 @@ def test_a_missing_package_is_named(package: str, monkeypatch: pytest.MonkeyPatc
     for name in [name for name in sys.modules if name.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(InputError, match=r"pip install 'presswear\[sweep\]'"):
+    distribution = "scikit-learn" if package == "sklearn" else package
+    with pytest.raises(
+        InputError,
+        match=rf"needs {distribution}: pip install {distribution}, or pip install '\.\[sweep\]' in",
+    ):
         (fit(sampled(64)) if package == "sklearn" else sensitivity(sampled(64), "sobol"))
