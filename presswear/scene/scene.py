@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
 from typing import Any, cast, get_args
 
 import numpy as np
@@ -15,7 +16,6 @@ from presswear.linkage.linkage import Linkage, branches_of, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
-from presswear.physics.loads import check_springs
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.scene.servo import servo_fault
@@ -182,7 +182,10 @@ class Scene(Checked):
             if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
                 raise
             raise servo_fault(self.mechanism) or error from None
-        check_springs(self.base_linkage, self.ideal.at(np.zeros(1)).position[0])
+        if self.base_linkage.springs:
+            # Imported here, because it loads numba.
+            springs = import_module("presswear.physics.loads")
+            springs.check_springs(self.base_linkage, self.ideal.at(np.zeros(1)).position[0])
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded

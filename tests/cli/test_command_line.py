@@ -44,7 +44,7 @@ run study.py: study.py is a Python script; run it with: python study.py
 new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, two-point, points
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
-run wear-times --set speed=200rmp: 'rmp'; did you mean rpm?
+run wear-times --set speed=200rmp: unknown unit 'rmp'; known are rad/s, deg/s, rpm, spm
 run wear-times --set clearance 1mm: --set KEY=VALUE
 run wear-times --cycels 5: --cycels 5; did you mean --cycles?
 run wear-times --conventions mine: mine & refined
