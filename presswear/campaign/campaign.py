@@ -97,9 +97,6 @@ def run(
     InputError
         If the scene, or the content of the folder, does not allow the run.
     """
-    if not isinstance(scene, Scene):
-        example = "a Scene is expected, such as pw.scenes.ideal() or pw.scene_from('press.toml')"
-        raise InputError(f"scene = {shown(scene)}: {example}")
     if not observers and sys.stderr.isatty() and parent_process() is None:
         # Imported here, because commands are in a higher layer.
         with import_module("presswear.cli.run").late_bar(scene) as bar:

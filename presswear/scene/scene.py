@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
-from typing import Any, cast, get_args
+from typing import Any, ClassVar, cast, get_args
 
 import numpy as np
 
@@ -60,6 +60,8 @@ class Scene(Checked):
     origins : mapping of str to str
         Origins of values by key, where they differ from those of the fields.
     """
+
+    example: ClassVar[str] = "pw.scenes.ideal() or pw.scene_from('press.toml')"  # for messages
 
     mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"

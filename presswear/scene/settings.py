@@ -349,6 +349,8 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     for joint in scene.joint_bearings:
         for key in [item.key for item in settings_in(scene.bearings)]:
             was.setdefault(f"{joint}.{key}", was[key])
+    if not base.clearance_joints and scene.clearance_joints:
+        was["wear_updates"] = Scene.wear_updates  # a scene without clearance has none
     changes = []
     for one in settings:
         if one.value != was.get(one.key, one.value):

@@ -221,7 +221,9 @@ def _refusal(name: str, value: Any, kind: Any) -> InputError:
     origins = (get_origin(one) or one for one in origins)
     words = " or ".join(dict.fromkeys(_WORDS.get(one, one.__name__) for one in origins))
     article = "an" if words[0] in "AEIOU" else "a"
-    return InputError(f"{name} = {shown(value)}: {article} {words} is expected")
+    examples = [one.example for one in kinds if hasattr(one, "example")]
+    hint = f", such as {examples[0]}" if examples else ""
+    return InputError(f"{name} = {shown(value)}: {article} {words} is expected{hint}")
 
 
 def _as_one_of(name: str, value: Any, kind: Any) -> Any:

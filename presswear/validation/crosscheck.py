@@ -10,6 +10,7 @@ beyond it.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
+from statistics import NormalDist
 from typing import Any
 
 import matplotlib
@@ -315,7 +316,8 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
         }
     checks, undecided = list[Check](), list[str]()
     for quantity in quantities:
-        compared = mean_check(quantity, *(each[quantity] for each in means.values()))
+        one, two = (each[quantity] for each in means.values())
+        compared = mean_check(quantity, one, two, len(quantities))
         if isinstance(compared, Check):
             checks.append(compared)
         else:
@@ -323,12 +325,12 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
     return checks, undecided, means
 
 
-def mean_check(quantity: str, one: Estimate, two: Estimate) -> Check | str:
+def mean_check(quantity: str, one: Estimate, two: Estimate, count: int = 1) -> Check | str:
     """Check the relative difference of two means, or say that their intervals are too wide.
 
-    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``, and misses
-    if it lies beyond it. Otherwise there is no verdict. The checked number is the end of the
-    interval that decides.
+    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``. It misses if
+    the interval lies beyond it that holds for all of ``count`` comparisons with 95 % (Bonferroni).
+    Otherwise there is no verdict. The checked number is the end of the interval that decides.
     """
     size = 0.5 * (abs(one.mean) + abs(two.mean))
     if one.half_width is None or two.half_width is None or size == 0.0:
@@ -337,8 +339,10 @@ def mean_check(quantity: str, one: Estimate, two: Estimate) -> Check | str:
     half = math.hypot(one.half_width, two.half_width) / size
     if difference + half <= MEAN_BOUND:
         return Check(f"mean {quantity}", difference + half, MEAN_BOUND, "relative")
-    if difference - half > MEAN_BOUND:
-        return Check(f"mean {quantity}", difference - half, MEAN_BOUND, "relative")
+    quantile = NormalDist().inv_cdf
+    of_all = half * quantile(1.0 - 0.025 / count) / quantile(0.975)
+    if difference - of_all > MEAN_BOUND:
+        return Check(f"mean {quantity}", difference - of_all, MEAN_BOUND, "relative")
     parts = f"{readable(100.0 * difference, 2)} ± {readable(100.0 * half, 2)} %"
     return f"mean {quantity}: no verdict, difference {parts}"
 

@@ -445,7 +445,7 @@ def both() -> list[pw.Result]:
     exact = Numerics(dae=pw.InHouse(integration_tolerance=1e-12))
     short: dict[str, Any] = {"wear_updates": 0, "cycles": 3, "engine": "dae", "numerics": exact}
     scenes = [
-        pw.Scene(mechanism, process=process, bearings={"B": SOFT}, **short)
+        pw.Scene(mechanism, process=process, bearings={"B": SOFT}, conventions="standard", **short)
         for mechanism, process in (
             (linkage, replace(THIN_SHEET, bottom="highest")),
             (turned, THIN_SHEET),

@@ -138,6 +138,15 @@ def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
         assert check.bound == crosscheck.MEAN_BOUND
 
 
+def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
+    # 15.4 +- 3.0 % alone, +- 5.4 % among 300 comparisons
+    one, two = pw.Estimate(100.0, 97.8, 102.2), pw.Estimate(116.7, 114.3, 119.1)
+    alone = crosscheck.mean_check("peak force", one, two)
+    assert isinstance(alone, crosscheck.Check)
+    assert not alone.passed
+    assert isinstance(crosscheck.mean_check("peak force", one, two, 300), str)
+
+
 @pytest.mark.slow
 def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
     monkeypatch: pytest.MonkeyPatch,
