@@ -118,3 +118,16 @@ def test_a_machine_moves_alike_wherever_it_is_drawn(name: str, distance: float) 
         contacts, expected = contacts_of(run, k), contacts_of(at_origin, k)
         for column, tolerance in (("touchdown", 1e-6), ("closing_speed", 1e-4)):
             np.testing.assert_allclose(contacts[column][:3], expected[column][:3], rtol=tolerance)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_means_beyond_the_horizon_are_those_of_the_machine_at_the_origin(name: str) -> None:
+    linkage, joints = MACHINES[name]
+    means, errors = [], []
+    for distance in (0.0, 33.0, 1000.0):
+        run = run_of(moved(linkage, distance, distance), joints, 0.5e-3, 12)
+        distances = run.recorder.each_cycle("load_distance", 0)[2:]
+        means.append(distances.mean())
+        errors.append(distances.std(ddof=1) / math.sqrt(distances.size))
+    # Five standard errors: of a million processors one would miss it by chance.
+    assert np.ptp(means) < 5.0 * math.hypot(*sorted(errors)[1:])

@@ -14,7 +14,10 @@ from presswear.scene.settings import changed
 
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_of_the_catalog_are_plausible(name: str) -> None:
-    assert doubts(scene_named(name)) == []
+    lines = doubts(scene_named(name))
+    if name == "two-point":  # its guide and its rods hold the angle of the slide
+        assert "1 of the constraints of joints and drives repeats others" in lines.pop()
+    assert lines == []
 
 
 @pytest.mark.parametrize(
