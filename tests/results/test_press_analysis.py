@@ -443,9 +443,10 @@ def both() -> list[pw.Result]:
         guess={"crank": math.pi, "rod": math.pi},
     )
     exact = Numerics(dae=pw.InHouse(integration_tolerance=1e-12))
-    short: dict[str, Any] = {"wear_updates": 0, "cycles": 3, "engine": "dae", "numerics": exact}
+    short: dict[str, Any] = {"wear_updates": 0, "cycles": 3, "engine": "dae"}
+    short |= {"numerics": exact, "conventions": "standard"}
     scenes = [
-        pw.Scene(mechanism, process=process, bearings={"B": SOFT}, conventions="standard", **short)
+        pw.Scene(mechanism, process=process, bearings={"B": SOFT}, **short)
         for mechanism, process in (
             (linkage, replace(THIN_SHEET, bottom="highest")),
             (turned, THIN_SHEET),

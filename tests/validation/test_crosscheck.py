@@ -14,6 +14,7 @@ import presswear as pw
 from presswear.campaign.replicates import disturbed, start_of
 from presswear.physics.constraints import constraints_of
 from presswear.validation import crosscheck
+from presswear.validation.cases import Check
 
 
 @pytest.mark.parametrize("joints", ["A", "C", "AC"])
@@ -142,7 +143,7 @@ def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
     # 15.4 +- 3.0 % alone, +- 5.4 % among 300 comparisons
     one, two = pw.Estimate(100.0, 97.8, 102.2), pw.Estimate(116.7, 114.3, 119.1)
     alone = crosscheck.mean_check("peak force", one, two)
-    assert isinstance(alone, crosscheck.Check)
+    assert isinstance(alone, Check)
     assert not alone.passed
     assert isinstance(crosscheck.mean_check("peak force", one, two, 300), str)
 
