@@ -282,15 +282,7 @@ class SliderCrank(Mechanism):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        least = _MIN_ROD_RATIO * self.crank_length
-        if not self.rod_length >= least:
-            rod, crank, low, high = (
-                written(one, "m") for one in (self.rod_length, self.crank_length, least, MAX_LINK)
-            )
-            allowed = f"with crank_length = {crank} allowed is {low} to {high}"
-            raise InputError(
-                f"rod_length = {rod}: {allowed}; joint B does not close over the whole turn"
-            )
+        _check_rod(self.rod_length, self.crank_length, "joint B does not close")
 
     def _assemble(self) -> Linkage:
         # Crank and rod, from O to A and from A to B, begin in the direction of the slide.
@@ -464,13 +456,7 @@ class TwoPoint(Mechanism):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        least = _MIN_ROD_RATIO * self.crank_length
-        if not self.rod_length >= least:
-            raise InputError(
-                f"rod_length = {written(self.rod_length, 'm')}: with crank_length = "
-                f"{written(self.crank_length, 'm')} allowed is {written(least, 'm')} to "
-                f"{written(MAX_LINK, 'm')}; joints B1 and B2 do not close over the whole turn"
-            )
+        _check_rod(self.rod_length, self.crank_length, "joints B1 and B2 do not close")
 
     def _assemble(self) -> Linkage:
         half, up = 0.5 * self.distance, 0.5 * math.pi
@@ -495,6 +481,17 @@ class TwoPoint(Mechanism):
             guess={"rod 1": -up, "rod 2": -up},
             gravity=self.gravity,
             run_up=self.run_up,
+        )
+
+
+def _check_rod(rod: float, crank: float, fault: str) -> None:
+    """Raise InputError for a rod, m, that is not longer than its crank."""
+    least = _MIN_ROD_RATIO * crank
+    if not rod >= least:
+        allowed = f"{written(least, 'm')} to {written(MAX_LINK, 'm')}"
+        raise InputError(
+            f"rod_length = {written(rod, 'm')}: with crank_length = {written(crank, 'm')} allowed "
+            f"is {allowed}; {fault} over the whole turn"
         )
 
 
