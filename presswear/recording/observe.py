@@ -31,8 +31,9 @@ CYCLE_FIXED = (
 )
 DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
 BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK = 6, 7, 8
-CYCLE_JOINT = ("force_max", "load_distance", "contacts")
-FORCE_MAX, LOAD_DISTANCE, CONTACTS = range(3)  # columns of a joint, after those of the linkage
+# Columns of a joint, after those of the linkage. The place of its pin is that at the cycle's end.
+CYCLE_JOINT = ("force_max", "load_distance", "contacts", "eccentricity_x", "eccentricity_y")
+FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y = range(5)
 CYCLE_DRIVE = (
     *("torque_integral", "torque_square_integral", "power_square_integral"),
     *("work_given", "work_returned", "torque_peak", "power_peak"),

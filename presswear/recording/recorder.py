@@ -12,8 +12,12 @@ from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, settle
 from presswear.recording.film import Film
 from presswear.recording.observe import (
     CYCLE_FIXED,
+    CYCLE_FIXED_COUNT,
     CYCLE_JOINT,
+    CYCLE_JOINT_COUNT,
     DISPLACEMENT_MAX,
+    END_X,
+    END_Y,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
     SERIES_FIXED,
@@ -149,11 +153,19 @@ class Recorder:
 
     def end_cycle(self) -> Array:
         """Store the present cycle and start the next; return the depth that it added, m."""
+        self._note_pins()
         self.cycles = np.append(self.cycles, [self.records.cycle], axis=0)
         depth = self.records.depth.copy()
         self.maps.add(depth)
         self.start_cycle()
         return depth
+
+    def _note_pins(self) -> None:
+        """Write the places of the pins at the end of the cycle into its row."""
+        for k, contact in enumerate(self.records.contacts):
+            joint = self.records.cycle[CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k :]
+            joint[END_X] = contact["eccentricity_x"]
+            joint[END_Y] = contact["eccentricity_y"]
 
     def save(self) -> State:
         """Return all that is not in the linkage, the start and the plan, as named arrays.
