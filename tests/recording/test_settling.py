@@ -1,0 +1,113 @@
+"""Settled motions: repeating, irregular and mixed ones, and the half-life of a transient."""
+
+import math
+
+import numpy as np
+import pytest
+
+from presswear.recording.settling import (
+    REPEATED,
+    Settling,
+    half_life,
+    rest_of,
+    same_motions,
+    signatures,
+)
+
+
+def logistic(rate: float, count: int, first: float = 0.3) -> np.ndarray:
+    """Return an orbit of the logistic map, as places of one pin whose force is constant."""
+    orbit = np.empty(count)
+    orbit[0] = first
+    for n in range(1, count):
+        orbit[n] = rate * orbit[n - 1] * (1.0 - orbit[n - 1])
+    places = np.zeros((count, 1, 2))
+    places[:, 0, 0] = orbit
+    return signatures(places, np.ones((count, 1)))
+
+
+@pytest.mark.parametrize(("rate", "period"), [(2.8, 1), (3.2, 2), (3.5, 4)])
+def test_periods_of_the_logistic_map(rate: float, period: int) -> None:
+    """The periods of the map are in every textbook (May, Nature 261, 459, 1976)."""
+    rest = rest_of(logistic(rate, 60))
+    assert rest is not None
+    assert np.abs(logistic(rate, 400)[-1] - logistic(rate, 400)[-1 - period]).max() < 1e-9
+    assert period % rest.period == 0
+    assert rest.start < 10
+
+
+def test_the_chaotic_logistic_map_rarely_seems_to_settle() -> None:
+    orbit = logistic(4.0, 3000)
+    settled = [rest_of(orbit[:count]) is not None for count in range(20, 3000)]
+    # Near its unstable fixed points at 0 and 3/4 it stays for a few steps.
+    assert np.mean(settled) < 0.05
+
+
+def test_transient_chaos_settles_where_it_ends() -> None:
+    orbit = np.concatenate([logistic(4.0, 37), logistic(2.8, 30, 0.6)])
+    rest = rest_of(orbit)
+    assert rest is not None
+    assert abs(rest.start - 37) <= 2
+
+
+def test_fewer_cycles_than_must_repeat_are_not_settled() -> None:
+    assert rest_of(logistic(2.8, REPEATED - 1, 0.64)) is None
+    assert rest_of(logistic(2.8, REPEATED, 0.64)) is not None
+
+
+def test_forces_that_differ_by_a_factor_do_not_repeat() -> None:
+    forces = np.where(np.arange(40) % 7 == 0, 3000.0, 300.0)[:, np.newaxis]
+    assert rest_of(signatures(np.zeros((40, 1, 2)), forces)) is None
+
+
+def test_small_forces_do_not_count() -> None:
+    forces = np.full((40, 2), 1000.0)
+    forces[:, 1] = np.where(np.arange(40) % 7 == 0, 1e-3, 1e-6)
+    assert rest_of(signatures(np.zeros((40, 2, 2)), forces)) is not None
+
+
+def test_motions_are_the_same_where_their_means_are() -> None:
+    rests = [rest_of(logistic(rate, 60)) for rate in (2.8, 3.2, 2.81, 1.2)]
+    assert all(rests)
+    assert same_motions([rest for rest in rests if rest]) == [[0, 1, 2], [3]]
+
+
+def test_half_life_is_the_mean_time_times_the_logarithm_of_two() -> None:
+    estimate = half_life([10, 30], [20])
+    assert estimate is not None
+    assert estimate.mean == pytest.approx(30.0 * math.log(2.0))
+    assert estimate.low is not None
+    assert estimate.high is not None
+    assert estimate.low < estimate.mean < estimate.high
+
+
+def test_half_lives_of_exponential_times_hold_in_their_share_of_tries() -> None:
+    generator = np.random.default_rng(3)
+    limit, life, held, tries = 64, 39.0, 0, 400
+    for _ in range(tries):
+        times = generator.exponential(life / math.log(2.0), 4)
+        ended = [int(time) for time in times if time < limit]
+        estimate = half_life(ended, [limit] * (4 - len(ended)))
+        if estimate is None:
+            held += 1  # no statement
+            continue
+        assert estimate.low is not None
+        assert estimate.high is not None
+        held += estimate.low <= life <= estimate.high
+    assert 0.92 * tries < held
+
+
+def test_without_a_settled_run_there_is_no_half_life() -> None:
+    assert half_life([], [64, 64]) is None
+
+
+@pytest.mark.parametrize(
+    ("watched", "starts", "verdict"),
+    [
+        (50, (None, None), "irregular"),
+        (5, (None, None), "unwatched"),
+        (50, (12, None), "mixed"),
+    ],
+)
+def test_verdicts(watched: int, starts: tuple[int | None, ...], verdict: str) -> None:
+    assert Settling(watched, starts, ()).verdict == verdict
