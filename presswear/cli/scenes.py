@@ -14,7 +14,7 @@ from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.plausible import doubts
-from presswear.scene.scene import ENGINES
+from presswear.scene.scene import ENGINES, Scene
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError, not_installed, unknown
 from presswear.tools.files import check_ending
@@ -54,8 +54,11 @@ def new(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def show(arguments: argparse.Namespace, console: Console) -> int:
-    """Draw the mechanism of a scene."""
+    """Draw the mechanism of a scene, or print its equations of motion."""
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
+    if arguments.equations:
+        console.print(_equations_of(scene), highlight=False, markup=False, soft_wrap=True)
+        return 0
     time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
     check_ending(file, ".png", option="--out")
@@ -67,6 +70,21 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
     warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
     print_lines(console, drawing.caption, *warnings, f"picture in {file}")
     return 0
+
+
+def _equations_of(scene: Scene) -> str:
+    """Return the equations of motion of a scene as text; InputError where none can be written."""
+    from presswear.physics.equations.writer import write_equations
+    from presswear.physics.packed import pack
+
+    linkage = scene.linkage()
+    equations = write_equations(linkage, pack(linkage))
+    if isinstance(equations, str):
+        raise InputError(
+            f"{scene.name}: no equations can be written in the fewest coordinates, because "
+            f"{equations}; they have Lagrange multipliers"
+        )
+    return equations.listing
 
 
 def completion(arguments: argparse.Namespace, console: Console) -> int:

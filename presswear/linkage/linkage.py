@@ -529,12 +529,18 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     bodies with prescribed motion, or from nothing. An open tree has no forces of its joints, which
     the friction of rigid joints needs.
     """
-    for joint in linkage.rubbing_pins:
-        return f"joint {joint.name} rubs without clearance, and its friction needs the joint force"
     prescribed = prescribed_of(linkage)
     for drive in linkage.drives:
         if drive.body not in prescribed:
             return f"{drive.name} turns a body that is free to move"
+    return free_branches(linkage)
+
+
+def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
+    """Return the result of ``branches_of`` for a linkage whose drives may turn free bodies."""
+    for joint in linkage.rubbing_pins:
+        return f"joint {joint.name} rubs without clearance, and its friction needs the joint force"
+    prescribed = prescribed_of(linkage)
     if len(prescribed) == len(linkage.bodies):
         return "the drives hold every body"
     joints: list[Joint] = [*linkage.revolutes, *linkage.guides]

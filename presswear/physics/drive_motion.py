@@ -13,7 +13,7 @@ from presswear.tools.lanes import where
 MOTION = np.dtype(
     [
         *floats("speed", "angle"),  # the mean speed, with what the pieces turn in a cycle
-        ("base", np.float64),  # frequency of the first harmonic, rad/s
+        ("fundamental", np.float64),  # frequency of the first harmonic, rad/s
         ("count", np.int64),  # of harmonics
         ("cosine", np.float64, (MAX_HARMONICS,)),
         ("sine", np.float64, (MAX_HARMONICS,)),
@@ -92,16 +92,16 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     speed: float = drive.speed
     faster = 0.0
     for k in range(drive.count):
-        w = (k + 1) * drive.base
+        w = (k + 1) * drive.fundamental
         cosine, sine = math.cos(w * t), math.sin(w * t)
         turned += drive.cosine[k] * (cosine - 1.0) + drive.sine[k] * sine
         speed += w * (drive.sine[k] * cosine - drive.cosine[k] * sine)
         faster -= w * w * (drive.cosine[k] * cosine + drive.sine[k] * sine)
     if drive.pieces > 0:
-        value, slope, bend = piece_motion(drive, drive.base * t)
+        value, slope, bend = piece_motion(drive, drive.fundamental * t)
         turned += value
-        speed += drive.base * slope
-        faster += drive.base * drive.base * bend
+        speed += drive.fundamental * slope
+        faster += drive.fundamental * drive.fundamental * bend
     if drive.run_up > 0.0:
         faster = faster * rate * rate + speed * rise
         speed *= rate
@@ -128,14 +128,14 @@ def break_after(drive: Records, t: float) -> float:
     if drive.pieces == 0:
         return earliest
     followed = run_up_motion(duration, t)[0] if duration > 0.0 else t
-    phase = drive.base * followed
+    phase = drive.fundamental * followed
     near = _NEAR * (1.0 + phase)
     # A phase that is short of a whole turn by round-off belongs to the next.
     passed = _TURN * math.floor((phase + near) / _TURN)
     ahead = phase - passed + near
     i = place_of(drive, ahead) + 1
     ahead = drive.start[i] if i < drive.pieces else _TURN + drive.start[0]
-    followed = (passed + ahead) / drive.base
+    followed = (passed + ahead) / drive.fundamental
     if followed >= 0.5 * duration:
         return min(earliest, followed + 0.5 * duration)
     low, high = t, duration
@@ -169,7 +169,8 @@ def motions_of(linkage: Linkage) -> Records:
     for motion, drive in zip(motions, linkage.drives, strict=True):
         if drive.follow is not None:
             raise ValueError(f"{drive.name} follows a curve: its motion has to be found first")
-        motion["speed"], motion["angle"], motion["base"] = drive.mean_speed, drive.angle, drive.base
+        motion["speed"], motion["angle"] = drive.mean_speed, drive.angle
+        motion["fundamental"] = drive.base
         motion["count"], motion["run_up"] = len(drive.harmonics), linkage.run_up_time
         for k, (cosine, sine) in enumerate(drive.harmonics):
             motion["cosine"][k], motion["sine"][k] = cosine, sine

@@ -39,7 +39,7 @@ from presswear.physics.segment import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import compiled, fused, fused_inlined
-from presswear.tools.lanes import anywhere, lane_of, lanes_at
+from presswear.tools.lanes import anywhere, lane_of, lanes_at, where
 
 # Rows of each surface, of the bearing from 0 and of the pin from 5: depth, m, and slope, m/rad, at
 # the bin centres; coefficients of x^2 and x^3 of the cubic after each, m/rad^2 and m/rad^3; bound
@@ -247,7 +247,8 @@ def press(
     for first in range(0, cells, TOGETHER):
         # Most cells are passed over: overlap at both ends and bulges bound it from above.
         bounds = overlap_at_nodes(surfaces, b, p, first, *parts)
-        bounds = max(bounds, overlap_at_nodes(surfaces, b + 1, p + 1, first + 1, *parts))
+        following = overlap_at_nodes(surfaces, b + 1, p + 1, first + 1, *parts)
+        bounds = where(following > bounds, following, bounds)
         bounds += lanes_at(surfaces, BEARING + BULGE, b) + lanes_at(surfaces, PIN + BULGE, p)
         if anywhere(bounds > needed + min(sums.overlap, 0.0)):
             for i in range(first, min(first + TOGETHER, cells)):

@@ -5,7 +5,7 @@ machine code, so that no kernel is compiled again for them.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -245,22 +245,44 @@ def threlfall_friction(
     return -math.copysign(coefficient * part * normal, sliding)
 
 
+@inlined
+def ramp_friction(
+    sliding: float, normal: float, coefficient: float, lower: float, upper: float
+) -> float:
+    """Return the friction force along t, N: -c_f c_d F_n sign(v_t) (equation 9).
+
+    The dynamic correction c_d rises from 0 at the lower speed to 1 at the upper.
+    """
+    speed = abs(sliding)
+    ramp = max((speed - lower) / (upper - lower), 0.0)
+    ramp = where(speed < upper, ramp, 1.0)
+    return -math.copysign(coefficient * ramp * normal, sliding)
+
+
 # Friction forces of FRICTION_PARAMETERS by name, but for the one with bristles
-FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfall_friction}
+FRICTION_FORCES = {
+    "ramp": ramp_friction,
+    "smooth": smooth_friction,
+    "threlfall": threlfall_friction,
+}
 
 
 @inlined
 def friction_force(sliding: float, normal: float, law: Records) -> float:
-    """Return the friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
-
-    The dynamic correction c_d rises from 0 at the lower speed to 1 at the upper.
-    """
+    """Return the friction force along t, N, by a record of FRICTION."""
     if law.force == INLINE:
-        speed = abs(sliding)
-        ramp = max((speed - law.lower) / (law.upper - law.lower), 0.0)
-        ramp = where(speed < law.upper, ramp, 1.0)
-        return -math.copysign(law.coefficient * ramp * normal, sliding)
+        return ramp_friction(sliding, normal, law.coefficient, law.lower, law.upper)
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
+
+
+class Bristles(NamedTuple):
+    """Parameters of LuGre's law; see ``linkage.laws.FrictionLaw``."""
+
+    coefficient: float
+    static: float
+    stribeck: float
+    bristle_stiffness: float
+    bristle_damping: float
 
 
 @inlined
@@ -327,7 +349,7 @@ ABRUPT = 1e3  # damped force over the elastic one at the touch from which a law 
 
 def normal_record(law: NormalLaw, clearance: float) -> Records:
     """Return a normal law as a record of NORMAL, for a clearance, m."""
-    record = np.zeros(1, NORMAL)[0]
+    record = np.zeros(1, NORMAL).view(np.recarray)[0]
     record["stiffness"] = record["estimated_stiffness"] = law.stiffness
     record["exponent"] = record["estimated_exponent"] = law.exponent
     record["damping"], record["clearance"] = law.damping, clearance
@@ -355,12 +377,13 @@ def friction_record(law: FrictionLaw) -> Records:
     """Return a friction law as a record of FRICTION."""
     record = np.zeros(1, FRICTION)[0]
     record["coefficient"], record["lower"], record["upper"] = law.coefficient, law.lower, law.upper
-    force = FRICTION_FORCES.get(law.name)
+    force: Any = FRICTION_FORCES.get(law.name)
     if law.name == LUGRE and law.coefficient > 0.0:
         record["static"] = max(law.static, law.coefficient)
         record["stribeck"], record["bristle_damping"] = law.stribeck, law.bristle_damping
         record["bristle_stiffness"] = law.bristle_stiffness
     if law.user_law is not None:
         force = compile_function(law.user_law, FRICTION_PARAMETERS)
-    record["force"] = INLINE if force is None else address_of(force, len(FRICTION_PARAMETERS))
+    is_inline = force in (None, ramp_friction)
+    record["force"] = INLINE if is_inline else address_of(force, len(FRICTION_PARAMETERS))
     return record

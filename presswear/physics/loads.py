@@ -547,13 +547,38 @@ def spring_energy(springs: Records, q: Array) -> float:
     return energy
 
 
+@inlined
+def spring_pull(
+    dx: float,
+    dy: float,
+    dvx: float,
+    dvy: float,
+    stiffness: float,
+    damping: float,
+    length: float,
+) -> tuple[float, float, float]:
+    """Return the force on the first end of a spring, N, and the power of its damper, W.
+
+    ``dx`` to ``dvy`` are the way from the first end to the second, m, and its rate. A spring of
+    length 0 is linear, k e, and has no force where its ends meet. With another length the force has
+    no direction there, and is not finite.
+    """
+    distance = math.sqrt(dx * dx + dy * dy)
+    elastic = stiffness * (distance - length)
+    if distance == 0.0 and length == 0.0:
+        # Ends that meet have the direction in which they part.
+        dx = dvx
+        dy = dvy
+        speed = math.sqrt(dvx * dvx + dvy * dvy)
+        distance = speed if speed > 0.0 else 1.0
+    rate = (dx * dvx + dy * dvy) / distance
+    pull = elastic + damping * rate
+    return pull * dx / distance, pull * dy / distance, -damping * rate * rate
+
+
 @lazily_compiled(0, np.zeros(0, SPRING), 1, 1, 1)
 def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
-    """Add the forces of the springs to the generalized forces; returns their dampers' power, W.
-
-    A spring of length 0 is linear, -k e, and has no force where its ends meet. With another length
-    the force has no direction there, and is not finite.
-    """
+    """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
     power = 0.0
     for i in range(springs.shape[0]):
         spring = springs[i]
@@ -564,19 +589,12 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
             if b >= 0:
                 dvx += sign * (v[b] - v[b + 2] * y)
                 dvy += sign * (v[b + 1] + v[b + 2] * x)
-        length = math.sqrt(dx * dx + dy * dy)
-        elastic = spring.stiffness * (length - spring.length)
-        if length == 0.0 and spring.length == 0.0:
-            # Ends that meet have the direction in which they part.
-            dx, dy = dvx, dvy
-            speed = math.sqrt(dvx * dvx + dvy * dvy)
-            length = speed if speed > 0.0 else 1.0
-        rate = (dx * dvx + dy * dvy) / length
-        pull = elastic + spring.damping * rate
-        power -= spring.damping * rate * rate
+        numbers = spring.stiffness, spring.damping, spring.length
+        pull_x, pull_y, supplied = spring_pull(dx, dy, dvx, dvy, *numbers)
+        power += supplied
         for b, x, y, sign in ends:
             if b >= 0:
-                fx, fy = -sign * pull * dx / length, -sign * pull * dy / length
+                fx, fy = -sign * pull_x, -sign * pull_y
                 force[b] += fx
                 force[b + 1] += fy
                 force[b + 2] += x * fy - y * fx

@@ -34,7 +34,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import digest
 from presswear.tools.kernel_cache import KernelCache
-from presswear.tools.lanes import COUNTS, Lanes, lane_by_lane
+from presswear.tools.lanes import COUNTS, Lanes, intrinsic_with, lane_by_lane
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -87,16 +87,22 @@ def on_compiling(report: Callable[[], object]) -> AbstractContextManager[Any]:
 
 
 class Kernel:
-    """Compiled function; its machine code is made or loaded at the first call."""
+    """Compiled function; its machine code is made or loaded at the first call.
 
-    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
+    A function that was written at run time has its ``text``, and the ``file`` in which its names
+    are defined.
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], file: str = "", text: str = "", **options: Any
+    ) -> None:
         update_wrapper(self, function)
         self.py_func, self._options = function, {**_OPTIONS, **options}
         self._name = f"{function.__module__}.{function.__qualname__}"
-        source = function.__code__.co_filename
+        source = file or function.__code__.co_filename
         is_stored = source.startswith(f"{_PACKAGE}{os.sep}") and not function.__closure__
         # Later the file may be a new version.
-        self._sources = _sources_digest(source) if is_stored else None
+        self._sources = text + _sources_digest(source) if is_stored else None
 
     def dispatcher(self, **wrappers: bool) -> Any:
         """Return the function compiled by numba and stored, with all that it calls."""
@@ -266,7 +272,12 @@ def is_compiled_elsewhere(kernel: Callable[..., Any], *arguments: Any) -> bool:
     return bool(dispatcher._cache.is_locked(kinds, dispatcher.targetctx))
 
 
-@intrinsic
+def _call_in_python(address: int, arguments: tuple[float, ...]) -> float:
+    kind = ctypes.CFUNCTYPE(*[ctypes.c_double] * (1 + len(arguments)))
+    return float(kind(int(address))(*arguments))
+
+
+@intrinsic_with(_call_in_python)
 def _call(typing: Any, address: Any, arguments: Any) -> Any:
     lanes = [kind for kind in arguments.types if isinstance(kind, Lanes)]
     count, double = len(arguments), ir.DoubleType()
@@ -295,6 +306,9 @@ _called: list[Any] = []  # machine code that is called by address must stay in m
 def address_of(kernel: Callable[..., float], count: int) -> int:
     """Return the address of a compiled function of so many numbers, for ``call``."""
     dispatcher: Any = kernel.dispatcher() if isinstance(kernel, Kernel) else kernel
+    if config.DISABLE_JIT:
+        _called.append(ctypes.CFUNCTYPE(*[ctypes.c_double] * (1 + count))(dispatcher))
+        return int(ctypes.cast(_called[-1], ctypes.c_void_p).value or 0)
     numbers = (types.float64,) * count
     dispatcher.compile(numbers)
     code = dispatcher.overloads[numbers]
@@ -355,7 +369,16 @@ def _fill(packed: PackedArguments, arguments: Any) -> None:
     _store(packed, arguments)
 
 
-@intrinsic
+def _readable(arguments: Any) -> Any:
+    """Return arguments whose records have attributes, as they have in kernels."""
+    if isinstance(arguments, tuple):
+        parts = map(_readable, arguments)
+        return type(arguments)(*parts) if hasattr(arguments, "_fields") else tuple(parts)
+    has_names = isinstance(arguments, np.ndarray) and arguments.dtype.names
+    return arguments.view(np.recarray) if has_names else arguments
+
+
+@intrinsic_with(lambda packed: _readable(packed.arguments))
 def _load(typing: Any, packed: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         pointer = context.get_value_type(packed.dtype).as_pointer()
@@ -383,6 +406,10 @@ _packing: dict[Any, tuple[Any, int, Any]] = {}
 
 def pack_arguments(*arguments: Any) -> PackedArguments:
     """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
+    if config.DISABLE_JIT:
+        packed = PackedArguments()
+        packed.arguments = arguments
+        return packed
     layout = _layout(arguments)
     if layout not in _packing:
         context, kind = cpu_target.target_context, numba.typeof(arguments)

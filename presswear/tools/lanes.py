@@ -13,16 +13,37 @@ from typing import Any, cast
 
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils, extending, types
 from numba.core.datamodel import models
 from numba.core.typeconv import Conversion
 from numba.core.typing.templates import ConcreteTemplate, infer_global
-from numba.extending import intrinsic, lower_builtin, lower_cast, register_model, typeof_impl
+from numba.extending import lower_builtin, lower_cast, register_model, typeof_impl
 
 from presswear.tools.arrays import Array
 
 COUNTS = (2, 4)  # numbers of lanes; eight would take 0.93 of the time of four, for each
 _DOUBLE, _BIT = ir.DoubleType(), ir.IntType(1)
+
+
+class _Intrinsic(extending._Intrinsic):
+    """Code for kernels that also has a function for plain Python."""
+
+    in_python: Callable[..., Any]
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.in_python(*arguments)
+
+
+def intrinsic_with(in_python: Callable[..., Any]) -> Callable[[Callable[..., Any]], Any]:
+    """Define code for kernels, beside a function that does the same in plain Python."""
+
+    def define(code: Callable[..., Any]) -> Any:
+        made = _Intrinsic(code.__name__, code)
+        made._register()
+        made.in_python = in_python
+        return made
+
+    return define
 
 
 class Lanes(types.Type):
@@ -193,7 +214,7 @@ _operation(operator.ne, lambda builder, x, y: builder.fcmp_unordered("!=", x, y)
 _operation(operator.and_, lambda builder, x, y: builder.and_(x, y), 2, True, True)
 
 
-@intrinsic
+@intrinsic_with(lambda condition, one, second: cast(Any, np.where)(condition, one, second)[()])
 def _where(typing: Any, condition: Any, one: Any, second: Any) -> Any:
     counts = [kind.count for kind in (condition, one, second) if isinstance(kind, Lanes)]
     kind: Any = Lanes(counts[0]) if counts else types.float64
@@ -207,7 +228,7 @@ where = cast(Callable[[bool, float, float], float], _where)
 """In a kernel: the first number where a condition holds, else the second; both are computed."""
 
 
-@intrinsic
+@intrinsic_with(np.any)
 def _anywhere(typing: Any, condition: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         if not isinstance(condition, Lanes):
@@ -222,7 +243,7 @@ anywhere = cast(Callable[[bool], bool], _anywhere)
 """In a kernel: whether a condition holds in any lane; of a single number, whether it holds."""
 
 
-@intrinsic
+@intrinsic_with(np.rint)
 def _rounded(typing: Any, x: Any) -> Any:
     rint = _by_name("llvm.rint")
     return x(x), lambda context, builder, signature, values: rint(builder, *values)
@@ -232,7 +253,7 @@ rounded = cast(Callable[[float], float], _rounded)
 """In a kernel: the nearest whole number, of two the even one."""
 
 
-@intrinsic
+@intrinsic_with(lambda array, row, column: array[row, column : column + COUNTS[-1]])
 def _lanes_at(typing: Any, array: Any, row: Any, column: Any) -> Any:
     count = COUNTS[-1]
 
@@ -249,7 +270,7 @@ lanes_at = cast(Callable[[Array, int, int], float], _lanes_at)
 """In a kernel: four neighbours in a row of an array of single numbers, from a column, as lanes."""
 
 
-@intrinsic
+@intrinsic_with(lambda lanes, index: lanes[index])
 def _lane_of(typing: Any, lanes: Any, index: Any) -> Any:
     signature = types.float64(lanes, types.intp)
     return signature, lambda context, builder, _, values: builder.extract_element(*values)

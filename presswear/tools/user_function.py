@@ -227,6 +227,8 @@ def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Cal
     call = f"float({function.name}({used}))"
     exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)
     kernel: Any = compiler(namespace["kernel"])
+    if numba.config.DISABLE_JIT:
+        return cast(Callable[..., float], kernel)
     try:
         kernel.compile((numba.float64,) * len(parameters))
     # The text may be any Python. Numba has no common base for its errors: what it does not support

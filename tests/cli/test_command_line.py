@@ -106,6 +106,7 @@ new press no/x.toml: no/x.toml cannot be written: No such file or directory
 show wear-times --at 3: --at = '3' has no unit
 show wear-times --out x.pdf: x.pdf: the name must end in .png
 show wear-times --out no/x.png: there is no folder no
+show ideal --equations: ideal: no equations & the drives hold every body
 completion bsh: unknown shell 'bsh'; did you mean bash?
 """
 
@@ -237,6 +238,9 @@ def test_a_new_file_is_listed_drawn_and_run(
     assert {key, "clearance", "wear_updates"} <= set(keys)
     command("show mine.toml --at 10ms")
     assert Path("mine.png").read_bytes().startswith(b"\x89PNG")
+    equations = command("show mine.toml --equations")
+    assert equations.startswith("def equations(")
+    compile(equations, "mine.toml", "exec")
     options = "--engine dae --cycles 1 --wear-updates 0 --set replicates=1"
     assert "report in out" in command(f"run mine.toml --out out {options}")
 

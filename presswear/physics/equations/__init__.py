@@ -1,0 +1,1 @@
+"""Equations of motion written for a linkage, as one function of straight-line Python text."""

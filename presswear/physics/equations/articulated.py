@@ -1,0 +1,226 @@
+"""Accelerations of a tree under forces, from articulated bodies.
+
+From the leaves inwards each body presents two things at the hinge to its parent: a mass of two by
+two that resists an acceleration of the hinge, and the force at rest. Outwards the accelerations
+follow (Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.3). The angle of each body counts from
+the frame here, because a hinge transmits a force and no moment.
+"""
+
+from typing import NamedTuple
+
+from presswear.physics.equations.bodies import centripetal, hinge_acceleration
+from presswear.physics.equations.chain import Chain, Link
+from presswear.physics.equations.text import (
+    ONE,
+    ZERO,
+    Text,
+    Vector,
+    difference,
+    negative,
+    product,
+    quotient,
+    square,
+    total,
+)
+
+
+class Mass(NamedTuple):
+    """Expressions of a symmetric matrix of two by two."""
+
+    xx: str = ZERO
+    xy: str = ZERO
+    yy: str = ZERO
+
+    def plus(self, *masses: "Mass") -> "Mass":
+        """Return the sum of matrices."""
+        return Mass(*(total(*terms) for terms in zip(self, *masses, strict=True)))
+
+    def times(self, vector: Vector) -> Vector:
+        """Return the product with a vector."""
+        return Vector(
+            total(product(self.xx, vector.x), product(self.xy, vector.y)),
+            total(product(self.xy, vector.x), product(self.yy, vector.y)),
+        )
+
+    def named(self, text: Text, name: str) -> "Mass":
+        """Assign the entries to names."""
+        return Mass(*(text.let(f"{name}_{entry}", getattr(self, entry)) for entry in self._fields))
+
+
+class Articulated:
+    """A free body with all that hangs from it, about its mass centre.
+
+    An acceleration a of the mass centre and an angular acceleration alpha need the force
+    mass a + coupling alpha and the moment coupling . a + inertia alpha.
+    """
+
+    def __init__(self, text: Text, link: Link) -> None:
+        self.text, self.link, self.prefix = text, link, link.prefix
+        mass = text.parameter(f"{link.prefix}_mass", link.body.mass)
+        self.mass = Mass(mass, ZERO, mass)
+        self.coupling = Vector()
+        self.inertia = text.parameter(f"{link.prefix}_inertia", link.body.effective_inertia)
+        self.is_leaf = True
+        # Motion of the mass centre with the coordinate of the body, and what that motion needs
+        self.way = link.guide
+        self.momentum = self.force = Vector()
+        self.moment = self.effort = self.mobility = ZERO
+
+    def add(self, child: Link, mass: Mass, force: Vector) -> None:
+        """Add the mass and the force that a child presents at its hinge."""
+        arm = self.link.arm(self.text, child.branch.before, child.joint)
+        force = force.plus(mass.times(arm).times(square(self.link.omega)))
+        self.link.add_force(arm, self.text.let_vector(f"{child.prefix}_on_{self.prefix}", force))
+        self.mass = self.mass.plus(mass)
+        self.is_leaf = False
+        if not self.link.is_guided:
+            coupling = mass.times(arm.swept(ONE))
+            coupling = self.text.let_vector(f"{child.prefix}_coupling_on_{self.prefix}", coupling)
+            self.coupling = self.coupling.plus(coupling)
+            self.inertia = total(self.inertia, arm.cross(coupling))
+
+    def sum_up(self) -> None:
+        """Write the forces on the body, and its inertia once all children have added theirs."""
+        text, prefix, link = self.text, self.prefix, self.link
+        text.comment(f"{link.body.name}: forces and inertia")
+        self.force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
+        self.moment = text.let(f"{prefix}_moment", total(*link.moments))
+        self.mass = self.mass.named(text, f"{prefix}_mass")
+        self.coupling = text.let_vector(f"{prefix}_coupling", self.coupling)
+        self.inertia = text.let(f"{prefix}_total_inertia", self.inertia)
+        if link.is_guided:
+            self.momentum = self.mass.times(self.way)
+            self.effort = text.let(f"{prefix}_effort", self.way.dot(self.force))
+            self._set_mobility(link.body.mass, self.way.dot(self.momentum))
+        elif not link.is_loose:
+            self._sum_about_hinge()
+
+    def _sum_about_hinge(self) -> None:
+        """Write moment and inertia about the hinge."""
+        text, prefix, link = self.text, self.prefix, self.link
+        arm = link.arm(text, link.branch.end, link.joint)
+        self.way = Vector(arm.y, negative(arm.x))
+        momentum = self.mass.times(self.way).plus(self.coupling)
+        self.momentum = text.let_vector(f"{prefix}_momentum", momentum)
+        moment = total(self.moment, self.way.dot(self.force))
+        self.effort = text.let(f"{prefix}_{link.joint}_moment", moment)
+        radius = link.branch.end.x**2 + link.branch.end.y**2
+        about = total(self.way.dot(self.momentum.plus(self.coupling)), self.inertia)
+        self._set_mobility(link.body.effective_inertia + link.body.mass * radius, about)
+
+    def _set_mobility(self, alone: float, together: str) -> None:
+        """Write one over the inertia along the coordinate, which of a single body is constant."""
+        name = f"{self.prefix}_mobility"
+        if self.link.drive is None:
+            self.mobility = (
+                self.text.parameter(name, 1.0 / alone)
+                if self.is_leaf
+                else self.text.let(name, quotient(ONE, together))
+            )
+
+    def present_to(self, parent: "Articulated") -> None:
+        """Write the mass and the force at rest at the hinge, as the parent meets them."""
+        text, prefix, link = self.text, self.prefix, self.link
+        circle = centripetal(link, link.arm(text, link.branch.end, link.joint))
+        circle = text.let_vector(f"{prefix}_centripetal", circle)
+        mass, yielding = self.mass, self.momentum.times(link.alpha)
+        if link.drive is None:
+            share = text.let_vector(f"{prefix}_share", self.momentum.times(self.mobility))
+            yielding = share.times(self.effort)
+            less = Mass(
+                negative(product(share.x, self.momentum.x)),
+                negative(product(share.x, self.momentum.y)),
+                negative(product(share.y, self.momentum.y)),
+            )
+            mass = mass.plus(less).named(text, f"{prefix}_hinge_mass")
+        force = self.force.minus(yielding).minus(mass.times(circle))
+        parent.add(link, mass, text.let_vector(f"{prefix}_hinge_force", force))
+
+    def release(self, size: int) -> None:
+        """Write the acceleration of the body and those of its coordinates."""
+        text, prefix, link = self.text, self.prefix, self.link
+        text.comment(f"{link.body.name}: acceleration")
+        place = size + link.coordinate
+        if link.is_loose:
+            self._release_loose()
+            accelerations = [*link.acceleration, link.alpha]
+        elif link.is_guided:
+            along = text.let(f"{prefix}_rate", product(self.mobility, self.effort))
+            link.acceleration = text.let_vector(f"{prefix}_a", self.way.times(along))
+            accelerations = [along]
+        else:
+            self._release_hinged()
+            is_relative = link.parent is not None and not link.parent.is_prescribed
+            before = link.parent.alpha if link.parent and is_relative else ZERO
+            accelerations = [difference(link.alpha, before)]
+        for k in range(link.size):
+            text.write(f"out[{link.coordinate + k}] = y[{place + k}]")
+            text.write(f"out[{place + k}] = {accelerations[k]}")
+
+    def _release_hinged(self) -> None:
+        text, prefix, link = self.text, self.prefix, self.link
+        carried = hinge_acceleration(text, link)
+        carried = carried.plus(centripetal(link, link.arm(text, link.branch.end, link.joint)))
+        carried = text.let_vector(f"{prefix}_carried", carried)
+        if link.drive is None:
+            rest = difference(self.effort, self.momentum.dot(carried))
+            link.alpha = text.let(f"{prefix}_alpha", product(self.mobility, rest))
+        turned = self.way.times(link.alpha)
+        link.acceleration = text.let_vector(f"{prefix}_a", carried.plus(turned))
+
+    def _release_loose(self) -> None:
+        """Write the accelerations of a body that no ideal joint holds.
+
+        Without its turn first: what hangs from it never makes the two equations for its
+        translation singular.
+        """
+        text, prefix, link, mass = self.text, self.prefix, self.link, self.mass
+        if self.is_leaf:
+            link.acceleration = text.let_vector(
+                f"{prefix}_a", Vector(*(quotient(each, mass.xx) for each in self.force))
+            )
+            if link.drive is None:
+                link.alpha = text.let(f"{prefix}_alpha", quotient(self.moment, self.inertia))
+            return
+        determinant = difference(product(mass.xx, mass.yy), square(mass.xy))
+        part = text.let(f"{prefix}_part", quotient(ONE, determinant))
+        inverse = Mass(
+            product(part, mass.yy), negative(product(part, mass.xy)), product(part, mass.xx)
+        )
+        inverse = inverse.named(text, f"{prefix}_mobility")
+        free = text.let_vector(f"{prefix}_free", inverse.times(self.force))
+        turn = text.let_vector(f"{prefix}_turn", inverse.times(self.coupling))
+        if link.drive is None:
+            moment = difference(self.moment, self.coupling.dot(free))
+            inertia = difference(self.inertia, self.coupling.dot(turn))
+            link.alpha = text.let(f"{prefix}_alpha", f"({moment}) / ({inertia})")
+        link.acceleration = text.let_vector(f"{prefix}_a", free.minus(turn.times(link.alpha)))
+
+    def reaction(self) -> Vector:
+        """Return the force on the parent at the hinge."""
+        return self.force.minus(self._needed())
+
+    def _needed(self) -> Vector:
+        """Return the force that the motion needs."""
+        link = self.link
+        return self.mass.times(link.acceleration).plus(self.coupling.times(link.alpha))
+
+    def torque(self) -> str:
+        """Return the torque that the drive of the body gives."""
+        link = self.link
+        turning = total(self.coupling.dot(link.acceleration), product(self.inertia, link.alpha))
+        if link.is_loose:
+            return difference(turning, self.moment)
+        return difference(total(turning, self.way.dot(self._needed())), self.effort)
+
+
+def solve_tree(text: Text, chain: Chain) -> dict[str, Articulated]:
+    """Write the accelerations of all free bodies; return them by the names of their variables."""
+    bodies = {link.prefix: Articulated(text, link) for link in chain.free}
+    for link in reversed(chain.free):
+        bodies[link.prefix].sum_up()
+        if link.parent is not None and not link.parent.is_prescribed:
+            bodies[link.prefix].present_to(bodies[link.parent.prefix])
+    for link in chain.free:
+        bodies[link.prefix].release(chain.size)
+    return bodies

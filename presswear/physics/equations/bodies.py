@@ -1,0 +1,140 @@
+"""Positions and velocities of the bodies, and accelerations of those that drives prescribe."""
+
+import math
+
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Guide
+from presswear.linkage.linkage import Linkage
+from presswear.physics.drive_motion import is_steady
+from presswear.physics.equations.chain import Chain, Link
+from presswear.physics.equations.text import Text, Vector, product, square, total
+
+
+def place_bodies(text: Text, chain: Chain) -> None:
+    """Write the positions and velocities of all bodies, and all motion of prescribed ones."""
+    if chain.has_loops:
+        _read_loops(text, chain)
+    for link in chain.links:
+        if not (link.is_prescribed and chain.has_loops):
+            text.comment(_title(link))
+            _turn(text, chain, link)
+            _place(text, chain, link)
+        if link.is_prescribed and not chain.has_loops:
+            _accelerate(text, link)
+
+
+def _title(link: Link) -> str:
+    """Return a comment on what holds a body."""
+    name = link.body.name
+    joint = link.branch.joint
+    if joint is None or link.parent is None:
+        return f"{name}: held by no ideal joint"
+    if link.is_guided:
+        return f"{name}: slides along {joint.name}"
+    words = f"{name}: turns about {joint.name} on {link.parent.body.name}"
+    return f"{words}, driven" if link.drive is not None else words
+
+
+def _read_loops(text: Text, chain: Chain) -> None:
+    """Write the motion of prescribed bodies in closed loops, which Newton's method finds."""
+    text.comment("bodies that drives move in closed loops")
+    text.write("q, v, a, force, axes = data.bodies")
+    text.write("place_prescribed(data.prescribed, t, q, v, a, axes)")
+    for link in chain.prescribed:
+        x, y, turn = link.place, link.place + 1, link.place + 2
+        prefix = link.prefix
+        link.position = text.let_vector(prefix, Vector(f"q[{x}]", f"q[{y}]"))
+        link.velocity = text.let_vector(f"{prefix}_v", Vector(f"v[{x}]", f"v[{y}]"))
+        link.acceleration = text.let_vector(f"{prefix}_a", Vector(f"a[{x}]", f"a[{y}]"))
+        link.angle = text.let(f"{prefix}_angle", f"q[{turn}]")
+        link.omega = text.let(f"{prefix}_omega", f"v[{turn}]")
+        link.alpha = text.let(f"{prefix}_alpha", f"a[{turn}]")
+        link.axis = text.let_vector(f"{prefix}_axis", Vector(f"axes[{x}]", f"axes[{y}]"))
+
+
+def _turn(text: Text, chain: Chain, link: Link) -> None:
+    """Write angle and angular velocity of a body; with a drive the angular acceleration, too."""
+    prefix = link.prefix
+    if isinstance(link.branch.joint, Guide):
+        fixed = link.branch.joint.angle
+        link.angle = text.parameter(f"{prefix}_angle", fixed)
+        link.axis = Vector(
+            text.direction(f"{prefix}_cos", math.cos(fixed)),
+            text.direction(f"{prefix}_sin", math.sin(fixed)),
+        )
+        return
+    if link.drive is not None:
+        _drive(text, chain.linkage, link, chain.linkage.drives[link.drive])
+    else:
+        place = link.coordinate + (2 if link.is_loose else 0)
+        angle, omega = f"y[{place}]", f"y[{chain.size + place}]"
+        # Coordinates of a body on a free body are relative to it.
+        if link.parent is not None and not link.parent.is_prescribed:
+            angle, omega = total(link.parent.angle, angle), total(link.parent.omega, omega)
+        link.angle = text.let(f"{prefix}_angle", angle)
+        link.omega = text.let(f"{prefix}_omega", omega)
+    link.axis = Vector(f"{prefix}_cos", f"{prefix}_sin")
+    text.write(f"{link.axis.x}, {link.axis.y} = cos_sin({link.angle})")
+
+
+def _drive(text: Text, linkage: Linkage, link: Link, drive: Drive) -> None:
+    """Write the motion that a drive prescribes."""
+    prefix = link.prefix
+    start = text.parameter(f"{prefix}_start_angle", drive.angle)
+    if is_steady(linkage, drive):
+        link.omega = text.parameter(f"{prefix}_omega", drive.mean_speed)
+        turned = product(link.omega, "t")
+    else:
+        turned, link.omega, link.alpha = (
+            f"{prefix}_{name}" for name in ("turned", "omega", "alpha")
+        )
+        motion = f"uneven_motion(data.motions[{link.drive}], t)"
+        text.write(f"{turned}, {link.omega}, {link.alpha} = {motion}")
+    link.angle = text.let(f"{prefix}_angle", total(start, turned))
+
+
+def _place(text: Text, chain: Chain, link: Link) -> None:
+    """Write the position and velocity of the mass centre of a body."""
+    prefix, joint = link.prefix, link.branch.joint
+    place, rate = link.coordinate, chain.size + link.coordinate
+    if link.parent is None:
+        position = Vector(f"y[{place}]", f"y[{place + 1}]")
+        velocity = Vector(f"y[{rate}]", f"y[{rate + 1}]")
+    elif isinstance(joint, Guide):
+        link.guide = Vector(
+            text.direction(f"{prefix}_guide_x", math.cos(joint.direction)),
+            text.direction(f"{prefix}_guide_y", math.sin(joint.direction)),
+        )
+        start = link.parent.arm(text, link.branch.before, link.joint)
+        distance = text.let(f"{prefix}_distance", f"y[{place}]")
+        position = start.plus(link.guide.times(distance))
+        velocity = link.guide.times(text.let(f"{prefix}_speed", f"y[{rate}]"))
+    else:
+        hinge = link.parent.arm(text, link.branch.before, link.joint)
+        arm = link.arm(text, link.branch.end, link.joint)
+        position = link.parent.position.plus(hinge).minus(arm)
+        velocity = link.parent.velocity_at(hinge).minus(arm.swept(link.omega))
+    link.position = text.let_vector(prefix, position)
+    link.velocity = text.let_vector(f"{prefix}_v", velocity)
+
+
+def hinge_acceleration(text: Text, link: Link) -> Vector:
+    """Write the acceleration of the point of the parent on which a body turns."""
+    parent = link.parent
+    assert parent is not None
+    hinge = parent.arm(text, link.branch.before, link.joint)
+    turning = hinge.swept(parent.alpha).minus(hinge.times(square(parent.omega)))
+    return text.let_vector(f"{parent.prefix}_{link.joint}_a", parent.acceleration.plus(turning))
+
+
+def centripetal(link: Link, arm: Vector) -> Vector:
+    """Return the acceleration of a mass centre on a circle about its hinge."""
+    return arm.times(square(link.omega))
+
+
+def _accelerate(text: Text, link: Link) -> None:
+    """Write the acceleration of a body from those of its parent and of its own angle."""
+    arm = link.arm(text, link.branch.end, link.joint)
+    turning = centripetal(link, arm).minus(arm.swept(link.alpha))
+    acceleration = hinge_acceleration(text, link).plus(turning)
+    link.acceleration = text.let_vector(f"{link.prefix}_a", acceleration)

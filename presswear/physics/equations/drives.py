@@ -1,0 +1,86 @@
+"""Torques of drives, their power and the integrals of both."""
+
+from presswear.physics.equations.articulated import Articulated
+from presswear.physics.equations.chain import Chain, Link
+from presswear.physics.equations.text import (
+    ZERO,
+    Text,
+    Vector,
+    difference,
+    product,
+    square,
+    total,
+)
+
+
+def write_drives(
+    text: Text, chain: Chain, bodies: dict[str, Articulated], work: int, first: int
+) -> None:
+    """Write the torques of drives, and the rates of their integrals from two places in ``out``.
+
+    ``work`` is that of the work of all drives, before that of its absolute value; ``first`` that
+    of the torque of the first drive, before its square, its power and its square.
+    """
+    text.comment("torques and power of the drives")
+    _pass_on(text, chain, bodies)
+    torques = [ZERO] * len(chain.linkage.drives)
+    if chain.has_loops:
+        torques = _torques_of_loops(text, chain)
+    else:
+        for link in reversed(chain.prescribed):
+            torques[link.drive or 0] = _torque(text, link)
+    for link in chain.free:
+        if link.drive is not None:
+            torques[link.drive] = bodies[link.prefix].torque()
+    powers = []
+    for k, drive in enumerate(chain.linkage.drives):
+        link = chain.of(drive.body)
+        torque = text.let(f"{link.prefix}_torque", torques[k])
+        power = text.let(f"{link.prefix}_power", product(torque, link.omega))
+        powers.append(power)
+        for i, rate in enumerate((torque, square(torque), power, square(power))):
+            text.write(f"out[{first + 4 * k + i}] = {rate}")
+    power = text.let("drive_power", total(*powers))
+    text.write(f"out[{work}] = {power}")
+    text.write(f"out[{work + 1}] = abs({power})")
+
+
+def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
+    """Write the forces of free bodies on prescribed ones."""
+    for link in chain.free:
+        parent = link.parent
+        if parent is not None and parent.is_prescribed and parent is not chain.frame:
+            force = text.let_vector(f"{link.prefix}_{link.joint}", bodies[link.prefix].reaction())
+            parent.add_force(parent.arm(text, link.branch.before, link.joint), force)
+
+
+def _torque(text: Text, link: Link) -> str:
+    """Write the torque of a prescribed body about its hinge; pass its force on to its parent."""
+    prefix, body = link.prefix, link.body
+    arm = link.arm(text, link.branch.end, link.joint)
+    force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
+    moment = difference(total(*link.moments), arm.cross(force))
+    if link.parent is None or link.parent.place < 0:
+        radius = link.branch.end.x**2 + link.branch.end.y**2
+        about_hinge = body.effective_inertia + body.mass * radius
+        inertia = text.parameter(f"{prefix}_inertia_about_{link.joint}", about_hinge)
+        return difference(product(inertia, link.alpha), moment)
+    mass = text.parameter(f"{prefix}_mass", body.mass)
+    inertia_force = text.let_vector(f"{prefix}_needed", link.acceleration.times(mass))
+    hinge = link.parent.arm(text, link.branch.before, link.joint)
+    on_parent = text.let_vector(f"{prefix}_{link.joint}", force.minus(inertia_force))
+    link.parent.add_force(hinge, on_parent)
+    inertia = text.parameter(f"{prefix}_inertia", body.effective_inertia)
+    turning = difference(product(inertia, link.alpha), arm.cross(inertia_force))
+    return difference(turning, moment)
+
+
+def _torques_of_loops(text: Text, chain: Chain) -> list[str]:
+    """Write the torques of drives in closed loops, by virtual work."""
+    for link in chain.prescribed:
+        forces = *Vector().plus(*link.forces), total(*link.moments)
+        for i, expression in enumerate(forces):
+            text.write(f"force[{link.place + i}] = {expression}")
+    text.write("subtract_inertia(data.prescribed.parts, a, force)")
+    text.write("drive_torques(data.prescribed, q, axes, force, data.torque)")
+    return [f"data.torque[{k}]" for k in range(len(chain.linkage.drives))]

@@ -1,0 +1,117 @@
+"""The text of equations as a function, in plain Python and compiled."""
+
+import linecache
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.physics.contact import CONTACT, note_foundation, note_radial
+from presswear.physics.drive_motion import motions_of, uneven_motion
+from presswear.physics.equations.writer import Equations
+from presswear.physics.friction_and_normal import (
+    ONSET_SPEED_FLOOR,
+    Bristles,
+    bristle_force,
+    bristle_rate,
+    elastic_of,
+    liu_force,
+    ramp_friction,
+    round_foundation,
+    smooth_friction,
+    threlfall_friction,
+)
+from presswear.physics.loads import Loads, load_size, spring_pull
+from presswear.physics.packed import Packed
+from presswear.physics.prescribed import (
+    Prescribed,
+    drive_torques,
+    pack_prescribed,
+    place_prescribed,
+    subtract_inertia,
+)
+from presswear.physics.tree import cos_sin
+from presswear.physics.wear import contact_area
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Kernel, Records, call, unpack
+from presswear.tools.files import digest
+
+ACCELERATIONS, RATES, END = range(3)
+"""Parts that the equations fill: accelerations, also rates of integrals, also what is recorded."""
+
+
+class Model(NamedTuple):
+    """Arrays that the equations of a linkage read and fill; ``bodies`` has q, v, a, forces, axes.
+
+    ``contacts`` are the numbers of ``contact_records``, shape (joints, fields of CONTACT).
+    """
+
+    parameters: Array
+    onset: Array  # latched closing speeds of the joints, as of ``forces.contact_forces``
+    contacts: Array
+    bodies: Array  # (5, 3 bodies)
+    joints: Records
+    surfaces: Array
+    contact_records: Records
+    motions: Records
+    loads: Loads | None
+    prescribed: Prescribed
+    torque: Array  # (drives,)
+
+
+_NAMES = {
+    "math": math,
+    "ONSET_SPEED_FLOOR": ONSET_SPEED_FLOOR,
+    "RATES": RATES,
+    "END": END,
+    **{
+        function.__name__: function
+        for function in (
+            *(Bristles, bristle_force, bristle_rate, contact_area, cos_sin, drive_torques),
+            *(elastic_of, liu_force, load_size, note_foundation, note_radial, place_prescribed),
+            *(ramp_friction, round_foundation, smooth_friction, spring_pull, subtract_inertia),
+            *(threlfall_friction, uneven_motion),
+        )
+    },
+    "call": call,
+    "unpack": unpack,
+}
+
+
+@cache
+def function_of(text: str) -> Kernel:
+    """Return the text as a compiled function; its ``py_func`` is the function in plain Python.
+
+    A debugger shows the lines of the text.
+    """
+    name = f"<equations {digest(text.encode())[:8]}>"
+    names: dict[str, Any] = {**_NAMES, "__name__": __name__}
+    linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
+    exec(compile(text, name, "exec"), names)
+    function: Callable[..., Any] = names["equations"]
+    return Kernel(function, file=__file__, text=text, fastmath={"contract"})
+
+
+def model_of(linkage: Linkage, equations: Equations, packed: Packed, onset: Array) -> Model:
+    """Return the arrays that the equations of a linkage read and fill.
+
+    Closed loops of prescribed bodies go on from the motion that ``begin_motion`` notes in
+    ``prescribed``.
+    """
+    contacts = np.zeros(len(packed.joints), CONTACT)
+    return Model(
+        parameters=equations.parameters,
+        onset=onset,
+        contacts=contacts.view(np.float64).reshape(len(contacts), len(CONTACT.names or ())),
+        bodies=np.zeros((5, packed.mass.size)),
+        joints=packed.joints,
+        surfaces=packed.surfaces,
+        contact_records=contacts,
+        motions=motions_of(linkage),
+        loads=packed.loads,
+        prescribed=pack_prescribed(linkage, prescribed_of(linkage)),
+        torque=np.zeros(packed.driven.size),
+    )

@@ -1,0 +1,350 @@
+"""Contact of a pin with its bearing in a clearance joint: forces, losses, wear, bristles."""
+
+from presswear.physics.contact import CONTACT
+from presswear.physics.equations.chain import Chain
+from presswear.physics.equations.text import (
+    ONE,
+    ZERO,
+    Text,
+    Vector,
+    difference,
+    negative,
+    product,
+    total,
+)
+from presswear.physics.forces import (
+    BRISTLE,
+    CONTACT_LOSS,
+    FRICTION_LOSS,
+    MADE,
+    PRESSURE,
+    WORK,
+)
+from presswear.physics.friction_and_normal import FRICTION_FORCES
+from presswear.tools.compile import Records
+
+FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
+# What surfaces that are not round fill in; see ``contact.note_radial`` and ``note_foundation``.
+_FILLED = (
+    *("penetration", "rate", "normal_x", "normal_y", "pin_arm", "bearing_arm"),
+    *("approach", "closing", "elastic", "energy", "place", "couple"),
+)
+
+
+# What the text of a joint gives to the rest, zero while it is open
+_RESULTS = ("force_x", "force_y", "pin_moment", "bearing_moment")
+_RATES = {
+    "contact_loss": CONTACT_LOSS,
+    "friction_loss": FRICTION_LOSS,
+    "made_power": MADE,
+    "wear_work": WORK,
+    "wear_pressure": PRESSURE,
+}
+
+
+class JointText:
+    """Text of a clearance joint.
+
+    ``record`` is that of the joint for kernels, ``number`` its place among the joints, ``rates``
+    the place in ``out`` of the first of its rates.
+    """
+
+    def __init__(self, text: Text, chain: Chain, number: int, record: Records, rates: int) -> None:
+        joint = chain.linkage.clearances[number]
+        self.text, self.joint, self.number, self.record = text, joint, number, record
+        self.rates = rates
+        self.prefix = text.prefix(joint.name)
+        self.bearing, self.pin = chain.of(joint.bearing.body), chain.of(joint.pin.body)
+        self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
+        self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
+        self.is_worn = bool(record["surface_bins"] > 0)
+        self.fields: dict[str, str] = {}  # expressions of the fields of CONTACT
+        law = record["friction"]
+        self.bristles = ""  # parameters of friction with a state
+        if law["bristle_stiffness"] > 0.0:
+            words = ("coefficient", "static", "stribeck", "bristle_stiffness", "bristle_damping")
+            numbers = (self.parameter(f"friction_{word}", law[word]) for word in words)
+            self.bristles = f"Bristles({', '.join(numbers)})"
+
+    def name(self, word: str) -> str:
+        """Return the name of a variable of the joint."""
+        return f"{self.prefix}_{word}"
+
+    def let(self, word: str, expression: str) -> str:
+        """Assign an expression to a variable of the joint."""
+        return self.text.let(self.name(word), expression)
+
+    def parameter(self, word: str, value: float) -> str:
+        """Return the name of a number of the joint."""
+        return self.text.parameter(self.name(word), value)
+
+    def value(self, word: str) -> str:
+        """Return a field of the contact, as it is called in CONTACT."""
+        return self.fields.get(word, ZERO)
+
+    def vector(self, word: str) -> Vector:
+        """Return two fields of the contact."""
+        return Vector(self.value(f"{word}_x"), self.value(f"{word}_y"))
+
+    def write(self) -> None:
+        """Write the contact, and add its forces to those on both bodies."""
+        text, joint = self.text, self.joint
+        bodies = f"pin of {joint.pin.body} in a bearing of {joint.bearing.body}"
+        text.comment(f"{joint.name}: {bodies}, with clearance")
+        onset = self.let("onset_speed", f"data.onset[{self.number}]")
+        for word in (*_RESULTS, *_RATES):
+            text.write(f"{self.name(word)} = {ZERO}")
+        if self.bristles:
+            # They move in open joints, too.
+            self._write_contact(onset)
+        else:
+            with text.block(f"if {onset} >= {ZERO} or level == END:"):
+                self._write_contact(onset)
+        force = Vector(self.name("force_x"), self.name("force_y"))
+        for link, sign, end in ((self.pin, ONE, "pin"), (self.bearing, f"-{ONE}", "bearing")):
+            link.forces.append(force.times(sign))
+            link.moments.append(self.name(f"{end}_moment"))
+
+    def write_rates(self) -> None:
+        """Write the rates of the integrals of the joint."""
+        for word, place in _RATES.items():
+            self.text.write(f"out[{self.rates + place}] = {self.name(word)}")
+
+    def _write_contact(self, onset: str) -> None:
+        """Write the motion of the pin, its forces, and at the end of a step the record."""
+        text = self.text
+        self._write_motion()
+        if self.is_worn:
+            self._write_worn()
+        else:
+            self._write_round()
+        normal = self.vector("normal")
+        velocity = self.vector("velocity")
+        sliding = total(
+            normal.cross(velocity),
+            product(self.pin.omega, self.value("pin_arm")),
+            negative(product(self.bearing.omega, self.value("bearing_arm"))),
+        )
+        self.fields["sliding"] = self.let("sliding", sliding)
+        if self.bristles:
+            self._write_bristles()
+        with text.block(f"if {self.value('penetration')} > {ZERO}:"):
+            if not self.is_worn:
+                self._write_elastic()
+            with text.block(f"if {onset} >= {ZERO}:"):
+                self._write_forces(onset, normal)
+        with text.block("if level == END:"):
+            self._write_record()
+
+    def _write_motion(self) -> None:
+        """Write place and motion of the pin in the bearing."""
+        text, pin, bearing = self.text, self.pin, self.bearing
+        at_pin, at_bearing = self.pin_arm, self.bearing_arm
+        place = pin.position.plus(at_pin).minus(bearing.position.plus(at_bearing))
+        place = text.let_vector(self.name("eccentricity"), place)
+        velocity = pin.velocity_at(at_pin).minus(bearing.velocity_at(at_bearing))
+        velocity = text.let_vector(self.name("velocity"), velocity)
+        size = self.let("eccentricity", f"math.sqrt({place.dot(place)})")
+        self.fields |= {"eccentricity": size}
+        self._set_fields("eccentricity", place)
+        self._set_fields("velocity", velocity)
+        for end, link, lever in (("bearing", bearing, at_bearing), ("pin", pin, at_pin)):
+            self.fields |= {f"{end}_angle": link.angle, f"{end}_spin": link.omega}
+            self._set_fields(f"{end}_lever", lever if link.place >= 0 else Vector())
+
+    def _set_fields(self, name: str, vector: Vector) -> None:
+        self.fields |= {f"{name}_x": vector.x, f"{name}_y": vector.y}
+
+    def _turning(self) -> str:
+        """Write the rate of the direction of the eccentricity."""
+        place = self.vector("eccentricity")
+        velocity = self.vector("velocity")
+        size = self.value("eccentricity")
+        turning = f"({place.cross(velocity)}) / ({size} * {size}) if {size} > {ZERO} else {ZERO}"
+        return self.let("turning", turning)
+
+    def _write_round(self) -> None:
+        """Write the contact of round surfaces, which meet where the eccentricity points."""
+        joint, size = self.joint, self.value("eccentricity")
+        clearance = self.parameter("clearance", joint.clearance)
+        penetration = self.let("penetration", difference(size, clearance))
+        # A pin exactly in the centre touches nothing: any direction serves.
+        for axis, centred in (("x", ONE), ("y", ZERO)):
+            quotient = f"{self.value(f'eccentricity_{axis}')} / {size}"
+            cosine = self.let(f"normal_{axis}", f"{quotient} if {size} > {ZERO} else {centred}")
+            self.fields[f"normal_{axis}"] = cosine
+        normal = self.vector("normal")
+        velocity = self.vector("velocity")
+        rate = self.let("rate", velocity.dot(normal))
+        indentation = self.let("indentation", f"0.5 * max({penetration}, {ZERO})")
+        radius = self.parameter("pin_radius", joint.pin_radius)
+        self.fields["pin_arm"] = self.let("pin_arm", difference(radius, indentation))
+        radius = self.parameter("bearing_radius", joint.bearing_radius)
+        self.fields["bearing_arm"] = self.let("bearing_arm", total(radius, indentation))
+        self.fields |= {"penetration": penetration, "elastic": self.name("elastic_force")}
+        self.fields |= dict.fromkeys(("rate", "approach", "closing"), rate)
+        self.text.write(f"{self.name('elastic_force')} = {ZERO}")
+
+    def _write_worn(self) -> None:
+        """Write the call of the kernel for surfaces that are not round."""
+        self.fields["turning"] = self._turning()
+        place = self.let("contact", f"data.contacts[{self.number}]")
+        for word, value in self.fields.items():
+            self.text.write(f"{place}[{FIELDS[word]}] = {value}")
+        kernel = "note_radial" if self.record["foundation"] == 0.0 else "note_foundation"
+        records = ("joints", "surfaces", "contact_records")
+        arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
+        self.text.write(f"{kernel}({arguments})")
+        for word in _FILLED:
+            self.fields[word] = self.let(word, f"{place}[{FIELDS[word]}]")
+
+    def _write_elastic(self) -> None:
+        """Write the elastic force of the normal law."""
+        depth, law = self.value("penetration"), self.joint.round_normal
+        numbers = self.record["normal"]
+        stiffness = self.parameter("stiffness", numbers["stiffness"])
+        if law.user_law is not None or law.elasticity == "liu":
+            force = self._call_normal(depth, ZERO, ONE)
+        elif law.elasticity == "foundation":
+            clearance = self.parameter("clearance", self.joint.clearance)
+            force = f"round_foundation({depth}, {stiffness}, {clearance})[0]"
+        elif law.exponent == 1.5:
+            force = f"{stiffness} * {depth} * math.sqrt({depth})"
+        else:
+            force = f"{stiffness} * {depth} ** {self.parameter('exponent', law.exponent)}"
+        self.text.write(f"{self.value('elastic')} = {force}")
+
+    def _call_normal(self, depth: str, rate: str, onset: str) -> str:
+        """Return the call of a normal law with all of NORMAL_PARAMETERS."""
+        numbers = self.record["normal"]
+        words = ("stiffness", "exponent", "damping", "clearance")
+        rest = (self.parameter(word, numbers[word]) for word in words)
+        arguments = ", ".join((depth, rate, onset, *rest))
+        if self.joint.round_normal.user_law is None:
+            return f"liu_force({arguments})"
+        return f"call(int({self.parameter('normal_law', numbers['address'])}), ({arguments}))"
+
+    def _write_forces(self, onset: str, normal: Vector) -> None:
+        """Write the forces and moments of a closed joint."""
+        text = self.text
+        size = self.let("normal_force", self._normal_force(onset))
+        along = normal.times(f"-{size}")
+        across = ZERO
+        if self.joint.friction.coefficient > 0.0:
+            across = self.let("friction_force", self._friction(size))
+            along = along.plus(normal.swept(across))
+        force = Vector(self.name("force_x"), self.name("force_y"))
+        text.write(f"{force.x} = {along.x}")
+        text.write(f"{force.y} = {along.y}")
+        self._write_moments(size, normal, force)
+        with text.block("if level >= RATES:"):
+            self._write_losses(size, across)
+            if self.record["wear_coefficient"] > 0.0:
+                self._write_wear(size)
+
+    def _normal_force(self, onset: str) -> str:
+        """Return the normal force, and write the closing speed at touchdown that it needs."""
+        numbers, law = self.record["normal"], self.joint.round_normal
+        elastic, closing = self.value("elastic"), self.value("closing")
+        damping = self.parameter("damping", numbers["damping"])
+        if law.user_law is None and damping == ZERO:
+            return elastic
+        if law.user_law is None and law.viscosity > 0.0:
+            return f"max({elastic} + {product(damping, closing)}, {ZERO})"
+        speed = f"{onset} if {onset} > {ZERO} else {self.value('rate')}"
+        started = self.let("touchdown_speed", f"max({speed}, ONSET_SPEED_FLOOR)")
+        if law.user_law is None:
+            return f"max({elastic} * ({ONE} + {damping} * {closing} / {started}), {ZERO})"
+        return f"max({self._call_normal(self.value('penetration'), closing, started)}, {ZERO})"
+
+    def _friction(self, normal: str) -> str:
+        """Return the friction force along the tangent."""
+        law, sliding = self.joint.friction, self.value("sliding")
+        if self.bristles:
+            state = f"{self.value('bristle')}, {self.value('bristle_rate')}"
+            return f"bristle_force({normal}, {sliding}, {state}, {self.bristles})"
+        rest = (
+            self.parameter("friction_coefficient", law.coefficient),
+            self.parameter("lower_speed", law.lower),
+            self.parameter("upper_speed", law.upper),
+        )
+        arguments = ", ".join((sliding, normal, *rest))
+        if law.user_law is None:
+            return f"{FRICTION_FORCES[law.name].__name__}({arguments})"
+        address = self.parameter("friction_law", self.record["friction"]["force"])
+        return f"call(int({address}), ({arguments}))"
+
+    def _write_bristles(self) -> None:
+        """Write the rate of the deflection of the bristles."""
+        bristle = self.let("bristle", f"y[{self.rates + BRISTLE}]")
+        is_closed = f"{self.value('penetration')} > {ZERO}"
+        arguments = f"{self.value('sliding')}, {bristle}, {is_closed}, {self.bristles}"
+        rate = self.let("bristle_rate", f"bristle_rate({arguments})")
+        self.text.write(f"out[{self.rates + BRISTLE}] = {rate}")
+        self.fields |= {"bristle": bristle, "bristle_rate": rate}
+
+    def _write_moments(self, size: str, normal: Vector, force: Vector) -> None:
+        """Write the moments about both mass centres of a force at one common point."""
+        reach = normal.times(self.value("pin_arm"))
+        place = self.vector("eccentricity")
+        couple = ZERO
+        if self.is_worn and self.record["foundation"] > 0.0:
+            couple = f"{size} / {self.value('elastic')} * {self.value('couple')}"
+            couple = self.let("couple_moment", couple)
+        if self.pin.place >= 0:
+            point = self.text.let_vector(self.name("pin_point"), self.pin_arm.plus(reach))
+            self.text.write(f"{self.name('pin_moment')} = {total(point.cross(force), couple)}")
+        if self.bearing.place >= 0:
+            point = self.bearing_arm.plus(place, reach)
+            point = self.text.let_vector(self.name("bearing_point"), point)
+            moment = negative(total(point.cross(force), couple))
+            self.text.write(f"{self.name('bearing_moment')} = {moment}")
+
+    def _write_losses(self, normal: str, across: str) -> None:
+        """Write the powers lost in contact and in friction, and made by the normal law."""
+        write, elastic, closing = self.text.write, self.value("elastic"), self.value("closing")
+        lost = product(difference(normal, elastic), closing)
+        write(f"{self.name('contact_loss')} = {lost}")
+        write(f"{self.name('friction_loss')} = {negative(product(across, self.value('sliding')))}")
+        made = self.name("made_power")
+        if self.is_worn:
+            work = product(normal, difference(self.value("approach"), closing))
+            write(f"{made} = {negative(work)}")
+            write(f"{self.name('contact_loss')} += {work}")
+        elif self.joint.round_normal.user_law is None:
+            return
+        # A user law may push harder where it opens, and a worn profile may drive the pin.
+        write(f"{made} -= min({lost}, {ZERO})")
+
+    def _write_wear(self, normal: str) -> None:
+        """Write the rates of wear: of the load distance, and of pressure times slip."""
+        write, depth = self.text.write, self.value("penetration")
+        slip = f"abs({self.value('sliding')})"
+        if self.record["slip_by_angle"]:
+            turning = self.value("turning") if self.is_worn else self._turning()
+            radius = self.parameter("pin_radius", self.joint.pin_radius)
+            slip = f"({radius} + {depth}) * abs({turning})"
+        work = self.name("wear_work")
+        write(f"{work} = {normal} * {slip}")
+        half = f"0.5 * {depth}"
+        sizes = (
+            self.value("eccentricity"),
+            f"{self.value('bearing_arm')} - {half}",
+            f"{self.value('pin_arm')} + {half}",
+            self.parameter("width", self.joint.width),
+        )
+        area = f"contact_area({depth}, {', '.join(sizes)})"
+        write(f"{self.name('wear_pressure')} = {work} / {area}")
+
+    def _write_record(self) -> None:
+        """Write the contact for the recorder."""
+        if not self.is_worn:
+            self.fields["turning"] = self._turning()
+            energy = f"elastic_of(data.joints[{self.number}].normal, {self.value('penetration')})"
+            self.fields["energy"] = self.let("elastic_energy", f"{energy}[1]")
+        place = self.name("contact")
+        if not self.is_worn:
+            self.text.write(f"{place} = data.contacts[{self.number}]")
+        for word, value in self.fields.items():
+            if not (self.is_worn and word in _FILLED):
+                self.text.write(f"{place}[{FIELDS[word]}] = {value}")

@@ -1,0 +1,182 @@
+"""Text of a function in scalars, and the numbers that it takes from an array.
+
+Terms that are zero by the topology of a linkage are left out of sums and products, so that the text
+holds what a person would write down.
+"""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import chain, count
+from typing import NamedTuple
+
+ZERO, ONE = "0.0", "1.0"
+ROUND_OFF = 1e-15  # sine or cosine of a right angle, in place of zero
+_ATOM = re.compile(r"-?[\w.]+")
+_INDENT = "    "
+
+
+def is_sum(expression: str) -> bool:
+    """Return whether an expression has a plus or minus outside of its brackets."""
+    depth = 0
+    for i, letter in enumerate(expression):
+        depth += (letter in "([") - (letter in ")]")
+        if depth == 0 and i > 0 and expression[i - 1 : i + 2] in (" + ", " - "):
+            return True
+    return False
+
+
+def negative(expression: str) -> str:
+    """Return an expression with the other sign."""
+    if expression == ZERO:
+        return ZERO
+    if is_sum(expression):
+        return f"-({expression})"
+    return expression[1:] if expression.startswith("-") else f"-{expression}"
+
+
+def total(*terms: str) -> str:
+    """Return a sum."""
+    result = ""
+    for term in terms:
+        if term == ZERO:
+            continue
+        if not result:
+            result = term
+        elif term.startswith("-"):
+            result += f" - {term[1:]}"
+        else:
+            result += f" + {term}"
+    return result or ZERO
+
+
+def difference(first: str, second: str) -> str:
+    """Return the difference of two expressions."""
+    return total(first, negative(second))
+
+
+def product(*factors: str) -> str:
+    """Return a product."""
+    if ZERO in factors:
+        return ZERO
+    sign, words = "", list[str]()
+    for factor in factors:
+        word = f"({factor})" if is_sum(factor) else factor
+        if word.startswith("-"):
+            sign = "" if sign else "-"
+            word = word[1:]
+        if word != ONE:
+            words.append(word)
+    return sign + (" * ".join(words) or ONE)
+
+
+def quotient(numerator: str, denominator: str) -> str:
+    """Return a quotient."""
+    is_simple = _ATOM.fullmatch(denominator)
+    return f"{numerator} / {denominator if is_simple else f'({denominator})'}"
+
+
+def square(factor: str) -> str:
+    """Return the square of an expression."""
+    return product(factor, factor)
+
+
+class Vector(NamedTuple):
+    """Expressions of both components of a vector."""
+
+    x: str = ZERO
+    y: str = ZERO
+
+    def plus(self, *vectors: "Vector") -> "Vector":
+        """Return the sum of vectors."""
+        return Vector(*(total(*terms) for terms in zip(self, *vectors, strict=True)))
+
+    def minus(self, vector: "Vector") -> "Vector":
+        """Return the difference of two vectors."""
+        return self.plus(vector.times(f"-{ONE}"))
+
+    def times(self, factor: str) -> "Vector":
+        """Return the product with a number."""
+        return Vector(product(factor, self.x), product(factor, self.y))
+
+    def swept(self, omega: str) -> "Vector":
+        """Return the velocity of its end by an angular velocity about its start."""
+        return Vector(negative(product(omega, self.y)), product(omega, self.x))
+
+    def dot(self, vector: "Vector") -> str:
+        """Return the scalar product."""
+        return total(product(self.x, vector.x), product(self.y, vector.y))
+
+    def cross(self, vector: "Vector") -> str:
+        """Return the moment of a force at its end about its start."""
+        return difference(product(self.x, vector.y), product(self.y, vector.x))
+
+
+class Text:
+    """Lines of a function, with names for its variables."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.numbers: dict[str, float] = {}  # parameters by name, in their order
+        self._prefixes: set[str] = set()
+        self._depth = 1
+
+    def prefix(self, name: str) -> str:
+        """Return the beginning of the names of variables of a body or joint."""
+        word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "part"
+        word = f"body_{word}" if word[0].isdigit() else word
+        plain = word.replace("_", "")
+        names = chain((word, plain), (f"{plain}{k}" for k in count(2)))
+        prefix = next(name for name in names if self._is_new(name))
+        self._prefixes.add(prefix)
+        return prefix
+
+    def _is_new(self, word: str) -> bool:
+        """Return whether variables that begin with a word cannot be mistaken for others."""
+        parts = word.split("_")
+        beginnings = {"_".join(parts[: k + 1]) for k in range(len(parts))}
+        longer = any(used.startswith(f"{word}_") for used in self._prefixes)
+        return not (longer or beginnings & self._prefixes)
+
+    def write(self, line: str) -> None:
+        """Append a line."""
+        self.lines.append(_INDENT * self._depth + line if line else "")
+
+    def comment(self, words: str) -> None:
+        """Begin a block that a comment names; names of a user may hold any character."""
+        self.write("")
+        self.write("# " + "".join(one if one.isprintable() else " " for one in words))
+
+    def let(self, name: str, expression: str) -> str:
+        """Assign an expression to a name; return the name, or the expression if it is simple."""
+        if _ATOM.fullmatch(expression):
+            return expression
+        self.write(f"{name} = {expression}")
+        return name
+
+    def let_vector(self, name: str, vector: Vector) -> Vector:
+        """Assign both components of a vector to names."""
+        return Vector(self.let(f"{name}_x", vector.x), self.let(f"{name}_y", vector.y))
+
+    def parameter(self, name: str, value: float) -> str:
+        """Return the name of a number of the linkage; zero is a matter of topology."""
+        if value == 0.0:
+            return ZERO
+        self.numbers[name] = float(value)
+        return name
+
+    def direction(self, name: str, value: float) -> str:
+        """Return the name of a sine or cosine; multiples of a right angle are topology."""
+        if abs(value) < ROUND_OFF:
+            return ZERO
+        if abs(value) == 1.0:
+            return ONE if value > 0.0 else f"-{ONE}"
+        return self.parameter(name, value)
+
+    @contextmanager
+    def block(self, head: str) -> Iterator[None]:
+        """Indent what is written inside the context."""
+        self.write(head)
+        self._depth += 1
+        yield
+        self._depth -= 1

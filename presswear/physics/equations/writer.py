@@ -1,0 +1,132 @@
+"""The equations of motion of a linkage as text, with the numbers that they take.
+
+The text is a Python function that fills the rates of a state y = (x, x', integrals): coordinates
+and rates of the open tree, then work and exchange of the drives, six integrals of each clearance
+joint (``forces.JOINT_RATES``), four of each drive, and the work of loads and dampers. Topology
+stands in the text; numbers are in one array, so that another clearance needs no other text.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.linkage.linkage import Linkage
+from presswear.physics.equations.articulated import solve_tree
+from presswear.physics.equations.bodies import place_bodies
+from presswear.physics.equations.chain import Chain, Link, open_chain
+from presswear.physics.equations.drives import write_drives
+from presswear.physics.equations.joints import JointText
+from presswear.physics.equations.loads import write_loads, write_springs, write_weights
+from presswear.physics.equations.text import Text, total
+from presswear.physics.forces import JOINT_RATES
+from presswear.physics.packed import Packed, has_work
+from presswear.tools.arrays import Array
+
+DRIVE_RATES = 4  # of each drive: torque, power and their squares
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations of motion of a linkage.
+
+    Attributes
+    ----------
+    text : str
+        Python source of the function ``equations(model, t, y, out, level)``.
+    numbers : dict
+        Numbers of the linkage by the names in the text, SI units.
+    chain : Chain
+        Open tree with its coordinates.
+    size : int
+        Number of components of the state.
+    """
+
+    text: str
+    numbers: dict[str, float]
+    chain: Chain
+    size: int
+
+    @property
+    def parameters(self) -> Array:
+        """Numbers of the linkage as the array that the text reads."""
+        return np.array([*self.numbers.values()])
+
+    @property
+    def listing(self) -> str:
+        """Text with the present numbers beside their names."""
+        lines = self.text.splitlines()
+        for i, line in enumerate(lines):
+            name, equals, value = line.strip().partition(" = ")
+            if equals and value.startswith("parameters["):
+                lines[i] = f"{line}  # {self.numbers[name]:.6g}"
+        return "\n".join(lines)
+
+
+def write_equations(linkage: Linkage, packed: Packed) -> Equations | str:
+    """Return the equations of a linkage, or the reason why none can be written.
+
+    ``packed`` is the linkage for kernels, which tells whether its surfaces are round.
+    """
+    text = Text()
+    chain = open_chain(linkage, text)
+    if isinstance(chain, str):
+        return chain
+    work = 2 * chain.size
+    first_torque = work + 2 + JOINT_RATES * len(packed.joints)
+    load_work = first_torque + DRIVE_RATES * len(linkage.drives)
+    place_bodies(text, chain)
+    write_weights(text, chain, packed)
+    powers = [*write_springs(text, chain), *write_loads(text, chain, packed)]
+    joints = [
+        JointText(text, chain, k, packed.joints[k], work + 2 + JOINT_RATES * k)
+        for k in range(len(packed.joints))
+    ]
+    for joint in joints:
+        joint.write()
+    bodies = solve_tree(text, chain)
+    text.write("")
+    with text.block("if level >= RATES:"):
+        for joint in joints:
+            joint.write_rates()
+        if has_work(packed):
+            text.write(f"out[{load_work}] = {total(*powers)}")
+        write_drives(text, chain, bodies, work, first_torque)
+    text.write("")
+    with text.block("if level == END:"):
+        text.write("q, v, a, force, axes = data.bodies")
+        for link in chain.links:
+            _record(text, chain, link)
+    size = load_work + has_work(packed)
+    return Equations(_function(linkage, text), text.numbers, chain, size)
+
+
+def _record(text: Text, chain: Chain, link: Link) -> None:
+    """Write the motion of a body for the recorder."""
+    if link.is_prescribed and chain.has_loops:
+        return
+    motion = {
+        "q": (*link.position, link.angle),
+        "v": (*link.velocity, link.omega),
+        "a": (*link.acceleration, link.alpha),
+    }
+    for row, values in motion.items():
+        for i, value in enumerate(values):
+            text.write(f"{row}[{link.place + i}] = {value}")
+
+
+def _function(linkage: Linkage, text: Text) -> str:
+    """Return the whole function."""
+    words = re.sub(r"[^\w .,()-]", "", linkage.name)
+    lines = [
+        "def equations(model, t, y, out, level):",
+        f'    """Fill the rates of the state of {words}.',
+        "",
+        "    Level RATES adds powers and torques, END also what is recorded. SI units.",
+        '    """',
+        "    data = unpack(model)[0]",
+        "    parameters = data.parameters",
+        *(f"    {name} = parameters[{i}]" for i, name in enumerate(text.numbers)),
+        *text.lines,
+    ]
+    return "\n".join(lines) + "\n"

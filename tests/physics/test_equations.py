@@ -1,0 +1,379 @@
+"""Written equations against multipliers of all constraints, and their text."""
+
+import ast
+import math
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from four_bar_linkage import FOUR_BAR
+from sub_chains import ARM, PUMP, STEPHENSON
+
+import presswear as pw
+from presswear.linkage.elements import ClearanceJoint, WearLaw
+from presswear.linkage.laws import FRICTION_PARAMETERS, NORMAL_PARAMETERS, FrictionLaw, NormalLaw
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import Surface
+from presswear.physics.constraints import constraints_of
+from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.equations.function import END, function_of, model_of
+from presswear.physics.equations.text import Text
+from presswear.physics.equations.writer import Equations, write_equations
+from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
+from presswear.physics.ideal import Motion, motion_of
+from presswear.physics.loads import place_loads
+from presswear.physics.packed import applied_forces, has_work, pack
+from presswear.physics.prescribed import begin_motion
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, pack_arguments
+from presswear.tools.user_function import UserFunction
+
+TIME = 0.0137  # s
+LAW = NormalLaw(1.25e10, 1.5, 0.1425)
+RAMP = FrictionLaw(0.1)
+WEAR = WearLaw(1e-15)
+_DEPTHS = np.random.default_rng(5).uniform(0.0, 2e-5, (2, 90))
+WORN = {"bearing_surface": Surface(_DEPTHS[0]), "pin_surface": Surface(_DEPTHS[1])}
+
+
+def loose(linkage: Linkage, *names: str, **laws: Any) -> Linkage:
+    """Return a linkage with clearance in some of its joints."""
+    laws = dict[str, Any](normal=LAW, friction=RAMP, wear=WEAR) | laws
+    pins = [joint for joint in linkage.revolutes if joint.name in names]
+    joints = tuple(
+        ClearanceJoint(pin.name, pin.first, pin.second, 0.015, 1e-4, 0.02, **laws) for pin in pins
+    )
+    rest = tuple(joint for joint in linkage.joints if joint not in pins)
+    return replace(linkage, joints=rest, clearances=joints)
+
+
+def written(linkage: Linkage) -> Equations:
+    equations = write_equations(linkage, pack(linkage))
+    assert isinstance(equations, Equations), equations
+    return equations
+
+
+@cache
+def _motion(ideal: Linkage) -> Motion:
+    return motion_of(ideal).at(np.array([TIME]))
+
+
+class Subject:
+    """Equations of a linkage with the arrays that they fill, in a state near its ideal motion."""
+
+    def __init__(self, linkage: Linkage, ideal: Linkage, seed: int = 0) -> None:
+        self.linkage, self.packed = linkage, pack(linkage)
+        self.equations = written(linkage)
+        generator = np.random.default_rng(seed)
+        n, size = self.equations.chain.size, self.equations.size
+        motion = _motion(ideal)
+        self.y, self.out = np.zeros(size), np.zeros(size)
+        x, u = self.equations.chain.coordinates(motion.position[0], motion.velocity[0])
+        self.y[:n] = x + 2e-4 * generator.standard_normal(n)
+        self.y[n : 2 * n] = u + 0.2 * generator.standard_normal(n)
+        bristles = self.y[2 * n + 2 + BRISTLE :: JOINT_RATES][: len(self.packed.joints)]
+        has_bristles = self.packed.joints["friction"]["bristle_stiffness"] > 0.0
+        bristles[:] = has_bristles * 1e-6 * generator.standard_normal(bristles.size)
+        self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
+        self.model = model_of(linkage, self.equations, self.packed, self.onset)
+        begin_motion(self.model.prescribed, TIME, motion.position[0])
+        if self.packed.loads is not None:
+            place_loads(self.packed.loads, motion.position[0], motion.velocity[0])
+
+    def run(self, *, is_compiled: bool = True) -> Array:
+        """Evaluate all that the equations fill; return the rates of the state."""
+        kernel, model = function_of(self.equations.text), pack_arguments(self.model)
+        function = kernel if is_compiled else kernel.py_func
+        function(model, TIME, self.y, self.out, END)
+        return self.out
+
+    def expected(self) -> "Expected":
+        """Solve the equations with the multipliers of all constraints, in the state placed last."""
+        q, v, *_ = self.model.bodies
+        packed, constraints = self.packed, constraints_of(self.linkage)
+        force, contacts = np.zeros(q.size), np.zeros(len(packed.joints), CONTACT)
+        n = self.equations.chain.size
+        supplied = applied_forces(packed, TIME, q, v, force)
+        note_contacts(packed, contacts, q, v)
+        contacts["bristle"] = self.y[2 * n + 2 + BRISTLE :: JOINT_RATES][: len(contacts)]
+        rates = np.zeros(JOINT_RATES * len(contacts))
+        add_contacts(packed.joints, self.onset, contacts, force, rates)
+        phi, phi_t, gamma, jacobian = constraints.evaluate(TIME, q, v)
+        zero = np.zeros((constraints.rows, constraints.rows))
+        matrix = np.block([[np.diag(packed.mass), jacobian.T], [jacobian, zero]])
+        solution = np.linalg.solve(matrix, np.concatenate([force, gamma]))
+        multipliers = solution[q.size :]
+        drives = constraints.records["drive"]
+        torques = np.array([-multipliers[drives == k][0] for k in range(len(self.linkage.drives))])
+        speeds = v[packed.driven]
+        return Expected(speeds, phi, phi_t, solution[: q.size], torques, rates, supplied, contacts)
+
+
+class Expected(NamedTuple):
+    speeds: Array
+    phi: Array
+    phi_t: Array
+    acceleration: Array
+    torques: Array
+    rates: Array
+    supplied: float
+    contacts: Records
+
+
+def near(value: Array, expected: Array, relative: float) -> None:
+    scale = np.abs(expected).max(initial=0.0)
+    np.testing.assert_allclose(value, expected, rtol=relative, atol=relative * scale)
+
+
+def push(penetration: float, rate: float, onset_speed: float, stiffness: float) -> float:
+    return stiffness * penetration**1.5 * (1.0 + 2.0 * rate / onset_speed)
+
+
+def rub(sliding: float, normal: float, coefficient: float) -> float:
+    return -coefficient * normal * 2.0 / math.pi * math.atan(sliding / 2e-4)
+
+
+def gust(time: float, position: float, speed: float) -> float:
+    return 3.0 * math.sin(50.0 * time) - 2.0 * position - 0.1 * speed
+
+
+def user(function: Any, parameters: tuple[str, ...]) -> UserFunction:
+    return UserFunction.read("law", function, parameters)
+
+
+def four_bars(count: int) -> Linkage:
+    """Four-bars side by side, each with a crank of its own."""
+    lengths = {"crank": 0.05, "coupler": 0.2, "rocker": 0.12}
+    bodies, joints, drives = list[Any](), list[Any](), list[Any]()
+    guess = dict[str, float]()
+    for k in range(count):
+        bodies += [pw.Bar(f"{name} {k}", size, 0.3 + size) for name, size in lengths.items()]
+        joints += [
+            pw.Pin(f"O{k}", (0.3 * k, 0.0), f"crank {k}.tail"),
+            pw.Pin(f"A{k}", f"crank {k}.head", f"coupler {k}.tail"),
+            pw.Pin(f"B{k}", f"coupler {k}.head", f"rocker {k}.head"),
+            pw.Pin(f"P{k}", (0.3 * k + 0.18, 0.0), f"rocker {k}.tail"),
+        ]
+        drives.append(pw.Drive(f"crank {k}", 20.0, 0.3 + 0.5 * k))
+        guess |= {f"coupler {k}": 0.5, f"rocker {k}": 1.2}
+    return pw.assemble(bodies, joints, drives, guess=guess, name="four-bars")
+
+
+def rubbing(joint: Any) -> Any:
+    """Return a rigid pin with friction."""
+    return replace(joint, bearing_radius=0.01, friction=RAMP) if joint.name == "B" else joint
+
+
+PRESS = pw.Press().linkage()
+CRANK = pw.SliderCrank(slide_angle=0.4).linkage()
+SPRINGS = (
+    pw.Spring("tie", "crank", "coupler", 2e3, 0.05, 30.0),
+    pw.Spring("post", (0.3, 0.4), "rocker", 500.0, 0.0, 5.0),
+)
+LOADS = (
+    pw.Load("coupler", 3.0, -2.0, 0.4),
+    pw.Force("coupler", 0.7, pw.Harmonics(10.0, 40.0, [(3.0, 4.0)]), "beat"),
+    pw.Force(
+        "rocker", -1.0, pw.OverPosition([(-2.0, 30.0), (2.0, -20.0)], outside="hold"), "table"
+    ),
+    pw.Force("coupler", 0.1, gust, "gust"),
+    pw.Moment("crank", pw.OverTime([(0.0, 1.0), (0.1, 2.0)], period=0.2)),
+)
+UNEVEN = FOUR_BAR.changed(
+    drives=[pw.Drive("crank", 30.0, 0.2, harmonics=[(0.1, 0.2), (0.0, -0.05)])]
+)
+BRISTLES = FrictionLaw(0.1, name="lugre", static=0.15)
+CASES: dict[str, tuple[Linkage, str, dict[str, Any]]] = {
+    "press": (PRESS, "A C", {}),
+    "press, one loop of prescribed bodies": (PRESS, "C", {}),
+    "press, three joints": (PRESS, "A C D", {}),
+    "press, five joints": (PRESS, "A B C D E", {}),
+    "slider-crank": (CRANK, "A", {}),
+    "slider-crank, slider open": (CRANK, "B", {}),
+    "four-bar": (FOUR_BAR, "A", {}),
+    "four-bar, loose coupler": (FOUR_BAR, "A B", {}),
+    "four-bar, uneven": (UNEVEN, "B", {}),
+    "pump": (PUMP, "A C", {}),
+    "six-bar": (STEPHENSON, "A C", {}),
+    "arm": (ARM, "W", {}),
+    "arm, driven body on a loose one": (ARM, "O W", {}),
+    "arm, loose driven body": (ARM, "E K", {}),
+    "arm, loose driven body with a child": (ARM, "E P", {}),
+    "press, loose crank": (PRESS, "A C O7", {}),
+    "eight four-bars": (four_bars(8), " ".join(f"B{k}" for k in range(8)), {}),
+    "lugre": (FOUR_BAR, "B", {"friction": BRISTLES}),
+    "smooth": (FOUR_BAR, "B", {"friction": FrictionLaw(0.1, name="smooth")}),
+    "threlfall": (FOUR_BAR, "B", {"friction": FrictionLaw(0.1, name="threlfall")}),
+    "no friction, no damping": (
+        FOUR_BAR,
+        "B",
+        {"friction": FrictionLaw(), "normal": NormalLaw(1e9, 1.3), "wear": None},
+    ),
+    "liu": (FOUR_BAR, "B", {"normal": replace(LAW, elasticity="liu")}),
+    "kelvin-voigt": (FOUR_BAR, "B", {"normal": replace(LAW, damping=0.0, viscosity=100.0)}),
+    "round foundation": (FOUR_BAR, "B", {"contact": "foundation"}),
+    "slip by angle": (FOUR_BAR, "B", {"wear": replace(WEAR, slip="angle")}),
+    "worn foundation": (PRESS, "A C", {"contact": "foundation", **WORN}),
+    "worn radial": (PRESS, "A C", WORN),
+    "worn in fixed directions": (PRESS, "A C", {**WORN, "map_frame": "fixed"}),
+    "user laws": (
+        FOUR_BAR,
+        "B",
+        {
+            "normal": replace(LAW, user_law=user(push, NORMAL_PARAMETERS)),
+            "friction": replace(RAMP, user_law=user(rub, FRICTION_PARAMETERS)),
+        },
+    ),
+    "springs": (FOUR_BAR.changed(springs=SPRINGS), "B", {}),
+    "loads": (FOUR_BAR.changed(loads=LOADS), "B", {}),
+}
+
+
+# Of worn surfaces the position is known to 1e-16 m, which is more beside a slight penetration.
+WITHIN = {name: 1e-10 for name in CASES if name.startswith("worn")}
+
+
+def subject_of(name: str, seed: int = 0) -> Subject:
+    ideal, joints, laws = CASES[name]
+    return Subject(loose(ideal, *joints.split(), **laws), ideal, seed)
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("seed", range(3))
+def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
+    subject, close = subject_of(name, seed), partial(near, relative=WITHIN.get(name, 1e-11))
+    subject.run()
+    expected = subject.expected()
+    n, linkage, out = subject.equations.chain.size, subject.linkage, subject.out
+    q, _, a, *_ = subject.model.bodies
+    assert np.abs(expected.phi).max() < 1e-12
+    assert np.abs(expected.phi_t).max() < 1e-9
+    close(a, expected.acceleration)
+    close(out[:n], subject.y[n : 2 * n])
+    close(out[n : 2 * n], subject.equations.chain.coordinates(q, a)[1])
+    rates = out[2 * n + 2 :][: expected.rates.size].reshape(-1, JOINT_RATES)
+    for kind, reference in zip(rates.T, expected.rates.reshape(rates.shape).T, strict=True):
+        close(kind, reference)
+    drives = out[2 * n + 2 + expected.rates.size :][: 4 * len(linkage.drives)].reshape(-1, 4)
+    powers = expected.torques * expected.speeds
+    close(drives[:, 0], expected.torques)
+    close(drives[:, 1], expected.torques**2)
+    close(drives[:, 2], powers)
+    close(drives[:, 3], powers**2)
+    close(out[2 * n : 2 * n + 2], np.array([powers.sum(), abs(powers.sum())]))
+    if has_work(subject.packed):
+        close(out[-1:], np.array([expected.supplied]))
+    for field in CONTACT.names or ():
+        close(subject.model.contact_records[field], expected.contacts[field])
+
+
+@pytest.mark.parametrize("name", ["press", "lugre", "loads", "user laws", "worn foundation"])
+def test_equations_run_in_plain_python(name: str) -> None:
+    subject = subject_of(name)
+    expected = subject.run().copy()
+    subject.out[:] = 0.0
+    near(subject.run(is_compiled=False), expected, 1e-10)
+
+
+def test_equations_run_without_compilation(tmp_path: Path) -> None:
+    """With NUMBA_DISABLE_JIT=1, so that a debugger steps into every kernel."""
+    script = tmp_path / "plain.py"
+    names = ["press", "pump", "lugre", "user laws", "worn foundation"]
+    script.write_text(
+        "import sys\nimport numpy as np\nfrom test_equations import subject_of\n"
+        f"np.savez(sys.argv[1], **{{name: subject_of(name).run() for name in {names}}})\n"
+    )
+    tests = Path(__file__).parents[1]
+    path = os.pathsep.join(map(str, (tests.parent, tests, tests / "physics")))
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path}
+    stored = tmp_path / "plain.npz"
+    subprocess.run([sys.executable, script, stored], check=True, env=environment)
+    with np.load(stored) as plain:
+        for name in names:
+            near(plain[name], subject_of(name).run(), 1e-10)
+
+
+def test_numbers_are_no_part_of_the_text() -> None:
+    """Another clearance, speed, mass or law parameter compiles nothing."""
+    one = loose(FOUR_BAR, "B")
+    fast = loose(pw.FourBar(speed=40.0, coupler_mass=0.7).linkage(), "B", friction=FrictionLaw(0.2))
+    wide = tuple(replace(joint, clearance=3e-4) for joint in fast.clearances)
+    first, second = written(one), written(replace(fast, clearances=wide))
+    assert first.text == second.text
+    assert first.numbers.keys() == second.numbers.keys()
+    changed = {name for name, value in first.numbers.items() if value != second.numbers[name]}
+    assert {"crank_omega", "coupler_mass", "B_clearance", "B_friction_coefficient"} <= changed
+
+
+def test_names_of_bodies_and_joints_become_names_of_variables() -> None:
+    """Also names that begin with a digit, share a beginning, or differ by signs only."""
+    bodies = [
+        pw.Bar("2 arm", 0.2, 1.0),
+        pw.Bar("arm", 0.3, 1.0),
+        pw.Bar("arm!", 0.3, 1.0),
+        pw.Bar("arm 2", 0.3, 1.0),
+    ]
+    joints = [
+        pw.Pin("a b", (0.0, 0.0), "2 arm.tail"),
+        pw.Pin("2 arm", "2 arm.head", "arm.tail"),
+        pw.Pin("a_b", "arm.head", "arm!.tail"),
+        pw.Pin("arm", "arm!.head", "arm 2.tail"),
+    ]
+    drive = pw.Drive("2 arm", 10.0)
+    text = written(pw.assemble(bodies, joints, [drive], output="arm")).text
+    assigned = [line.split(" = ")[0].strip() for line in text.splitlines() if " = " in line]
+    assert len(assigned) == len(set(assigned))
+    compile(text, "equations", "exec")
+
+
+def test_a_name_cannot_become_code() -> None:
+    """A result may come from anybody, and its equations are executed."""
+    name = "arm\nraise SystemExit\r#\u2028raise SystemExit"
+    text = Text()
+    text.comment(name)
+    assert text.prefix(name).isidentifier()
+    joint = text.prefix('"""' + name)
+    assert joint.isidentifier()
+    assert ast.unparse(ast.parse("\n".join(line.strip() for line in text.lines))) == ""
+    equations = written(replace(loose(FOUR_BAR, "B"), name=f'"""{name}\\'))
+    (function,) = ast.parse(equations.text).body
+    assert isinstance(function, ast.FunctionDef)
+    assert not [node for node in ast.walk(function) if isinstance(node, ast.Raise)]
+
+
+@pytest.mark.parametrize(
+    ("linkage", "reason"),
+    [
+        (PRESS, "the drives hold every body"),
+        (loose(PRESS, "A"), "joint guide closes a loop"),
+        (
+            loose(PRESS.changed(joints=[*map(rubbing, PRESS.joints)]), "A", "C"),
+            "joint . rubs without clearance",
+        ),
+    ],
+)
+def test_a_linkage_without_written_equations_is_named_with_its_reason(
+    linkage: Linkage, reason: str
+) -> None:
+    result = write_equations(linkage, pack(linkage))
+    assert isinstance(result, str)
+    assert re.search(reason, result)
+
+
+def test_numbers_stand_beside_their_names() -> None:
+    """A rod of 1 m and 3 kg has the inertia 1 kg m^2 about its end."""
+    linkage = pw.assemble(
+        [pw.Bar("rod", 1.0, 3.0), pw.Bar("crank", 0.1, 1.0)],
+        [pw.Pin("O", (0.0, 0.0), "rod.tail"), pw.Pin("C", (1.0, 0.0), "crank.tail")],
+        [pw.Drive("crank", 10.0)],
+        output="rod",
+    )
+    place = [*written(linkage).numbers].index("rod_mobility")
+    assert f"rod_mobility = parameters[{place}]  # 1\n" in written(linkage).listing
