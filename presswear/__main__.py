@@ -70,10 +70,11 @@ def _run(words: Sequence[str]) -> int:
 
     from rich.console import Console
 
-    from presswear.cli.parser import parser_for
+    from presswear.cli.parser import joined, parser_for
 
     if not words or words[0] == "help":
         words = [*words[1:], "--help"]
+    words = joined(words)
     arguments = parser_for(words).parse_args(words)
     from presswear.cli import COMMANDS
     from presswear.cli.terminal import logging_to_stderr

@@ -18,12 +18,11 @@ from numpy.typing import NDArray
 from presswear.analysis.contact_modes import resonance_frequency
 from presswear.analysis.lyapunov import largest_exponent
 from presswear.analysis.periods import TOLERANCE, Periodicity, periodicity
+from presswear.analysis.pins import capped, eccentricities, move_pins
 from presswear.analysis.spectra import MAX_ORDER, power_spectrum
 from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.physics.constraints import constraints_of
-from presswear.physics.statics import closed
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
@@ -40,8 +39,6 @@ InitialState = Callable[[Scene], Start]
 
 ENGINE = InHouse("dopri5", 1e-6)  # periodic pins within 6e-4 of the clearance of those at 1e-9
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
-CONTACT_GAP = 1e-4  # gap over clearance of a pin in contact when the parameter changes
-NEWTON_STEPS = 8  # Newton steps that move pins; three suffice
 SETTLING_CYCLES = 1  # before a spectrum: contacts begin anew
 DIRECTIONS = ("up", "down")
 FILE = "diagram.json"
@@ -100,21 +97,11 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
     position = end.position.copy()
     turns = np.round((position[2::3] - ideal.position[2::3]) / (2.0 * math.pi))
     position[2::3] -= 2.0 * math.pi * turns
-    rows, rest = constraints_of(closed(linkage)), np.zeros_like(position)
-    pins = slice(2 * len(linkage.revolutes), 2 * len(closed(linkage).revolutes))
     clearance, before = (
         np.array([joint.clearance for joint in each.clearances]) for each in (linkage, previous)
     )
-    gap = rows.evaluate(0.0, position, rest)[0][pins].reshape(-1, 2)
-    target = gap * (clearance / before)[:, np.newaxis]
-    # A pin that starts in contact at rest would latch a closing speed near zero, for which the
-    # damping is unbounded. All pins therefore start with a gap.
-    excess = np.hypot(*target.T) / ((1.0 - CONTACT_GAP) * clearance)
-    target /= np.maximum(excess, 1.0)[:, np.newaxis]
-    for _ in range(NEWTON_STEPS):
-        phi, _, _, jacobian = rows.evaluate(0.0, position, rest)
-        phi[pins] -= target.ravel()
-        position -= np.linalg.lstsq(jacobian, phi, rcond=None)[0]
+    target = eccentricities(linkage, position) * (clearance / before)[:, np.newaxis]
+    position = move_pins(linkage, position, capped(target, clearance))
     velocity = end.velocity * (linkage.drives[0].speed / previous.drives[0].speed)
     return with_velocity(linkage, position, velocity)
 

@@ -23,16 +23,21 @@ def dynamics(arguments: argparse.Namespace, console: Console) -> int:
         if arguments.engine or arguments.set:
             raise InputError(f"{folder} is a result folder: --engine and --set need --over")
         return _describe(folder, console)
-    settings = terminal.parse_settings(arguments.set)
-    engine = arguments.engine or settings.get("engine", "dae")
-    if engine != "dae" or "wear_updates" in settings:
-        raise InputError("presswear dynamics uses engine = dae and no wear updates")
-    scene = terminal.requested_scene(arguments)
+    scene = requested_scene(arguments)
     if arguments.over is not None:
         return _diagram(scene, arguments, console)
     if not arguments.exponent:
         raise InputError("--exponent 0 needs --over")
     return _exponent(scene, arguments.exponent, console)
+
+
+def requested_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene with the settings of ``--set``, to be run by the in-house engine."""
+    settings = terminal.parse_settings(arguments.set)
+    engine = arguments.engine or settings.get("engine", "dae")
+    if engine != "dae" or "wear_updates" in settings:
+        raise InputError(f"presswear {arguments.command} uses engine = dae and no wear updates")
+    return terminal.requested_scene(arguments)
 
 
 def _exponent(scene: Scene, cycles: int, console: Console) -> int:

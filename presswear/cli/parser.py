@@ -67,14 +67,26 @@ def _intended_setting(rest: Sequence[str], scene: str) -> str:
     return f"{key}={value or ' '.join(rest[1:2]) or 'VALUE'}"
 
 
+def joined(words: Sequence[str]) -> list[str]:
+    """Return the words of a line with a command of two words, ``dynamics settle``, as one."""
+    first = next((k for k, word in enumerate(words) if not word.startswith("-")), 0)
+    command = " ".join(words[first : first + 2])
+    return [*words[:first], command, *words[first + 2 :]] if command in COMMANDS else list(words)
+
+
 def parser_for(words: Sequence[str]) -> Parser:
-    """Return a parser with the options of the command in ``words`` and the names of all others."""
+    """Return a parser with the options of the command in ``words`` and the names of all others.
+
+    A command of two words is one of ``words``, see ``joined``.
+    """
     command = next((word for word in words if not word.startswith("-")), "")
     return parser_with([command])[0]
 
 
-def parser_with(names: Collection[str]) -> tuple[Parser, dict[str, Parser]]:
-    """Return a parser with the options of some commands, and the parser of each command."""
+def parser_with(
+    names: Collection[str], listed: Collection[str] = tuple(COMMANDS)
+) -> tuple[Parser, dict[str, Parser]]:
+    """Return a parser with the options of some commands, and the parser of each listed command."""
     parser = Parser(
         prog="presswear",
         description="Dynamics and wear of planar linkages with clearance in their joints.",
@@ -83,7 +95,8 @@ def parser_with(names: Collection[str]) -> tuple[Parser, dict[str, Parser]]:
     parser.add_argument("--version", action="store_true", help="print the version")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     parsers = {}
-    for name, content in COMMANDS.items():
+    for name in listed:
+        content = COMMANDS[name]
         texts = _texts() if name in names else TEXTS
         parsers[name] = commands.add_parser(
             name,

@@ -95,7 +95,9 @@ def completion(arguments: argparse.Namespace, console: Console) -> int:
         import shtab
     except ImportError:
         raise not_installed("presswear completion", "shtab", "completion") from None
-    parser, parsers = parser_with(COMMANDS)
+    # A shell completes word by word: commands of two words are left out.
+    names = [name for name in COMMANDS if " " not in name]
+    parser, parsers = parser_with(names, names)
     for command in parsers.values():
         command.description = None  # menus show the line of help
         for action in command._actions:

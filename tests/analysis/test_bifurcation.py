@@ -7,6 +7,7 @@ import pytest
 
 import presswear as pw
 from presswear.analysis import bifurcation
+from presswear.analysis.pins import CONTACT_GAP
 from presswear.analysis.spectra import MAX_ORDER
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
@@ -64,7 +65,7 @@ def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
         constraints_of(closed(each)).evaluate(0.0, end.position, end.velocity)[0][rows]
         for each, end in ((previous, run.end), (linkage, start))
     )
-    cap = min(1.0, (1.0 - bifurcation.CONTACT_GAP) * 5e-4 / np.hypot(*before))
+    cap = min(1.0, (1.0 - CONTACT_GAP) * 5e-4 / np.hypot(*before))
     np.testing.assert_allclose(after, 0.8 * cap * before, rtol=1e-6)
     scaled = 500.0 / previous.drives[0].speed * run.end.velocity
     np.testing.assert_allclose(start.velocity, scaled, rtol=0.0, atol=0.3)

@@ -86,6 +86,15 @@ dynamics slider-crank --set wear_updates=1: no wear updates
 dynamics slider-crank --over speed=1:2: FIRST:LAST:COUNT
 dynamics slider-crank --over 'speed=20:30:2 rad/s' --stored 100: stored = 100
 dynamics ideal: no motion is free
+dynamics settle: SCENE|DIR & presswear dynamics settle --help
+dynamics settle slider-crnk: did you mean slider-crank
+dynamics settle ideal: need a joint with clearance: no motion is free
+dynamics settle slider-crank --starts 0: --starts 0: must be a whole number from 1
+dynamics settle slider-crank --cycles 5: cycles = 5: must be at least 12
+dynamics settle slider-crank --set engine=exudyn: dynamics settle uses engine = dae
+dynamics settle slider-crank --over clearance=1:2: FIRST:LAST:COUNT
+dynamics settle slider-crank --set run_up=2: --set run_up=0
+dynamics settle slider-crank --resume: --resume needs the folder
 crosscheck nonsense: nonsense
 crosscheck --duration nan: --duration nan
 crosscheck --duration 1e300: --duration 1e+300 & 100 cycles
@@ -362,6 +371,26 @@ def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -
     assert "periodic at 2 of 2 values" in output
     for name in ("diagram.png", "orders.png"):
         assert (tmp_path / "d" / name).stat().st_size > 10_000
+
+
+def test_final_motions_of_a_scene_over_a_parameter(tmp_path: Path, command: Command) -> None:
+    line = f"dynamics settle slider-crank --starts 2 --cycles 12 --jobs 1 --out {tmp_path / 's'}"
+    output = command(f"{line} --over 'speed=100:200:2 rad/s'")
+    for words in (
+        "speed = 100 rad/s: none of 2",
+        "speed = 200 rad/s: none of 2",
+        "half-life longer",
+    ):
+        assert words in output
+    lines = (tmp_path / "s" / "half-life.csv").read_text().splitlines()
+    assert lines[0].startswith("speed (rad/s),starts,settled,irregular,failed,half_life (cycles)")
+    assert [line.split(",")[:5] for line in lines[1:]] == [
+        ["100.0", "2", "0", "2", "0"],
+        ["200.0", "2", "0", "2", "0"],
+    ]
+    assert (tmp_path / "s" / "half-life.png").stat().st_size > 10_000
+    again = command(f"{line} --over 'speed=100:200:2 rad/s' --resume")
+    assert again == output
 
 
 _TRY = """

@@ -1,0 +1,320 @@
+"""Runs from spread starts until they settle, in a folder from which they can be resumed."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.analysis.bifurcation import ENGINE, InitialState, Parameter
+from presswear.analysis.final_motions import (
+    FAILED,
+    IRREGULAR,
+    FinalMotions,
+    Settled,
+    Watch,
+    evaluate,
+)
+from presswear.analysis.kicks import STATES, Kick, least_kicks, recorded_signatures, states_of
+from presswear.analysis.starts import SpreadStarts, crossing_speeds, spread_starts
+from presswear.engines.base import Plan, Start
+from presswear.recording.observer import Observer
+from presswear.recording.recorder import Recorder
+from presswear.recording.settling import PERIODS, REPEATED, rest_of
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.tools.arrays import Array, State, read_arrays, write_arrays
+from presswear.tools.errors import InputError
+from presswear.tools.files import only_writer
+from presswear.tools.processes import Report, Workers, cores
+from presswear.tools.serialize import plain, read_json, typed, write_json
+
+FILE = "settling.json"
+RUNS, KICKS = "runs.npz", "kicks.json"
+SCHEMA = 1
+WATCHED_TWICE = 2  # times the cycles that a settled motion must repeat for, until a run ends
+KICKED = 4  # final motions of most starts, which are kicked
+STARTS_SHARE = 0.9  # of the progress, for the starts
+
+
+class _UntilSettled(Observer):
+    """Ends a run once it has repeated for twice as long as a settled motion must."""
+
+    def __init__(self, signatures: Callable[[Recorder], Array]) -> None:
+        self._signatures = signatures
+
+    def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+        count = len(recorder.cycles)
+        if count < WATCHED_TWICE * REPEATED:
+            return False
+        rest = rest_of(self._signatures(recorder))
+        if rest is None:
+            return False
+        return count - rest.start >= WATCHED_TWICE * max(REPEATED, 3 * rest.period)
+
+
+def run_start(
+    scene: Scene, starts: SpreadStarts, index: int, cycles: int, ideal: Start, report: Report
+) -> NDArray[Any]:
+    """Return the row of one start, a record with the fields of ``_row``."""
+    linkage = scene.linkage()
+    observer = _UntilSettled(lambda recorder: recorded_signatures(recorder, linkage))
+    plan = Plan(
+        scene.mechanism.period,
+        cycles,
+        1,
+        torques=False,
+        observers=(observer,),
+        report=lambda share, recorder: report(share),
+    )
+    run = ENGINE.simulate(linkage, starts.start(index, linkage, ideal), plan)
+    row = _row(len(linkage.clearances), len(ideal.position))
+    row["eccentricity"], row["velocity"] = starts.eccentricity[index], starts.velocity[index]
+    row["index"], row["cycles"] = index, len(run.recorder.cycles)
+    if run.status == "failed":
+        row["settled"] = FAILED
+        return row
+    signatures = recorded_signatures(run.recorder, linkage)
+    rest = rest_of(signatures)
+    row["end"] = run.end.position, run.end.velocity
+    each = range(len(linkage.clearances))
+    force = np.array([run.recorder.each_cycle("force_max", k) for k in each])
+    contacts = np.array([run.recorder.each_cycle("contacts", k) for k in each])
+    first = STARTUP_CYCLES if rest is None else rest.start
+    row["peak_force"], row["contacts"] = (
+        force[:, first:].mean(axis=1),
+        contacts[:, first:].mean(axis=1),
+    )
+    if rest is not None:
+        row["settled"], row["period"] = rest.start, rest.period
+        row["signature"], row["last"] = rest.signature, signatures[-PERIODS[-1] :]
+    before = force[:, STARTUP_CYCLES : None if rest is None else rest.start]
+    row["irregular_cycles"] = before.shape[1]
+    if before.size:
+        row["irregular_force"] = before.mean(axis=1)
+    return row
+
+
+def _row(joints: int, coordinates: int) -> NDArray[Any]:
+    """Return an empty row of an irregular run."""
+    fields: list[Any] = [
+        ("index", int),  # of the start
+        ("eccentricity", float, (joints, 2)),  # of each pin at the start, m
+        ("velocity", float, (joints, 2)),  # of each pin relative to its bearing, m/s
+        ("cycles", int),  # that were run
+        ("settled", int),  # cycles before it settled, or IRREGULAR or FAILED
+        ("period", int),  # of the final motion, cycles; 0: irregular
+        ("signature", float, 3 * joints),  # of the final motion
+        ("last", float, (PERIODS[-1], 3 * joints)),  # signatures of the last cycles
+        ("peak_force", float, joints),  # mean of the last cycles of the final motion, N
+        ("contacts", float, joints),  # mean of these cycles
+        ("irregular_cycles", int),  # after the start-up and before the final motion
+        ("irregular_force", float, joints),  # mean peak force in them, N
+        ("end", float, (2, coordinates)),  # positions and velocities at the end
+    ]
+    row = np.zeros(1, fields)
+    row["settled"] = IRREGULAR
+    row["irregular_force"] = math.nan
+    return row
+
+
+def run_kicks(scene: Scene, runs: NDArray[Any], ideal: Start, report: Report) -> list[Kick]:
+    """Return the least kicks of the final motion of some runs, rows of ``run_start``."""
+    linkage = scene.linkage()
+    orbit = np.concatenate([run["last"][-int(run["period"]) :] for run in runs])
+    states = states_of(linkage, [Start(*run["end"]) for run in runs], ideal)
+    return least_kicks(linkage, states, orbit, crossing_speeds(scene), report)
+
+
+class _Folder:
+    """Finished runs and kicks of a folder, which are written after each one."""
+
+    def __init__(self, folder: Path, starts: int) -> None:
+        self._folder, self._starts = folder, starts
+        self.rows: dict[int, NDArray[Any]] = {}  # by value times starts plus start
+        self.kicks: dict[tuple[int, int], tuple[Kick, ...]] = {}  # by value and start
+        if (folder / RUNS).exists():
+            stored = read_arrays(folder / RUNS)
+            self.rows = dict(zip(stored["keys"].tolist(), stored["rows"], strict=True))
+        if (folder / KICKS).exists():
+            document = read_json(folder / KICKS, f"{folder} has no {KICKS}", SCHEMA)
+            each = typed(document["motions"], list[_Kicked], f"{folder / KICKS}")
+            self.kicks = {(one.value, one.start): one.kicks for one in each}
+
+    def add_row(self, key: int, row: NDArray[Any]) -> None:
+        """Store a finished run."""
+        self.rows[key] = row[0]
+        keys = sorted(self.rows)
+        rows = np.array([self.rows[each] for each in keys])
+        write_arrays(self._folder / RUNS, {"keys": np.array(keys), "rows": rows}, np.savez)
+
+    def add_kicks(self, value: int, start: int, kicks: Sequence[Kick]) -> None:
+        """Store the kicks of the final motion of a start."""
+        self.kicks[value, start] = tuple(kicks)
+        motions = [_Kicked(*key, each) for key, each in self.kicks.items()]
+        write_json(self._folder / KICKS, {"schema": SCHEMA, "motions": motions})
+
+    def settled(self, value: int, joints: tuple[str, ...], number: float | None) -> Settled | None:
+        """Return the final motions of the finished runs of a value; None without any."""
+        keys = range(value * self._starts, (value + 1) * self._starts)
+        rows = [self.rows[key] for key in keys if key in self.rows]
+        if not rows:
+            return None
+        runs = np.array(rows).view(np.recarray)
+        kicks = {
+            k: self.kicks[value, i] for k, i in enumerate(runs.index) if (value, i) in self.kicks
+        }
+        return evaluate(runs, joints, kicks, number)
+
+
+@dataclass(frozen=True)
+class _Kicked:
+    value: int  # index
+    start: int  # index
+    kicks: tuple[Kick, ...]
+
+
+def check(scene: Scene) -> None:
+    """Raise InputError for a scene that has no final motions."""
+    if not scene.clearance_joints:
+        raise InputError("final motions need a joint with clearance: no motion is free")
+    if scene.run_up > 0.0:
+        raise InputError("final motions start at full speed: use --set run_up=0")
+    scene.check_trusted()
+    scene.check()
+
+
+def compute(
+    scene: Scene,
+    watch: Watch,
+    folder: Path,
+    initial_state: InitialState,
+    parameter: Parameter | None = None,
+    jobs: int | None = None,
+    on_progress: Callable[[str, float], None] = lambda step, share: None,
+) -> FinalMotions:
+    """Compute final motions in a folder, or resume those that the folder holds.
+
+    Parameters
+    ----------
+    initial_state : callable
+        Returns the start of a scene, such as ``presswear.campaign.replicates.start_of``.
+    jobs : int, optional
+        Number of processes; default: all cores.
+    on_progress : callable
+        Called with the present step and the completed share.
+
+    Raises
+    ------
+    InputError
+        If no joint has clearance, the mechanism runs up from rest, or the folder holds others.
+    """
+    check(scene)
+    values = () if parameter is None else parameter.values
+    scenes = [changed(scene, {parameter.key: value}) for value in values] if parameter else [scene]
+    with only_writer(folder, resume=True):
+        _check_inputs(folder, {"scene": scene.as_dict(), "watch": watch, "parameter": parameter})
+        stored = _Folder(folder, watch.starts)
+        ideals = [initial_state(each) for each in scenes]
+        count = min(jobs or cores(), watch.starts * len(scenes))
+        with Workers(count, (__name__,)) as workers:
+            _run_starts(workers, stored, scenes, ideals, watch, on_progress)
+            _run_all_kicks(workers, stored, scenes, ideals, on_progress)
+    return load(folder)
+
+
+def _run_starts(
+    workers: Workers,
+    stored: _Folder,
+    scenes: Sequence[Scene],
+    ideals: Sequence[Start],
+    watch: Watch,
+    on_progress: Callable[[str, float], None],
+) -> None:
+    work: dict[int, Any] = {}
+    for value, (scene, ideal) in enumerate(zip(scenes, ideals, strict=True)):
+        starts = spread_starts(scene, watch.starts)
+        for index in range(watch.starts):
+            key = value * watch.starts + index
+            if key not in stored.rows:
+                work[key] = partial(run_start, scene, starts, index, watch.cycles, ideal)
+    total = watch.starts * len(scenes)
+
+    def progress(*_: Any) -> None:
+        done = len(stored.rows)
+        on_progress(f"start {min(done + 1, total)} of {total}", STARTS_SHARE * done / total)
+
+    def finish(key: int, row: Any) -> Mapping[int, Any]:
+        stored.add_row(key, row)
+        progress()
+        return {}
+
+    workers.run(work, finish, progress)
+
+
+def _run_all_kicks(
+    workers: Workers,
+    stored: _Folder,
+    scenes: Sequence[Scene],
+    ideals: Sequence[Start],
+    on_progress: Callable[[str, float], None],
+) -> None:
+    work: dict[int, Any] = {}
+    places: list[tuple[int, int]] = []
+    for value, (scene, ideal) in enumerate(zip(scenes, ideals, strict=True)):
+        settled = stored.settled(value, scene.clearance_joints, None)
+        motions = settled.motions if settled else ()
+        for motion in [each for each in motions if each.period is not None][:KICKED]:
+            assert settled is not None
+            runs = np.array(settled.runs[list(motion.runs[:STATES])])
+            place = value, int(runs["index"][0])
+            if place not in stored.kicks:
+                work[len(places)] = partial(run_kicks, scene, runs, ideal)
+                places.append(place)
+    shares = dict.fromkeys(work, 0.0)
+
+    def progress(key: int, share: float, *_: Any) -> None:
+        shares[key] = 0.0 if math.isnan(share) else share
+        done = sum(shares.values()) / len(shares)
+        on_progress("kicks", STARTS_SHARE + (1.0 - STARTS_SHARE) * done)
+
+    def finish(key: int, kicks: Any) -> Mapping[int, Any]:
+        stored.add_kicks(*places[key], kicks)
+        progress(key, 1.0)
+        return {}
+
+    workers.run(work, finish, progress)
+
+
+def _check_inputs(folder: Path, inputs: Mapping[str, Any]) -> None:
+    """Write the inputs into a new folder; raise InputError where it holds others."""
+    if not (folder / FILE).exists():
+        write_json(folder / FILE, {"schema": SCHEMA, **inputs})
+        return
+    document = _document(folder)
+    for name, value in plain(inputs).items():
+        if document[name] != value:
+            raise InputError(f"{folder} holds final motions with another {name}")
+
+
+def load(folder: Path) -> FinalMotions:
+    """Return stored final motions; raise InputError if there are none or a file was altered."""
+    document = _document(folder)
+    scene = Scene.from_dict(document["scene"])
+    watch = typed(document["watch"], Watch, f"{folder / FILE}: watch")
+    parameter = document["parameter"]
+    if parameter is not None:
+        parameter = typed(parameter, Parameter, f"{folder / FILE}: parameter")
+    stored = _Folder(folder, watch.starts)
+    numbers = [None] if parameter is None else parameter.values
+    each = (stored.settled(k, scene.clearance_joints, x) for k, x in enumerate(numbers))
+    return FinalMotions(scene, watch, parameter, tuple(one for one in each if one is not None))
+
+
+def _document(folder: Path) -> dict[str, Any]:
+    return read_json(folder / FILE, f"{folder} holds no final motions: it has no {FILE}", SCHEMA)

@@ -1,0 +1,217 @@
+"""Sentences and tables of final motions."""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from presswear.analysis.final_motions import FinalMotion, FinalMotions, Settled
+from presswear.analysis.kicks import DIRECTIONS, STATES
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.tools.files import write_bytes
+from presswear.tools.numbers import quantity_text, readable, whole
+
+Table = tuple[Sequence[str], list[list[object]]]  # names of the columns with units, and the rows
+
+
+def summary(result: FinalMotions, settled: Settled) -> list[str]:
+    """Return sentences on the final motions at one value of the parameter."""
+    sentences = [_how_many(settled, result.watch.cycles)]
+    if settled.half_life is not None:
+        sentences.append(
+            f"The irregular motion{_peak(settled.irregular_force)} has a half-life of "
+            f"{settled.half_life} cycles."
+        )
+    for number, motion in enumerate(settled.motions, 1):
+        if motion.kicks is not None:
+            sentences.append(_of_kicks(result, number, motion))
+    if settled.failed:
+        sentences.append(f"{whole(settled.failed)} runs failed and are not counted.")
+    if result.parameter is None or settled.value is None:
+        return sentences
+    value = quantity_text(settled.value, result.parameter.unit)
+    return [f"{result.parameter.key} = {value}: {sentences[0]}", *sentences[1:]]
+
+
+def _how_many(settled: Settled, cycles: int) -> str:
+    """Return a sentence on how many starts settled."""
+    at_rest = settled.counted - settled.irregular
+    if at_rest == 0:
+        words = f"none of {whole(settled.counted)} starts settled in {whole(cycles)} cycles"
+        if settled.least_half_life is None:
+            return f"{words}."
+        least = readable(settled.least_half_life, 2)
+        return f"{words}: half-life longer than {least} cycles at 95 %."
+    regular = [motion for motion in settled.motions if motion.period is not None]
+    after = settled.runs.settled[settled.runs.settled >= 0]
+    where = "the same motion" if len(regular) == 1 else f"{len(regular)} different motions"
+    if len(regular) == 1:
+        where += _peak(regular[0].peak_force)
+    words = f"{whole(at_rest)} of {whole(settled.counted)} starts came to rest on {where}"
+    words += f" after {whole(after.min())} to {whole(after.max())} cycles"
+    if settled.irregular:
+        words += f", {whole(settled.irregular)} did not settle in {whole(cycles)} cycles"
+    if (after <= STARTUP_CYCLES).all() and not settled.irregular:
+        words += "; there is no irregular motion"
+    return f"{words}."
+
+
+def _peak(force: Mapping[str, float]) -> str:
+    """Return the largest of the peak forces in brackets."""
+    forces = {name: each for name, each in force.items() if math.isfinite(each)}
+    if not forces:
+        return ""
+    joint = max(forces, key=forces.__getitem__)
+    return f" (mean peak force {readable(forces[joint], 4)} N at {joint})"
+
+
+def _of_kicks(result: FinalMotions, number: int, motion: FinalMotion) -> str:
+    """Return a sentence on the least kick of a motion."""
+    if not motion.kicks:
+        return f"Motion {number} does not return after a restart without a kick."
+    least = motion.least_kick
+    tried = f"from {STATES} states of the motion in {len(DIRECTIONS)} directions"
+    if least is None:
+        most = readable(min(kick.returns for kick in motion.kicks))
+        return f"Motion {number} returns after kicks of {most} m/s, {tried}."
+    bearings = {joint.name: joint.bearing.body for joint in result.scene.linkage().clearances}
+    return (
+        f"Motion {number} rattles again after a kick of {readable(least.rattles)} m/s at "
+        f"{least.joint}, {least.direction} degrees from the axis of {bearings[least.joint]}. "
+        f"It returns after {readable(least.returns)} m/s, {tried}; other weak kicks may rattle."
+    )
+
+
+def motion_rows(settled: Settled) -> tuple[list[str], list[list[str]]]:
+    """Return headings and rows of the table of final motions for a terminal."""
+    heads = [">motion", ">starts", ">share (%)", ">period"]
+    heads += ["joint", ">peak force (N)", ">contacts"]
+    rows = []
+    for number, motion in enumerate(settled.motions, 1):
+        name = "irregular" if motion.period is None else f"{number}"
+        first = [name, whole(motion.starts), _percent(motion.share), whole(motion.period)]
+        for joint in settled.joints:
+            force, count = motion.peak_force[joint], motion.contacts[joint]
+            rows.append([*first, joint, readable(force, 4), readable(count, 2)])
+            first = [""] * len(first)
+    return heads, rows
+
+
+def _percent(share: Estimate) -> str:
+    low, high = share.low or 0.0, share.high or 0.0
+    return f"{100.0 * share.mean:.0f} ({100.0 * low:.0f} to {100.0 * high:.0f})"
+
+
+def tables(result: FinalMotions) -> dict[str, Table]:
+    """Return the tables of a result by the names of their files; SI units."""
+    parameter, joints = result.parameter, result.scene.clearance_joints
+    first = [] if parameter is None else [_named(parameter.key, parameter.unit)]
+    return {
+        "starts.csv": ([*first, *_start_heads(joints)], _start_rows(result)),
+        "motions.csv": ([*first, *_motion_heads(joints)], _motion_rows(result)),
+        "half-life.csv": ([*first, *_HALF_LIFE], _half_life_rows(result)),
+        "kicks.csv": ([*first, *_KICKS], _kick_rows(result)),
+    }
+
+
+_HALF_LIFE = (
+    *("starts", "settled", "irregular", "failed", "half_life (cycles)"),
+    *("half_life_low (cycles)", "half_life_high (cycles)"),
+)
+_KICKS = (
+    *("motion", "joint", "rattles (m/s)", "returns (m/s)"),
+    "direction from the axis of the body of the bearing (deg)",
+)
+
+
+def _named(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else name
+
+
+def _values(result: FinalMotions) -> Iterable[tuple[list[object], Settled]]:
+    for settled in result.values:
+        yield ([] if result.parameter is None else [settled.value]), settled
+
+
+def _start_heads(joints: Sequence[str]) -> list[str]:
+    heads = ["start", "motion", "cycles", "settled after (cycles)", "period (cycles)"]
+    for joint in joints:
+        heads += [f"{joint}_eccentricity_{axis} (m)" for axis in "xy"]
+        heads += [f"{joint}_velocity_{axis} (m/s)" for axis in "xy"]
+        heads += [f"{joint}_peak_force (N)", f"{joint}_contacts"]
+    return heads
+
+
+def _start_rows(result: FinalMotions) -> list[list[object]]:
+    rows = []
+    for first, settled in _values(result):
+        motion_of = {k: number for number, one in enumerate(settled.motions, 1) for k in one.runs}
+        for k, run in enumerate(settled.runs):
+            is_settled = run.settled >= 0
+            row = [*first, int(run.index), motion_of.get(k, "failed"), int(run.cycles)]
+            row += [int(run.settled) if is_settled else "", int(run.period) if is_settled else ""]
+            for place, speed, force, count in zip(
+                run.eccentricity, run.velocity, run.peak_force, run.contacts, strict=True
+            ):
+                row += [*place.tolist(), *speed.tolist(), float(force), float(count)]
+            rows.append(row)
+    return rows
+
+
+def _motion_heads(joints: Sequence[str]) -> list[str]:
+    heads = ["motion", "starts", "share", "share_low", "share_high", "period (cycles)"]
+    for joint in joints:
+        heads += [f"{joint}_peak_force (N)", f"{joint}_contacts"]
+    return [*heads, "least kick (m/s)"]
+
+
+def _motion_rows(result: FinalMotions) -> list[list[object]]:
+    rows = []
+    for first, settled in _values(result):
+        for number, motion in enumerate(settled.motions, 1):
+            share, least = motion.share, motion.least_kick
+            row = [*first, number, motion.starts, share.mean, share.low, share.high]
+            row.append("irregular" if motion.period is None else motion.period)
+            for joint in settled.joints:
+                row += [motion.peak_force[joint], motion.contacts[joint]]
+            rows.append([*row, "" if least is None else least.rattles])
+    return rows
+
+
+def _half_life_rows(result: FinalMotions) -> list[list[object]]:
+    rows = []
+    for first, settled in _values(result):
+        at_rest = settled.counted - settled.irregular
+        row = [*first, len(settled.runs), at_rest, settled.irregular, settled.failed]
+        life = settled.half_life
+        if life is not None:
+            row += [life.mean, life.low, life.high]
+        else:
+            least = settled.least_half_life
+            row += ["", "" if least is None else least, ""]
+        rows.append(row)
+    return rows
+
+
+def _kick_rows(result: FinalMotions) -> list[list[object]]:
+    rows = []
+    for first, settled in _values(result):
+        for number, motion in enumerate(settled.motions, 1):
+            for kick in motion.kicks or ():
+                limit = "" if kick.rattles is None else kick.rattles
+                rows.append([*first, number, kick.joint, limit, kick.returns, kick.direction])
+    return rows
+
+
+def write_tables(result: FinalMotions, folder: Path) -> list[Path]:
+    """Write the tables of a result into a folder; return the files."""
+    files = []
+    for name, (heads, rows) in tables(result).items():
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(heads)
+        writer.writerows(rows)
+        write_bytes(folder / name, text.getvalue().encode())
+        files.append(folder / name)
+    return files

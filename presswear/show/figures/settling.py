@@ -1,0 +1,128 @@
+"""Figures of final motions: survival of the irregular motion, and half-life over a parameter."""
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+
+from presswear.analysis.final_motions import FinalMotions, Settled
+from presswear.analysis.settling_tables import summary
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.show.figures import style
+from presswear.show.figures.style import Axes, Drawing, Pen
+from presswear.tools.numbers import readable, unit_scale
+
+_MARKERS = "osD^v<>p"  # of final motions, the one of most starts first
+_BAND = 0.2  # opacity of an interval
+_ROW = 0.18  # height of a row of a legend over the clearance
+CURVE, FIT = Pen("starts", style.LINES[0][0]), Pen("exponential law", *style.LINES[1])
+
+
+def drawings_of(result: FinalMotions) -> list[Drawing]:
+    """Return the figures of final motions: of a scene, or over a parameter."""
+    if result.parameter is not None:
+        return [draw_half_life(result)]
+    return [draw_settling(result, settled) for settled in result.values]
+
+
+@matplotlib.rc_context(style.SETTINGS)
+def draw_settling(result: FinalMotions, settled: Settled) -> Drawing:
+    """Return the survival curve of the irregular motion, and the starts by final motion."""
+    sheet, grid = style.panels(1, 2, 3.4)
+    _draw_survival(grid[0, 0], settled)
+    joint = _draw_starts(grid[0, 1], result, settled)
+    pens = [CURVE, *([FIT] if settled.half_life else [])]
+    content: dict[str, Any] = {"summary": summary(result, settled), "joint": joint}
+    return style.finished("settling", sheet, pens, startup=STARTUP_CYCLES, **content)[0]
+
+
+def _draw_survival(axes: Axes, settled: Settled) -> None:
+    """Draw the share of starts that have not settled over the cycles, with the exponential law."""
+    cycles, share = settled.unsettled()
+    is_shown = share > 0.0
+    CURVE.draw(axes, cycles[is_shown], 100.0 * share[is_shown], drawstyle="steps-post")
+    life = settled.half_life
+    if life is not None:
+        late = cycles[cycles >= STARTUP_CYCLES]
+        age = late - STARTUP_CYCLES
+        first = 100.0 * share[min(STARTUP_CYCLES, len(share) - 1)]
+        FIT.draw(axes, late, first * 0.5 ** (age / life.mean))
+        low, high = life.low or life.mean, life.high or life.mean
+        ends = first * 0.5 ** (age / low), first * 0.5 ** (age / high)
+        axes.fill_between(late, *ends, color=FIT.colour, alpha=_BAND, linewidth=0.0)
+    axes.set_yscale("log", subs=style.SUBTICKS)
+    axes.set_ylim(50.0 / max(settled.counted, 1), 120.0)
+    axes.set_xlim(0.0, None)
+    axes.set_xlabel("cycles")
+    axes.set_ylabel("starts not settled (%)")
+
+
+def _draw_starts(axes: Axes, result: FinalMotions, settled: Settled) -> str:
+    """Draw where the pin with the largest force starts, by final motion; return its joint."""
+    forces = np.array([[one.peak_force[j] for j in settled.joints] for one in settled.motions])
+    k = int(forces.max(axis=0).argmax()) if forces.size else 0
+    joint = settled.joints[k]
+    clearance = result.scene.bearing(joint).clearance
+    factor, unit = unit_scale("m", clearance)
+    for number, motion in enumerate(settled.motions):
+        x, y = factor * settled.runs.eccentricity[list(motion.runs), k].T
+        force = f"{readable(motion.peak_force[joint], 4)} N"
+        if motion.period is None:
+            look: dict[str, Any] = {"marker": "x", "color": style.MUTED}
+            label = f"irregular: {force}"
+        else:
+            colour = style.LINES[number % len(style.LINES)][0]
+            look = {"marker": _MARKERS[number % len(_MARKERS)], "color": colour}
+            label = f"period {motion.period}: {force}"
+        axes.scatter(x, y, 14.0, label=label, linewidths=0.8, **look)
+    turn = np.linspace(0.0, 2.0 * np.pi, 181)
+    circle = factor * clearance * np.array([np.cos(turn), np.sin(turn)])
+    axes.plot(*circle, color=style.REFERENCE, linewidth=0.7)
+    axes.set_aspect("equal")
+    axes.set_ylim(*(factor * clearance * np.array([-1.1, 1.1 + _ROW * len(settled.motions)])))
+    axes.set_xlabel(f"start of the pin at {joint}, x ({unit})")
+    axes.set_ylabel(f"start of the pin at {joint}, y ({unit})")
+    axes.legend(loc="upper right")
+    return joint
+
+
+@matplotlib.rc_context(style.SETTINGS)
+def draw_half_life(result: FinalMotions) -> Drawing:
+    """Return half-life, share of settled starts and peak force over the parameter."""
+    assert result.parameter is not None
+    parameter = result.parameter
+    factor, unit = unit_scale(parameter.unit, parameter.values[-1])
+    sheet, grid = style.panels(3, 1, 6.0, sharex=True)
+    colour = style.LINES[0][0]
+    for settled in result.values:
+        value = factor * (settled.value or 0.0)
+        _draw_life(grid[0, 0], value, settled)
+        share = (settled.counted - settled.irregular) / max(settled.counted, 1)
+        grid[1, 0].plot(value, 100.0 * share, "o", color=colour)
+        for motion in settled.motions:
+            marker = "x" if motion.period is None else "o"
+            force = max(motion.peak_force.values())
+            size = 2.0 + 4.0 * motion.share.mean
+            grid[2, 0].plot(value, force, marker, color=colour, markersize=size)
+    grid[0, 0].set_yscale("log", subs=style.SUBTICKS)
+    grid[0, 0].set_ylabel("half-life of the\nirregular motion (cycles)")
+    grid[1, 0].set_ylabel("starts that\nsettled (%)")
+    grid[1, 0].set_ylim(-5.0, 105.0)
+    grid[2, 0].set_yscale("log", subs=style.SUBTICKS)
+    grid[2, 0].set_ylabel("peak force of the\nfinal motions (N)")
+    grid[2, 0].set_xlabel(f"{parameter.key} ({unit})" if unit else parameter.key)
+    sheet.align_ylabels()
+    content: dict[str, Any] = {"parameter": parameter, "watch": result.watch}
+    return style.finished("half-life", sheet, **content)[0]
+
+
+def _draw_life(axes: Axes, value: float, settled: Settled) -> None:
+    """Draw a half-life with its interval, or an arrow from its lower limit."""
+    colour, life = style.LINES[0][0], settled.half_life
+    if life is not None:
+        low, high = life.low or life.mean, life.high or life.mean
+        axes.errorbar(
+            value, life.mean, [[life.mean - low], [high - life.mean]], fmt="o", color=colour
+        )
+    elif settled.least_half_life is not None:
+        axes.plot(value, settled.least_half_life, "^", color=colour, fillstyle="none")

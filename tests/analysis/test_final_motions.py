@@ -1,0 +1,273 @@
+"""Final motions: shares, half-lives of maps with known escape rate, starts, kicks, a machine."""
+
+import csv
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.analysis import kicks, settle
+from presswear.analysis.final_motions import (
+    FAILED,
+    IRREGULAR,
+    Runs,
+    Watch,
+    evaluate,
+    irregular_half_life,
+    least_half_life,
+    proportion,
+)
+from presswear.analysis.kicks import Kick, least_speed, leaves
+from presswear.analysis.pins import eccentricities, kick_pins
+from presswear.analysis.settle import _row as empty_row
+from presswear.analysis.settling_tables import summary, write_tables
+from presswear.analysis.starts import crossing_speeds, spread_starts
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Start
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.physics.constraints import constraints_of
+from presswear.recording.settling import rest_of
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.show.figures.settling import drawings_of
+from presswear.tools.arrays import Array
+
+SCENE = pw.Scene(
+    SliderCrank(speed=1000.0 * math.pi / 30.0, slide_angle=0.0),
+    bearings={"B": pw.Bearing(clearance=5e-4)},
+)
+SLOPE = 2.04  # of the tent map: it leaves the unit interval at a rate of ln(SLOPE / 2)
+
+
+def escapes(starts: int, cycles: int, seed: int) -> tuple[list[int], list[int]]:
+    """Return when runs of a tent map with a hole settle, and the lengths of those that do not.
+
+    Its points are even over the unit interval until they leave it, with the probability
+    1 - 2 / SLOPE a cycle (Lai and Tél, Transient Chaos, section 2.2.1). A run then rests at 0.
+    """
+    x = np.random.default_rng(seed).random(starts)
+    places = np.zeros((cycles, starts))
+    for k in range(cycles):
+        places[k] = x
+        x = np.where(x > 0.0, SLOPE * np.minimum(x, 1.0 - x), 0.0)
+        x = np.where(x > 1.0, 0.0, x)
+    # The forces follow the places, so that no part of the map looks like a rest.
+    rests = [rest_of(np.column_stack([np.arange(cycles) % 2 * (p > 0.0), p])) for p in places.T]
+    return [one.start for one in rests if one], [cycles for one in rests if one is None]
+
+
+def test_half_life_of_a_map_with_a_hole() -> None:
+    truth = math.log(2.0) / math.log(SLOPE / 2.0)
+    estimates = [irregular_half_life(*escapes(24, 120, seed)) for seed in range(200)]
+    assert all(one is not None for one in estimates)
+    holds = [one.low <= truth <= one.high for one in estimates if one and one.low and one.high]
+    assert len(holds) == 200
+    assert 0.91 <= np.mean(holds) <= 0.99
+    many = irregular_half_life(*escapes(4000, 120, 1))
+    assert many is not None
+    assert many.mean == pytest.approx(truth, rel=0.05)
+
+
+def test_limit_of_the_half_life_is_exceeded_in_95_of_100_cases() -> None:
+    """The rate is such that no run settles with a probability of 5 %."""
+    rate = math.log(2.0) / least_half_life([50, 102])
+    assert math.exp(-rate * (50 + 102 - 2 * STARTUP_CYCLES)) == pytest.approx(0.05)
+    assert irregular_half_life([], [50, 102]) is None
+    # Starts that settle within the start-up were never irregular.
+    assert irregular_half_life([1, 2], []) is None
+    assert irregular_half_life([1, 2, 12], [32]) == irregular_half_life([12], [32])
+
+
+def test_shares_have_exact_intervals() -> None:
+    """Clopper and Pearson: closed forms at the ends, and the coverage of one share."""
+    assert proportion(0, 24).high == pytest.approx(1.0 - 0.025 ** (1.0 / 24.0))
+    assert proportion(24, 24).low == pytest.approx(0.025 ** (1.0 / 24.0))
+    assert (proportion(0, 24).low, proportion(24, 24).high) == (0.0, 1.0)
+    chance = [math.comb(24, k) * 0.3**k * 0.7 ** (24 - k) for k in range(25)]
+    each = [proportion(k, 24) for k in range(25)]
+    holds = [(one.low or 0.0) <= 0.3 <= (one.high or 0.0) for one in each]
+    assert 0.95 <= float(np.dot(chance, holds)) <= 0.99
+
+
+def rows_of(settled: list[int], place: list[float]) -> Runs:
+    rows = np.concatenate([empty_row(1, 3) for _ in settled])
+    rows["index"], rows["settled"] = np.arange(len(settled)), settled
+    rows["cycles"], rows["period"] = 40, [1 if one >= 0 else 0 for one in settled]
+    rows["signature"][:, 0] = place
+    rows["peak_force"][:, 0] = 100.0 + np.array(place)
+    return rows.view(np.recarray)
+
+
+def test_shares_of_known_basins() -> None:
+    """Starts below 0.3 rest at 0, those above at 1; two are irregular and one failed."""
+    start = (np.arange(40) + 0.5) / 40.0
+    settled = [5] * 40 + [IRREGULAR] * 2 + [FAILED]
+    place = [*np.where(start < 0.3, 0.0, 1.0), 0.5, 0.5, 0.0]
+    kick = Kick("B", 0.02, 0.018, 90)
+    result = evaluate(rows_of(settled, place), ("B",), {12: (kick,)}, None)
+    assert [one.starts for one in result.motions] == [28, 12, 2]
+    assert [one.share.mean for one in result.motions] == [28 / 42, 12 / 42, 2 / 42]
+    assert [one.period for one in result.motions] == [1, 1, None]
+    assert [one.peak_force["B"] for one in result.motions] == pytest.approx([101.0, 100.0, 100.5])
+    assert [one.least_kick for one in result.motions] == [kick, None, None]
+    assert (result.failed, result.irregular) == (1, 2)
+    assert result.half_life == irregular_half_life([5] * 40, [40, 40])
+    cycles, share = result.unsettled()
+    np.testing.assert_allclose(share[cycles < 5.0], 1.0)
+    np.testing.assert_allclose(share[cycles >= 5.0], 2 / 42)
+
+
+def test_starts_fill_the_phase_space_of_the_clearance() -> None:
+    linkage, ideal = SCENE.linkage(), start_of(SCENE)
+    starts = spread_starts(SCENE, 256)
+    # The largest acceleration of a centre of mass is that of the slider at its outer dead centre.
+    crank = SCENE.mechanism
+    assert isinstance(crank, SliderCrank)
+    ratio = crank.crank_length / crank.rod_length
+    acceleration = crank.crank_length * crank.speed**2 * (1.0 + ratio)
+    assert crossing_speeds(SCENE)[0] == pytest.approx(math.sqrt(4.0 * acceleration * 5e-4))
+    for each, most in ((starts.eccentricity, 5e-4), (starts.velocity, crossing_speeds(SCENE)[0])):
+        radius = np.hypot(*each[:, 0].T) / most
+        np.testing.assert_allclose(
+            np.quantile(radius**2, [0.25, 0.5, 0.75]), [0.25, 0.5, 0.75], atol=0.02
+        )
+        np.testing.assert_allclose(each.mean(axis=0), 0.0, atol=0.02 * most)
+    np.testing.assert_array_equal(spread_starts(SCENE, 8).velocity, starts.velocity[:8])
+    start = starts.start(3, linkage, ideal)
+    np.testing.assert_allclose(
+        eccentricities(linkage, start.position), starts.eccentricity[3], atol=1e-12
+    )
+    phi, phi_t, *_ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
+    assert np.abs(phi).max() < 1e-12
+    assert np.abs(phi_t).max() < 1e-9
+    np.testing.assert_allclose(pin_velocity(start), starts.velocity[3, 0], atol=1e-9)
+
+
+def pin_velocity(start: Start) -> Array:
+    """Return the velocity of the slider minus that of the end of the rod, m/s."""
+    rod, slider = SCENE.linkage().index("rod"), SCENE.linkage().index("slider")
+    angle, spin = start.position[3 * rod + 2], start.velocity[3 * rod + 2]
+    arm = 0.5 * 0.12 * spin * np.array([-math.sin(angle), math.cos(angle)])
+    return np.asarray(
+        start.velocity[3 * slider : 3 * slider + 2] - start.velocity[3 * rod : 3 * rod + 2] - arm
+    )
+
+
+def test_a_kick_changes_the_velocity_of_the_pin_alone() -> None:
+    linkage, start = (
+        SCENE.linkage(),
+        spread_starts(SCENE, 1).start(0, SCENE.linkage(), start_of(SCENE)),
+    )
+    change = np.array([[0.03, -0.02]])
+    kicked = kick_pins(linkage, start, change)
+    np.testing.assert_allclose(pin_velocity(kicked) - pin_velocity(start), change[0], atol=1e-12)
+    np.testing.assert_array_equal(kicked.position, start.position)
+    crank = 3 * linkage.index("crank")
+    np.testing.assert_allclose(
+        kicked.velocity[crank : crank + 3], start.velocity[crank : crank + 3], atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("threshold", [0.013, 2.0, 1e-9])
+def test_least_speed_of_a_threshold(threshold: float) -> None:
+    """The sixth of eight directions is the most sensitive one, by a tenth."""
+    returns, rattles, case = least_speed(
+        lambda k, v: v > threshold * (1.1 - 0.1 * (k == 5)), 8, 1.0
+    )
+    if threshold > 1.0:
+        assert (returns, rattles) == (1.0, None)
+        return
+    assert rattles is not None
+    if threshold < kicks.WEAKEST:
+        assert (returns, rattles <= kicks.WEAKEST) == (0.0, True)
+        return
+    assert case == 5
+    assert returns <= threshold < rattles
+    assert rattles / returns == pytest.approx(2.0**0.125)
+
+
+def test_a_slider_crank_comes_to_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An independent simulator has 293 to 303 N, and rattles after 0.036, not after 0.006 m/s."""
+    monkeypatch.setattr(kicks, "STATES", 2)
+    monkeypatch.setattr(settle, "STATES", 2)
+    watch = Watch(4, 60)
+    result = settle.compute(SCENE, watch, tmp_path, start_of, jobs=1)
+    (settled,) = result.values
+    motion = settled.motions[0]
+    assert motion.period == 1
+    assert 293.0 < motion.peak_force["B"] < 303.0
+    least = motion.least_kick
+    assert least is not None
+    assert 0.006 < least.returns < (least.rattles or 0.0) < 0.036
+    assert "came to rest on the same motion" in summary(result, settled)[0]
+    drawing = drawings_of(result)[0]
+    assert [axes.get_xlabel() for axes in drawing.sheet.axes] == [
+        "cycles",
+        "start of the pin at B, x (µm)",
+    ]
+    files = write_tables(result, tmp_path)
+    starts = list(csv.DictReader(files[0].read_text().splitlines()))
+    assert [float(row["B_eccentricity_x (m)"]) for row in starts] == pytest.approx(
+        spread_starts(SCENE, 4).eccentricity[:, 0, 0].tolist()
+    )
+    # Nothing runs again, and a missing start alone would.
+    monkeypatch.setattr(settle, "run_start", None)
+    monkeypatch.setattr(settle, "run_kicks", None)
+    again = settle.compute(SCENE, watch, tmp_path, start_of, jobs=1)
+    assert again.values[0].motions == settled.motions
+    with pytest.raises(pw.InputError, match="final motions with another watch"):
+        settle.compute(SCENE, Watch(5, 60), tmp_path, start_of, jobs=1)
+
+
+def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
+    scene, watch = pw.scenes.slider_crank(), Watch(3, 12)
+    whole = settle.compute(scene, watch, tmp_path / "whole", start_of, jobs=1)
+
+    def stop(step: str, share: float) -> None:
+        if step.startswith("start 2"):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        settle.compute(scene, watch, tmp_path / "parts", start_of, jobs=1, on_progress=stop)
+    assert len(settle.load(tmp_path / "parts").values[0].runs) == 1
+    parts = settle.compute(scene, watch, tmp_path / "parts", start_of, jobs=1)
+    assert parts.values[0].runs.tobytes() == whole.values[0].runs.tobytes()
+    sentence = summary(whole, whole.values[0])[0]
+    assert sentence.startswith("none of 3 starts settled in 12 cycles: half-life longer than 6.9 ")
+
+
+def test_failed_kicks_count_as_rattle(monkeypatch: pytest.MonkeyPatch) -> None:
+    failed = SimpleNamespace(simulate=lambda *case: SimpleNamespace(status="failed"))
+    monkeypatch.setattr(kicks, "ENGINE", failed)
+    assert leaves(SCENE.linkage(), start_of(SCENE), np.zeros((1, 3)))
+
+
+@pytest.mark.parametrize(("starts", "cycles"), [(0, 300), (4, 11)])
+def test_senseless_numbers_are_refused(starts: int, cycles: int) -> None:
+    with pytest.raises(pw.InputError, match="must be at least"):
+        Watch(starts, cycles)
+
+
+def test_scenes_without_final_motions_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(pw.InputError, match="no motion is free"):
+        settle.compute(pw.scenes.ideal(), Watch(), tmp_path / "a", start_of)
+    rising = pw.Scene(SliderCrank(run_up=3))
+    with pytest.raises(pw.InputError, match="run_up=0"):
+        settle.compute(rising, Watch(), tmp_path / "b", start_of)
+
+
+@pytest.mark.slow
+def test_half_life_of_the_slider_crank(tmp_path: Path) -> None:
+    """A run of 400 starts over 2,000 cycles has a half-life of 34 (31 to 38) cycles."""
+    result = settle.compute(SCENE, Watch(64, 300), tmp_path, start_of)
+    (settled,) = result.values
+    assert len(settled.motions) == 1
+    assert settled.motions[0].share.mean == 1.0
+    assert settled.motions[0].peak_force["B"] == pytest.approx(298.9, rel=0.01)
+    assert settled.half_life is not None
+    assert settled.half_life.low is not None
+    assert settled.half_life.high is not None
+    assert settled.half_life.low < 38.0
+    assert settled.half_life.high > 31.0
