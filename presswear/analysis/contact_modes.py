@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.results.press_analysis import settled_span
+from presswear.results.press_analysis import sampled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -140,8 +140,8 @@ def _merged(edges: Array, mode: IntArray, names: tuple[str, ...]) -> Timeline:
 
 
 def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
-    """Return the contact modes of a joint in the recorded settled cycles, over time in s."""
-    start, end = settled_span(scene, stage)
+    """Return the contact modes of a joint in the recorded sampled cycles, over time in s."""
+    start, end = sampled_span(scene, stage)
     item = stage.joints[joint]
     contacts = np.column_stack([item.contact("touchdown"), item.contact("separation")])
     closing = item.contact("closing_speed")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.press_analysis import settled_span
+from presswear.results.press_analysis import sampled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -61,7 +61,7 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
         both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
         rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
         return rows, scene.recording.phases[0]
-    start, end = settled_span(scene, stage)
+    start, end = sampled_span(scene, stage)
     period = scene.mechanism.period
     ends = start + period * np.arange(int((end - start) / period + 1e-9) + 1)
     columns = stage.joints[joint].eccentricity.T
@@ -69,8 +69,8 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
 
 
 def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
-    """Return phase, 0 to 1, and closing speed, m/s, of settled touchdowns, (n,) each."""
-    start, end = settled_span(scene, stage)
+    """Return phase, 0 to 1, and closing speed, m/s, of sampled touchdowns, (n,) each."""
+    start, end = sampled_span(scene, stage)
     item = stage.joints[joint]
     instant = item.contact("touchdown")
     inside = (instant >= start) & (instant <= end)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from presswear.results.press_analysis import settled_span
+from presswear.results.press_analysis import sampled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -106,12 +106,12 @@ def power_spectrum(
 
 
 def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
-    """Return spectra of the recorded settled cycles, up to ``MAX_ORDER``.
+    """Return spectra of the recorded sampled cycles, up to ``MAX_ORDER``.
 
     By the name of a joint the spectrum of its normal force, N^2/Hz, by ``""`` the spectrum of the
     acceleration of the output, (m/s^2)^2/Hz.
     """
-    start, end = settled_span(scene, stage)
+    start, end = sampled_span(scene, stage)
     rows = (stage.time >= start) & (stage.time <= end)
     series = {"": stage.acceleration}
     series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}

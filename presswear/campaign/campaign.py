@@ -28,6 +28,7 @@ from presswear.campaign.wear_update import (
     jump,
     refinement_spec,
     stage_spec,
+    start_up_of,
     unknown_wear,
 )
 from presswear.engines.settings import Engine
@@ -35,6 +36,7 @@ from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.soundness import Finding
 from presswear.results.folder import INTERVAL, ResultFolder, provenance
 from presswear.results.life import LifeResult
+from presswear.results.motions import sentence_of
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
@@ -452,7 +454,10 @@ class _Campaign:
             depth = jump(ensemble, 0.5 * each).depth
             where = f"in half of the {stage_name(index + 1)} at the present rate "
             finding = worn_out(joints, depth, where, time, at_end - 0.5 * each)
-        while not finding and (spec := refinement_spec(scene, index, each, self.at.update)):
+        start_up = start_up_of(ensemble.settling)
+        while not finding and (
+            spec := refinement_spec(scene, index, each, self.at.update, start_up)
+        ):
             runner.later = 2.0 * spec.cycles if self.at.update is None else 0.0
             _LOG.info("the wear after stage %d begins: %s", index, spec.label)
             worn = self._run(ensemble.depth, spec)
@@ -461,13 +466,16 @@ class _Campaign:
             where, time = f"the {spec.label}: ", worn.simulated_s
             finding = worn_out(joints, worn.surface_depth, where, time, at_end)
             if finding is None:
-                update = cycle_by_cycle(worn, each, self.at.update)
+                update = cycle_by_cycle(worn, each, self.at.update, start_up)
                 self.at = replace(self.at, update=update, running=EnsembleState())
         return finding
 
     def _finish(self, stage: StageResult) -> None:
         if self.at.life is None:
             self.unconverged += unknown_wear(self.runner.scene, stage)
+        settling = stage.statistics.settling
+        if settling and settling.verdict == "mixed":
+            self.unconverged.append(f"{stage.name}: {sentence_of(settling)}")
         steps = {key: value for key, value in stage.diagnostics.items() if key.startswith("steps")}
         how, cycles = stage.message or stage.status, stage.statistics.cycles
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)

@@ -17,6 +17,7 @@ import math
 import time as clock
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,11 +30,14 @@ from presswear.campaign.replicates import (
     WorkUnit,
     linkage_on,
 )
+from presswear.campaign.settled_motions import settling_of
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
+from presswear.recording.observe import column_of
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.recorder import Recorder
+from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
     MIN_SAMPLES,
@@ -53,6 +57,8 @@ Shares = tuple[float, float]  # one that never falls, and the latest estimate
 
 FEWEST = 20  # samples of all replicates before a stage may end early: fewer agree by luck
 ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
+WATCHED_CYCLES = 50  # of each replicate, in which most motions that settle have settled
+WATCHED_SECONDS = 10.0  # computing time of all replicates that these cycles may take
 MAX_SHARE = 0.99  # of a stage, before it ends: another round may follow
 STEP_CHECK = -1  # key of the step check among the jobs, whose other keys are indices of runs
 _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")  # not summed
@@ -99,20 +105,32 @@ class Ensemble:
         bins = () if is_raw else tuple(joint.bins for joint in linkage.clearances)
         return Ensemble(linkage, depth, tuple(runs), scene.replicate_count, state, bins)
 
+    @cached_property
+    def settling(self) -> Settling | None:
+        """Motions that the runs came to; None without clearance, or if no cycle is complete."""
+        return settling_of(self.linkage.clearances, [run.cycles for run in self.recorders])
+
     @property
     def together(self) -> "Ensemble":
         """The first set, which the statistics of a stage are of."""
-        first = slice(self.replicates)
-        return replace(self, depth=self.depth[first], runs=self.runs[first])
+        return self._samples(0, self.replicates)
 
     @property
     def alone(self) -> "Ensemble":
         """The last set, whose runs are independent: each replicate on surfaces of its own."""
-        if len(self.runs) <= self.replicates:
-            return self
+        first = self.replicates if len(self.runs) > self.replicates else 0
         # If one of them failed there are fewer runs than surfaces.
-        last = slice(self.replicates, len(self.runs))
-        return replace(self, depth=self.depth[last], runs=self.runs[last])
+        return self._samples(first, len(self.runs))
+
+    def _samples(self, first: int, end: int) -> "Ensemble":
+        """Return some runs with the cycles that are samples, and the start-up before them."""
+        runs = [
+            replace(run, recorder=run.recorder.since(self.settling.skipped(k)))
+            if self.settling
+            else run
+            for k, run in enumerate(self.runs)
+        ]
+        return replace(self, depth=self.depth[first:end], runs=tuple(runs[first:end]))
 
     @property
     def recorders(self) -> tuple[Recorder, ...]:
@@ -345,15 +363,37 @@ class _Rounds:
         _LOG.info("wear maps known to %.2g after %d cycles", error, sum(cycles))
         samples = sum(run.samples for run in maps)
         lacking = max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
-        if lacking == 0.0 or min(cycles) >= spec.cycles:
+        unseen = self._unseen(members)
+        if max(lacking, unseen) == 0.0 or min(cycles) >= spec.cycles:
             return ()
         until = [*self.state.until]
-        dealt = self._deal(sum(cycles) + math.ceil(ROUND_FRACTION * lacking))
+        more = max(math.ceil(ROUND_FRACTION * lacking), unseen)
+        dealt = self._deal(sum(cycles) + more)
         until[members.start : members.stop] = dealt
         self.state = replace(self.state, until=tuple(until))
         needed = (sum(cycles) + lacking) / len(maps)
         self._needed[number] = min(max(needed, *dealt), spec.cycles)
         return members
+
+    def _unseen(self, members: range) -> int:
+        """Return the cycles that the runs of a set lack to show whether the motion settles.
+
+        Each is watched for WATCHED_CYCLES, or for as many as WATCHED_SECONDS allow.  If only some
+        have settled then, twice as many follow.
+        """
+        rows = [
+            run.arrays["recorder/cycles"]
+            for run in self.state.runs[members.start : members.stop]
+            if run
+        ]
+        cycles = sum(map(len, rows))
+        steps = sum(float(each[:, column_of("steps")].sum()) for each in rows)
+        seconds = steps * self.runner.scene.solver.step_time / cycles
+        watched = self._size * min(WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size)))
+        if cycles < watched:
+            return watched - cycles
+        settling = settling_of(self._linkages[members.start].clearances, rows)
+        return cycles if settling and settling.verdict == "mixed" else 0
 
     def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
         """Report the progress of the runs."""

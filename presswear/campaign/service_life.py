@@ -76,6 +76,7 @@ class LoadBlock:
     # of the surfaces at its end, (histories, joints, 2, bins), m
     ended_by: str = ""  # reason why it is the last: worn too deep, or a failed run
     wall_s: float = 0.0
+    settled: int | None = None  # histories whose motion repeats at its end; None: too few cycles
 
 
 Blocks = Sequence[LoadBlock]

@@ -6,7 +6,7 @@ The start-up cycles are left out, where enough more ran.
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
@@ -150,13 +150,14 @@ def _statistics(
         [run for run in runs if len(run.cycles)]
         for runs in (ensemble.together.recorders, independent)
     )
-    count = sum(len(run.cycles) for run in recorders)
+    count = sum(len(run.cycles) for run in ensemble.recorders[: ensemble.replicates])
     if not recorders:
         return StageStatistics(cycles=0)
-    joints = ensemble.linkage.clearances
+    joints, settling = ensemble.linkage.clearances, ensemble.settling
+    mean_peak = _mean_of_mixture if settling and settling.is_mixture else _mean
     output: dict[str, Any] = {name: _largest(recorders, name) for name in _OUTPUTS}
     output["velocity_min"] = -_largest(recorders, "velocity_min", sign=-1.0)
-    output |= {f"{name}_per_cycle": _mean(recorders, alone, name) for name in _OUTPUTS}
+    output |= {f"{name}_per_cycle": mean_peak(recorders, alone, name) for name in _OUTPUTS}
     magnitude = "acceleration_max_per_cycle"
     output[magnitude] = output[magnitude].positive
     made = float(diagnostics.get("contact_made_J", 0.0))
@@ -168,7 +169,7 @@ def _statistics(
         drive_work_per_cycle=_mean(recorders, alone, "drive_work"),
         output=OutputStatistics(**output),
         joints={
-            joint.name: _joint_statistics(joint, k, recorders, alone, wear)
+            joint.name: _joint_statistics(joint, k, recorders, alone, wear, mean_peak)
             for k, joint in enumerate(joints)
         },
         bdc=bottom_statistics(scene, recorders, alone),
@@ -178,6 +179,7 @@ def _statistics(
         energy_made_fraction=made / dissipated if dissipated > 0.0 else 0.0,
         load_distance_step_error=ensemble.state.step_errors.get("load_distance_step_error"),
         peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
+        settling=settling,
     )
     try:
         json.dumps(asdict(statistics), allow_nan=False)
@@ -187,8 +189,8 @@ def _statistics(
 
 
 def _largest(recorders: Recorders, name: str, joint: int | None = None, sign: float = 1.0) -> float:
-    settled = (after_startup(recorder.each_cycle(name, joint)) for recorder in recorders)
-    return max(float((sign * rows).max()) for rows in settled)
+    samples = (after_startup(recorder.each_cycle(name, joint)) for recorder in recorders)
+    return max(float((sign * rows).max()) for rows in samples)
 
 
 def _mean(recorders: Recorders, alone: Recorders, name: str, joint: int | None = None) -> Estimate:
@@ -197,8 +199,21 @@ def _mean(recorders: Recorders, alone: Recorders, name: str, joint: int | None =
     return pooled(*rows)[0]
 
 
+def _mean_of_mixture(
+    recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
+) -> Estimate:
+    """Return the mean of replicates with different motions: without interval, it holds for none."""
+    estimate = _mean(recorders, alone, name, joint)
+    return Estimate(estimate.mean, samples=estimate.samples)
+
+
 def _joint_statistics(
-    joint: ClearanceJoint, k: int, recorders: Recorders, alone: Recorders, wear: StageWear
+    joint: ClearanceJoint,
+    k: int,
+    recorders: Recorders,
+    alone: Recorders,
+    wear: StageWear,
+    mean_peak: Callable[[Recorders, Recorders, str, int], Estimate],
 ) -> JointStatistics:
     added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
     coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
@@ -214,9 +229,9 @@ def _joint_statistics(
     error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
     return JointStatistics(
         peak_force=_largest(recorders, "force_max", k),
-        peak_force_per_cycle=_mean(recorders, alone, "force_max", k).positive,
+        peak_force_per_cycle=mean_peak(recorders, alone, "force_max", k).positive,
         contacts=contacts,
-        contacts_per_cycle=_mean(recorders, alone, "contacts", k).positive,
+        contacts_per_cycle=mean_peak(recorders, alone, "contacts", k).positive,
         unresolved_contacts=int(counters["unresolved"].sum()),
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
         contact_time_fraction=float(counters["closed_time"].sum()) / time,
@@ -276,7 +291,7 @@ def bottom_statistics(
 ) -> BottomStatistics | None:
     """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
 
-    None if there is no settled stroke. The ideal motion of a servo that dwells there has no instant
+    None if there is no sampled stroke. The ideal motion of a servo that dwells there has no instant
     to be later than: there is no delay if the ideal motion stays within ``SHARP`` of the scatter
     for longer than ``DWELL``. Nor is there one if the ideal stroke has several equal bottoms.
     """
@@ -289,7 +304,7 @@ def bottom_statistics(
     if not finished:
         return None
     heights = [run.each_cycle("bottom_height") for run in finished]
-    settled = [after_startup(rows) for rows in heights]
+    samples = [after_startup(rows) for rows in heights]
     height, scatter = _mean(finished, alone, "bottom_height"), spread(heights)
     span, count = mean_range(heights)
     near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
@@ -305,13 +320,13 @@ def bottom_statistics(
         delay, delay_scatter = pooled(delays, alone_delays)[0], spread(delays)
         angle = delay.scaled(2.0 * math.pi / ideal.period)
     return BottomStatistics(
-        strokes=sum(run.size for run in settled),
+        strokes=sum(run.size for run in samples),
         ideal_height=ideal.height,
         ideal_time=ideal.time,
         ideal_dwell=dwell,
         height=height,
         error=Estimate.symmetric(height.mean - ideal.height, height.half_width, height.samples),
-        range_of_all=float(np.ptp(np.concatenate(settled))),
+        range_of_all=float(np.ptp(np.concatenate(samples))),
         range=span,
         range_strokes=count,
         standard_deviation=scatter,

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations, pairwise, takewhile
 from typing import Any
 
@@ -23,13 +24,16 @@ from presswear.campaign.service_life import (
     fewest_cycles,
     run_refinements,
 )
+from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
-from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.observe import column_of
+from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
+from presswear.results.motions import sentence_of
 from presswear.results.stage import WearStep
 from presswear.scene.options import Life, Service
 from presswear.scene.scene import Scene
@@ -55,6 +59,7 @@ class LifeState:
     refinements: tuple[Refinement, ...] = ()  # the last one may be unfinished
     place: tuple[int, int] = (0, 0)  # refinement and service interval of the present runs
     running: EnsembleState = EnsembleState()  # these runs, from the start of the interval
+    watched: EnsembleState | None = None  # runs that do not wear, which show whether they settle
 
 
 def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
@@ -77,11 +82,11 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
     samples = {}
     for k, joint in enumerate(scene.linkage().clearances):
-        column = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k + CYCLE_JOINT.index("force_max")
-        samples[f"{joint.name}.force_max"] = rows[:, :, column].mean(axis=1)
+        forces = rows[:, :, column_of("force_max", k)]
+        samples[f"{joint.name}.force_max"] = forces.mean(axis=1)
     ideal = bottom_of(scene.ideal)
     if ideal is not None:
-        off = rows[:, :, CYCLE_FIXED.index("bottom_height")] - ideal.height
+        off = rows[:, :, column_of("bottom_height")] - ideal.height
         mean = off.mean(axis=1)
         # Where a history wears out in one stroke, only the histories together have a variance.
         is_single = off.shape[1] == 1
@@ -105,6 +110,39 @@ class WearHistories:
         self.state = replace(self.state, **changes)
         self.keep(self.state)
 
+    @cached_property
+    def settling(self) -> Settling | None:
+        """Motions on the surfaces at the start; None if no cycle is complete."""
+        runs = () if self.state.watched is None else self.state.watched.runs
+        rows = [run.arrays["recorder/cycles"] for run in runs if run]
+        return settling_of(self.runner.scene.linkage().clearances, rows) if rows else None
+
+    def watch(self) -> None:
+        """Run the histories without wear for as long as a stage is watched."""
+        scene = self.runner.scene
+        spec = RunSpec(
+            max(scene.max_cycles // scene.replicate_count, 1),
+            tolerance=math.inf,
+            wear=wear_update.wear_per_cycle(0.0),
+            label="life, does the motion settle?",
+        )
+        watched = self.state.watched or EnsembleState()
+        ensemble = self.runner.run(self.initial, spec, watched, lambda s: self.store(watched=s))
+        if ensemble.failure:
+            raise RunFailed(ensemble.failure, ensemble.finding)
+        self.store(watched=ensemble.state)
+
+    def start_up(self, interval: int) -> EnsembleState:
+        """Return the runs that the histories of a service interval go on from, if any.
+
+        Where all of them came to rest on one motion, wear begins in that motion.
+        """
+        watched = self.state.watched
+        if interval == 0 and watched and self.settling and self.settling.verdict == "settled":
+            runs = (run and replace(run, status=None) for run in watched.runs)
+            return replace(watched, runs=tuple(runs))
+        return EnsembleState((None,) * self.runner.scene.replicate_count)
+
     def advance(self, refinements: Refinements, plan: BlockPlan | Service) -> LoadBlock:
         """Run the next block, or replace or turn a bushing; see ``Advance``."""
         number, before = len(refinements), refinements[-1].blocks
@@ -117,14 +155,15 @@ class WearHistories:
         # A service interval starts on the surfaces after maintenance, or on those of the scene.
         first = blocks[0].depth if blocks and not blocks[0].cycles else self.initial
         earlier = blocks[-1].depth if blocks else first
-        finished = STARTUP_CYCLES + sum(block.cycles for block in blocks)
-        running = EnsembleState((None,) * count)
-        if self.state.place == (number, interval):
+        running = self.start_up(interval)
+        start_up = running.cycles // count or STARTUP_CYCLES
+        finished = start_up + sum(block.cycles for block in blocks)
+        if self.state.place == (number, interval) and self.state.running.runs:
             running = self.state.running
-            runner.done -= running.cycles / count
+        runner.done -= running.cycles / count
         running = replace(running, until=(finished + plan.cycles,) * count)
         self.state = replace(self.state, place=(number, interval), running=running)
-        start = 0 if before else STARTUP_CYCLES
+        start = 0 if before else start_up
         runner.later = max(cycles_left(self.problem, refinements) - plan.cycles - start, 0.0)
         runner.later += (scene.wear_updates + 1) * (scene.cycles or STAGE_CYCLES)
 
@@ -160,6 +199,7 @@ class WearHistories:
             depth,
             f"{worn.joint}: {worn.what}" if worn else "",
             ensemble.state.wall - running.wall,
+            _settled(joints, [recorder.cycles[: finished + cycles] for recorder in recorders]),
         )
 
     def _maintain(self, last: LoadBlock, service: Service) -> LoadBlock:
@@ -238,6 +278,8 @@ def run_life(
     assert life is not None
     problem = problem_of(scene, life)
     histories = WearHistories(runner, initial, problem, state, keep)
+    if not state.refinements:
+        histories.watch()
 
     def keep_blocks(refinements: Refinements) -> None:
         histories.store(refinements=tuple(refinements))
@@ -255,7 +297,24 @@ def run_life(
         keep_blocks,
         lambda refinements: report(preliminary_life(scene, problem, refinements)),
     )
-    return done, life_result(scene, problem, done)
+    return done, replace(life_result(scene, problem, done), motion=_words_of(histories))
+
+
+def _settled(joints: Sequence[ClearanceJoint], histories: Sequence[Array]) -> int | None:
+    """Return how many wear histories repeat at their end, from their rows of cycles."""
+    settling = settling_of(joints, histories)
+    return None if settling is None or settling.verdict == "unwatched" else settling.settled
+
+
+def _words_of(histories: WearHistories) -> str:
+    """Return a sentence on the motion that the wear of a life is of."""
+    settling = histories.settling
+    if settling is None:
+        return ""
+    text = sentence_of(settling)
+    if settling.verdict == "settled":
+        return f"{text}. The histories begin in this motion"
+    return text
 
 
 def preliminary_life(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:
@@ -313,7 +372,9 @@ def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) ->
     phases = tuple(phase for name in joints for phase in wear_phases(last, name))
     words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
     strokes, details = min(life.strokes, end.strokes), (tuple(limits), tuple(stored), phases)
-    return LifeResult(ended, message, strokes, *errors, *details, words, curves)
+    settled = tuple(block.settled for block in last.blocks if block.cycles)
+    result = LifeResult(ended, message, strokes, *errors, *details, words, curves)
+    return replace(result, settled=settled)
 
 
 def unknown_life(scene: Scene, life: LifeResult) -> list[str]:

@@ -25,6 +25,7 @@ from presswear.campaign.replicates import RunSpec
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES
 from presswear.physics.wear import map_shape, worn_volume
+from presswear.recording.settling import Settling
 from presswear.recording.statistics import (
     STARTUP_CYCLES,
     after_startup,
@@ -62,18 +63,20 @@ def initial_depth(scene: Scene) -> Array:
     return np.repeat(depth[np.newaxis], scene.replicate_count, axis=0)
 
 
-def wear_per_cycle(share: float, extra: Array | float = 0.0) -> Callable[[int, Array], Array]:
+def wear_per_cycle(
+    share: float, extra: Array | float = 0.0, start_up: int = STARTUP_CYCLES
+) -> Callable[[int, Array], Array]:
     """Return the ``wear`` of a plan in which each cycle after the start-up stands for a share.
 
     Each adds an extra depth as well, m, shape (joints, 2, bins). Where this would give more
     material back than a cycle takes, nothing is taken, and elsewhere so much less that the volume
     stays.
     """
-    return partial(_lost, share, extra)
+    return partial(_lost, share, extra, start_up)
 
 
-def _lost(share: float, extra: Array | float, cycle: int, added: Array) -> Array:
-    if cycle <= STARTUP_CYCLES:
+def _lost(share: float, extra: Array | float, start_up: int, cycle: int, added: Array) -> Array:
+    if cycle <= start_up:
         return np.zeros_like(added)
     wanted = added * share + extra
     if np.ndim(extra) == 0:
@@ -141,18 +144,25 @@ def _largest_reached(scene: Scene, joints: Sequence[ClearanceJoint], added: Arra
     return max(reached)
 
 
+def start_up_of(settling: Settling | None) -> int:
+    """Return the cycles of a wear update before wear begins: until all replicates have settled."""
+    if settling is None or settling.verdict != "settled":
+        return STARTUP_CYCLES
+    return max(STARTUP_CYCLES, *(start or 0 for start in settling.starts))
+
+
 def cycle_by_cycle(
-    ensemble: Ensemble, cycles_per_update: float, coarser: WearUpdate | None
+    ensemble: Ensemble, cycles_per_update: float, coarser: WearUpdate | None, start_up: int
 ) -> WearUpdate:
     """Return a wear update cycle by cycle, after one in half as many cycles, if any."""
     joints, recorders = ensemble.linkage.clearances, ensemble.recorders
-    growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]
+    growth = np.array([recorder.growth for recorder in recorders])[:, start_up:]
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
     deepest = growth[:, :, 1].mean(axis=0)
     forces = np.max(
         [[run.each_cycle("force_max", k) for k in range(len(joints))] for run in recorders], axis=0
-    )[:, STARTUP_CYCLES:]
+    )[:, start_up:]
     cycles = growth.shape[1]
     share = cycles_per_update / cycles
     steps = tuple(
@@ -233,7 +243,7 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
 
 
 def refinement_spec(
-    scene: Scene, index: int, cycles_per_update: float, update: WearUpdate | None
+    scene: Scene, index: int, cycles_per_update: float, update: WearUpdate | None, start_up: int
 ) -> RunSpec | None:
     """Return the next refinement of the wear update after a stage; None if it is known.
 
@@ -253,8 +263,10 @@ def refinement_spec(
     if is_enough:
         return None
     label = f"{stage_name(index + 1)} in {cycles} steps"
-    wear = wear_per_cycle(cycles_per_update / cycles)
-    return RunSpec(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, label=label)
+    wear = wear_per_cycle(cycles_per_update / cycles, start_up=start_up)
+    # Replicates that settled in the stage start as they did there, to settle again.
+    number = 1 + done if start_up == STARTUP_CYCLES else 0
+    return RunSpec(start_up + cycles, wear=wear, number=number, label=label)
 
 
 def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:

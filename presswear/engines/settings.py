@@ -42,6 +42,7 @@ class _Engine(Named):
     word: ClassVar[str]
     tolerance_name: ClassVar[str] = ""  # of its setting; none where steps are not error-controlled
     tolerances: ClassVar[dict[Purpose, float]]  # where none is specified
+    step_time: ClassVar[float]  # typical computing time of a step with one or two contacts, s
     free_step: float | None  # longest step between contacts, s; None: a part of the cycle
 
     def resolved(self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR) -> Self:
@@ -117,6 +118,7 @@ class ExudynTree(_Engine):
     word: ClassVar[str] = "exudyn-tree"
     tolerance_name: ClassVar[str] = "tree_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
+    step_time: ClassVar[float] = 3.5e-5
 
     tree_tolerance: float | None = quantity(
         *(None, "", FINEST, 1e-3, "chosen"),
@@ -136,6 +138,7 @@ class ExudynJoints(_Engine):
     """
 
     word: ClassVar[str] = "exudyn-joints"
+    step_time: ClassVar[float] = 2e-4
 
     steps_per_contact: int = count(
         200, 20, 10_000, "chosen", "of exudyn-joints: steps in one impact"
@@ -165,6 +168,7 @@ class InHouse(_Engine):
     word: ClassVar[str] = "dae"
     tolerance_name: ClassVar[str] = "integration_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-9, "forces": 1e-7, "wear": 1e-6}
+    step_time: ClassVar[float] = 4e-6
 
     integrator: Integrator = choice(
         "auto",

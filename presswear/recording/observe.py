@@ -50,6 +50,13 @@ def cycle_columns(joints: int, drives: int) -> int:
     return CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * joints + CYCLE_DRIVE_COUNT * drives
 
 
+def column_of(name: str, joint: int | None = None) -> int:
+    """Return the column of a quantity of the linkage, or of a joint, in a cycle's row."""
+    if joint is None:
+        return CYCLE_FIXED.index(name)
+    return CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * joint + CYCLE_JOINT.index(name)
+
+
 SECTION_NAMES = ("place", "velocity")
 SECTION_JOINT_NAMES = (*("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"), "normal")
 # Columns of a Poincare section: of the output point, then of each joint; see OUTPUT and CONTACT.

@@ -1,6 +1,7 @@
 """Recorder of a run: observed quantities cycle by cycle, and its state as named arrays."""
 
 import math
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,9 +12,7 @@ from presswear.physics.packed import depths_of, pack_surfaces
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, settle
 from presswear.recording.film import Film
 from presswear.recording.observe import (
-    CYCLE_FIXED,
     CYCLE_FIXED_COUNT,
-    CYCLE_JOINT,
     CYCLE_JOINT_COUNT,
     DISPLACEMENT_MAX,
     END_X,
@@ -27,6 +26,7 @@ from presswear.recording.observe import (
     VELOCITY_MAX,
     VELOCITY_MIN,
     RecorderState,
+    column_of,
 )
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
@@ -72,10 +72,14 @@ class Recorder:
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,)."""
-        if joint is None:
-            return self.cycles[:, CYCLE_FIXED.index(name)]
-        first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * joint
-        return self.cycles[:, first + CYCLE_JOINT.index(name)]
+        return self.cycles[:, column_of(name, joint)]
+
+    def since(self, cycle: int) -> "Recorder":
+        """Return a recorder without the rows and maps of the first cycles."""
+        later = copy(self)
+        later.cycles = self.cycles[cycle:]
+        later.maps = self.maps.since(cycle)
+        return later
 
     @property
     def film(self) -> Film:

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from presswear.recording.statistics import LEVEL, Estimate
+from presswear.recording.statistics import LEVEL, STARTUP_CYCLES, Estimate
 from presswear.tools.arrays import Array
 
 Verdict = Literal["settled", "coexisting", "irregular", "mixed", "unwatched"]
@@ -53,6 +53,12 @@ class Settling:
     starts: tuple[int | None, ...]  # cycles of each replicate before it settled; None: irregular
     motions: tuple[Motion, ...]  # the one of most replicates first, the irregular one last
     half_life: Estimate | None = None  # of the irregular motion, cycles; None: none settled
+    least_half_life: float = 0.0  # of the irregular motion with 95 % probability, cycles
+
+    @property
+    def runs(self) -> int:
+        """Number of replicates, on the mean surfaces and on surfaces of their own."""
+        return len(self.starts)
 
     @property
     def settled(self) -> int:
@@ -64,9 +70,20 @@ class Settling:
         """Word for the kinds of motion: one, several, or none that repeats."""
         if self.settled == 0:
             return "unwatched" if self.watched < REPEATED else "irregular"
-        if self.settled < len(self.starts):
+        if self.settled < self.runs:
             return "mixed"
-        return "settled" if len(self.motions) == 1 else "coexisting"
+        regular = sum(motion.period is not None for motion in self.motions)
+        return "settled" if regular == 1 else "coexisting"
+
+    def skipped(self, replicate: int) -> int:
+        """Return the first cycles of a replicate that are left out: no samples, beside start-up.
+
+        Where all replicates have settled, the numbers are those of the motion that goes on.
+        """
+        start = self.starts[replicate]
+        if start is None or self.settled < self.runs:
+            return 0
+        return max(start - STARTUP_CYCLES, 0)
 
     @property
     def is_mixture(self) -> bool:
@@ -145,3 +162,11 @@ def half_life(settled: Sequence[int], irregular: Sequence[int]) -> Estimate | No
     least = float(chdtri(2 * count, 1.0 - upper_tail))
     to_half = math.log(2.0) * time
     return Estimate(to_half / count, 2.0 * to_half / most, 2.0 * to_half / least, count)
+
+
+def least_half_life(settled: Sequence[int], irregular: Sequence[int]) -> float:
+    """Return what the half-life exceeds with 95 % probability, cycles; see ``half_life``."""
+    from scipy.special import chdtri  # slow to import
+
+    time = float(sum(settled) + sum(irregular))
+    return 2.0 * math.log(2.0) * time / float(chdtri(2 * len(settled) + 2, 1.0 - LEVEL))

@@ -164,6 +164,14 @@ class MapBatches:
         count = max(self.cycles - STARTUP_CYCLES, 0) // self.size
         return np.asarray(self._sums[:count] / self.size)
 
+    def since(self, cycle: int) -> "MapBatches":
+        """Return the maps without the batches that begin in the first cycles."""
+        skipped = min(-(-cycle // self.size), max(self.cycles - STARTUP_CYCLES, 0) // self.size)
+        later = MapBatches(self.shape, self.cycles - skipped * self.size, self.size)
+        later._last[...] = self._last
+        later._sums[: MAX_BATCHES - skipped] = self._sums[skipped:]
+        return later
+
     def save(self) -> State:
         """Return copies of the arrays that change."""
         filed = np.array([self.cycles, self.size])

@@ -92,6 +92,8 @@ class LifeResult:
     phases: tuple[Phase, ...]
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
+    motion: str = ""  # sentence on the motion on the surfaces at the start
+    settled: tuple[int | None, ...] = ()  # histories that repeat at the end of each load block
 
     @property
     def first(self) -> LimitResult | None:

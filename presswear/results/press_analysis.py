@@ -61,7 +61,7 @@ class Strokes:
     separation: Array  # the output leaves the height of the work again
 
 
-class SettledStroke(NamedTuple):
+class SampledStroke(NamedTuple):
     """Instants of a stroke after the start-up, s; nan for a missing instant."""
 
     start: float  # upper dead centre of the ideal motion
@@ -148,7 +148,7 @@ def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Arr
     return np.array(instants).reshape(-1, 2)
 
 
-def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
+def sampled_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
     """Return the complete recorded strokes after the start-up, or the last complete one."""
     ideal, time = bottom_of(scene.ideal), stage.time
     if ideal is None or time.size < 2:
@@ -157,12 +157,12 @@ def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
     number = np.arange(int((last - scene.run_up) / period) + 2)
     starts = scene.run_up + ideal.top + period * number
     is_whole = (starts >= scene.run_up - noise) & (starts + period <= last + noise)
-    is_settled = is_whole & (number >= STARTUP_CYCLES)
-    starts = starts[is_settled] if is_settled.any() else starts[is_whole][-1:]
+    is_sampled = is_whole & (number >= STARTUP_CYCLES)
+    starts = starts[is_sampled] if is_sampled.any() else starts[is_whole][-1:]
     strokes, force = strokes_of(scene, stage), process_force(scene, stage)
     result = []
     for start in map(float, starts):
-        stroke = SettledStroke(start, start + ideal.time - ideal.top, start + period)
+        stroke = SampledStroke(start, start + ideal.time - ideal.top, start + period)
         if strokes is not None and force is not None:
             when = strokes.contact[:, 0]
             for k in np.flatnonzero((when >= start) & (when < stroke.end))[:1]:
@@ -179,7 +179,7 @@ def settled_strokes(scene: Scene, stage: StageResult) -> list[SettledStroke]:
 
 @dataclass(frozen=True)
 class JointTonnage:
-    """Forces between pin and bearing of a joint, means over the settled strokes, N.
+    """Forces between pin and bearing of a joint, means over the sampled strokes, N.
 
     From ``working_force`` on, None if nothing breaks.
     """
@@ -193,14 +193,14 @@ class JointTonnage:
 
 @dataclass(frozen=True)
 class Tonnage:
-    """Tonnage and shock in the settled strokes of the first replicate of a stage.
+    """Tonnage and shock in the sampled strokes of the first replicate of a stage.
 
     Reversed forces are those that inertia, drives at their prescribed motion and elastic contacts
     cause in each joint when the work gives way. They are not a bound of the reverse tonnage
     of a press, most of which is strain energy of frame, tools and drives.
     """
 
-    strokes: int  # recorded settled strokes, from upper dead centre to the next
+    strokes: int  # recorded sampled strokes, from upper dead centre to the next
     peak_force: Estimate | None  # greatest force of the work in a stroke, N; None: no process
     work: Estimate | None  # work of the process in a stroke, J
     joints: Mapping[str, JointTonnage]
@@ -210,7 +210,7 @@ class Tonnage:
 
 def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
-    strokes = [] if stage.failed else settled_strokes(scene, stage)
+    strokes = [] if stage.failed else sampled_strokes(scene, stage)
     if not strokes:
         return None
     series = stage.joints if stage.has_joint_series else {}
@@ -231,8 +231,8 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     return Tonnage(len(strokes), peak, work, joints, before, after)
 
 
-def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke]) -> JointTonnage:
-    """Return the forces of a joint in settled strokes."""
+def joint_tonnage(time: Array, joint: JointResult, strokes: list[SampledStroke]) -> JointTonnage:
+    """Return the forces of a joint in sampled strokes."""
     size = np.hypot(*joint.force.T)
     # A series has few rows in contacts that are light for the joint: their peaks are stored.
     touchdown, separation, peak = map(joint.contact, ("touchdown", "separation", "peak_force"))
@@ -255,7 +255,7 @@ def joint_tonnage(time: Array, joint: JointResult, strokes: list[SettledStroke])
     return JointTonnage(means, _mean(working), _mean(back), _mean(fraction), _mean(delay))
 
 
-def _reversal(time: Array, force: Array, stroke: SettledStroke) -> tuple[float, float, float]:
+def _reversal(time: Array, force: Array, stroke: SampledStroke) -> tuple[float, float, float]:
     """Return the greatest working force and, after the fracture, the greatest reversed one, N.
 
     The third number is the time from the fracture to the first reversed force, s; nan if there is
@@ -352,13 +352,21 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     start, ideal = stage.arrays["cycle_start"], ideal_drives(scene)
     rubbing = rubbing_drives(scene)
     # The cycles of the second set of replicates are not used.
-    replicates = [stage.arrays["cycles"][start == k] for k in range(scene.replicate_count)]
+    settling = stage.statistics.settling
+    replicates = [
+        stage.arrays["cycles"][start == k][settling.skipped(k) if settling else 0 :]
+        for k in range(scene.replicate_count)
+    ]
     cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
     last = cycles[:, -len(CYCLE_DRIVE) * len(ideal) :].reshape(len(cycles), len(ideal), -1)
     numbers, peaks = {}, {}
     for k, body in enumerate(ideal):
         columns = dict(zip(CYCLE_DRIVE, last[:, k].T, strict=True))
         peaks[body] = [_mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")]
+        if settling and settling.is_mixture:
+            peaks[body] = [
+                peak and Estimate(peak.mean, samples=peak.samples) for peak in peaks[body]
+            ]
         numbers[body] = {
             name: _farthest(values) if name.endswith("peak") else float(values.mean())
             for name, values in columns.items()
@@ -527,7 +535,7 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     """Return how much higher bottom dead centre is in a stage than in another, m.
 
     The other stage is the unworn one, which gives the drift by wear, or that of a run at another
-    speed. Both are taken as independent. None if either has no settled stroke.
+    speed. Both are taken as independent. None if either has no sampled stroke.
     """
     later, earlier = stage.statistics.bdc, since.statistics.bdc
     if later is None or earlier is None:
@@ -618,18 +626,18 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     return sentences
 
 
-# Settled motion -----------------------------------------------------------------------------------
+# Sampled motion -----------------------------------------------------------------------------------
 
 
 def has_motion(scene: Scene, stage: StageResult) -> bool:
     """Return whether a complete cycle of a motion with clearance was recorded."""
     if stage.failed or not stage.has_joint_series or stage.time.size < 2:
         return False
-    start, end = settled_span(scene, stage)
+    start, end = sampled_span(scene, stage)
     return end - start > 0.99 * scene.mechanism.period
 
 
-def settled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
+def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
     """Return start and end of the recorded motion after the start-up, s; complete cycles."""
     period, run_up = scene.mechanism.period, scene.run_up
     whole = int((float(stage.time[-1]) - run_up) / period + 0.02)

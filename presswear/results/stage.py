@@ -11,6 +11,7 @@ from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording import observe
 from presswear.recording.film import Film
+from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
@@ -32,7 +33,7 @@ class Joints(dict[str, T]):
 
 @dataclass(frozen=True)
 class OutputStatistics:
-    """Motion of the output point over the settled cycles; ``_per_cycle``: mean of the largest."""
+    """Motion of the output point over the sampled cycles; ``_per_cycle``: mean of the largest."""
 
     displacement_max: float  # m
     velocity_min: float  # m/s
@@ -45,7 +46,7 @@ class OutputStatistics:
 
 @dataclass(frozen=True)
 class BottomStatistics:
-    """Accuracy and repeatability at bottom dead centre over the settled strokes; m and s."""
+    """Accuracy and repeatability at bottom dead centre over the sampled strokes; m and s."""
 
     strokes: int  # of all replicates
     ideal_height: float
@@ -79,7 +80,7 @@ class WearPeak:
 class JointStatistics:
     """Forces, contacts and wear of a clearance joint in a stage, of all replicates; SI units."""
 
-    peak_force: float  # largest normal force of the settled cycles, N
+    peak_force: float  # largest normal force of the sampled cycles, N
     peak_force_per_cycle: Estimate  # mean of the largest in each cycle
     contacts: int
     contacts_per_cycle: Estimate
@@ -111,6 +112,7 @@ class StageStatistics:
     energy_residual: float = 0.0  # residual of the energy balance, J
     energy_exchanged: float = 0.0  # by the drives, J
     energy_made_fraction: float = 0.0  # made by contacts over dissipated by contacts and friction
+    settling: Settling | None = None  # motions that the replicates came to; None: no clearance
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", Joints(self.joints))
@@ -294,9 +296,9 @@ class StageResult:
 
     @property
     def bdc(self) -> BottomStatistics:
-        """Statistics of bottom dead centre; InputError if there is no settled stroke."""
+        """Statistics of bottom dead centre; InputError if there is no sampled stroke."""
         if self.statistics.bdc is None:
-            raise InputError(f"{self.name}: there is no settled stroke")
+            raise InputError(f"{self.name}: there is no sampled stroke")
         return self.statistics.bdc
 
     @property
@@ -354,4 +356,4 @@ class StageResult:
 
     def each_cycle(self, name: str) -> Array:
         """Return a quantity of each cycle, by a name of ``CYCLE_FIXED``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, observe.CYCLE_FIXED.index(name)]
+        return self.arrays["cycles"][:, observe.column_of(name)]

@@ -7,6 +7,7 @@ from typing import Any
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.life import QUICK, WITHOUT_CURVES, LifeResult, digits_of, span_of, words_of
+from presswear.results.motions import SETTLE, is_remarkable, sentence_of
 from presswear.results.oil_film import STEADY, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, StageResult
@@ -18,7 +19,7 @@ from presswear.tools import numbers
 from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction
 
-ENOUGH = 20  # settled strokes from which the intervals of peak forces are trusted
+ENOUGH = 20  # sampled strokes from which the intervals of peak forces are trusted
 _MADE = 0.02  # energy that contacts make, relative to what they dissipate
 _FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
@@ -121,10 +122,16 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
         text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
     if last is not first and at in first.statistics.joints:
-        new = first.statistics.joints[at].peak_force_per_cycle.mean
+        new = _forces_of_motions(first, at)
         strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
-        text += f" Before the wear of {strokes} strokes: {numbers.quantity_text(new, 'N')}."
+        text += f" Before the wear of {strokes} strokes: {new}."
+    settling = last.statistics.settling
+    if settling and not is_remarkable(settling):
+        text += f" {sentence_of(settling)}."
     peak = measured("Peak joint force", forces[at], "N", text)
+    if settling and settling.is_mixture:
+        note = f"{len(settling.motions)} motions"
+        peak = peak._replace(value=_forces_of_motions(last, at), interval="", note=note)
     if press.penetrations(scene, stages)[at] > press.SMALL_CONTACT:
         peak = _with_laws(peak, press.forces_by_law(scene, at, forces[at].mean))
     result = [peak]
@@ -138,6 +145,16 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
         result.append(measured(title, loads[at], unit, text))
     return result
+
+
+def _forces_of_motions(stage: StageResult, joint: str) -> str:
+    """Return the mean peak force at a joint, or that of each motion of different replicates."""
+    settling, joints = stage.statistics.settling, stage.statistics.joints
+    forces = [joints[joint].peak_force_per_cycle.mean]
+    if settling and settling.is_mixture:
+        forces = [motion.peak_force[joint].mean for motion in settling.motions]
+    factor, unit = numbers.unit_scale("N", max(forces))
+    return f"{' or '.join(numbers.readable(factor * force) for force in forces)} {unit}"
 
 
 def _with_laws(peak: KeyNumber, forces: Mapping[str, float]) -> KeyNumber:
@@ -322,6 +339,11 @@ def warnings(result: Result) -> list[str]:
     scene, lines = result.scene, doubts(result.scene)
     lines += press.deep_contacts(scene, result.stages)
     stages = [stage for stage in result.stages if not stage.failed]
+    for stage in stages:
+        settling = stage.statistics.settling
+        # The status of the run names stages of which some replicates have settled.
+        if settling and is_remarkable(settling) and settling.verdict != "mixed":
+            lines.append(f"{stage.name.capitalize()}: {sentence_of(settling)}. {SETTLE}.")
     for stage in stages:
         made = stage.statistics.energy_made_fraction
         if made > _MADE:

@@ -358,7 +358,7 @@ def motion_table(result: Result) -> Table | None:
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
     joints = scene.clearance_joints
-    start, end = press.settled_span(scene, stage)
+    start, end = press.sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
     lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
     together = combine(list(lines.values()))
@@ -506,10 +506,21 @@ def _life(result: Result, life: LifeResult) -> Record:
         "first": first,
         "rivals": rivals,
         "services": services_done(result),
+        "repeating": _repeating(life),
         "pin": _pin_that_ends(result, life),
         "limits": _line_table("limits", result, limits, True, end=end),
         "phases": _line_table("phases", result, phases, True, end=end),
     }
+
+
+def _repeating(life: LifeResult) -> str:
+    """Return a sentence on the load blocks at whose end all histories repeat, or nothing."""
+    seen = [settled for settled in life.settled if settled is not None]
+    if not any(seen):
+        return ""
+    whole = seen.count(max(seen))
+    blocks = numbers.counted(len(seen), "load block")
+    return f"At the end of {whole} of {blocks} {max(seen)} wear histories repeat."
 
 
 def _pin_that_ends(result: Result, life: LifeResult) -> str:

@@ -97,6 +97,11 @@ def _clearance(result: Result, stage: StageResult, joint: None) -> Response:
     return Response(total_clearance(result.scene.linkage(stage.surfaces)))
 
 
+def _settled(result: Result, stage: StageResult, joint: None) -> Response | None:
+    settling = stage.statistics.settling
+    return None if settling is None else Response(settling.settled / settling.runs)
+
+
 def _life(result: Result, stage: None, joint: None) -> Response | None:
     if (life := result.life) is None:
         return None
@@ -122,6 +127,7 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
     "contacts": ("", "contacts in a cycle"),
     "drive_work": ("J", "work of all drives in a cycle"),
+    "settled": ("", "share of the runs that came to rest on a regular motion"),
     "life": ("", "strokes until the first limit is exceeded"),
 }
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
@@ -135,6 +141,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "repeatability": ("stage", _at("statistics.bdc.standard_deviation")),
     "total_clearance": ("stage", _clearance, True),
     "drive_work": ("stage", _at("statistics.drive_work_per_cycle")),
+    "settled": ("stage", _settled),
     "life": ("result", _life),
 }
 RESPONSES = {name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()}

@@ -19,7 +19,7 @@ from presswear.analysis.contact_modes import (
     timeline_of,
 )
 from presswear.analysis.periods import impacts_of, period_of, section_of
-from presswear.results.press_analysis import settled_span
+from presswear.results.press_analysis import sampled_span
 from presswear.results.result import Result
 
 CONTACTS = np.array([[1.0, 1.01], [2.0, 2.01], [3.0, 5.0], [6.0, 6.01], [7.0, 7.01]])
@@ -112,7 +112,7 @@ def test_shares_are_those_of_the_penetration(result: Result) -> None:
     """Time with penetration above 0, by the rows, is the time that is no free flight."""
     scene, stage = result.scene, result.stages[0]
     own = timeline_of(scene, stage, "B")
-    begin, end = settled_span(scene, stage)
+    begin, end = sampled_span(scene, stage)
     assert own.edges[[0, -1]] == pytest.approx([begin, end], rel=1e-3)
     time = np.linspace(begin, end, 400_001)
     inside = np.interp(time, stage.time, stage.joints["B"].penetration) > 0.0
@@ -140,7 +140,7 @@ def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> N
     """Where it rises through 0, and as fast as the pin then moves away from the centre."""
     scene, stage = result.scene, result.stages[0]
     phase, speed = impacts_of(scene, stage, "B")
-    begin, end = settled_span(scene, stage)
+    begin, end = sampled_span(scene, stage)
     time, kept = np.unique(stage.time, return_index=True)
     own = stage.joints["B"]
     overlap, away = own.penetration[kept], np.hypot(*own.eccentricity[kept].T)

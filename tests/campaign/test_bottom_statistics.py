@@ -41,19 +41,19 @@ def test_statistics_of_known_strokes() -> None:
     scene = wear_times()
     runs = [strokes_of(scene, seed) for seed in range(4)]
     statistics, bottom = bottom_statistics(scene, runs), bottom_of(scene.ideal)
-    settled = np.array([run.height[STARTUP_CYCLES:] for run in runs])
-    assert statistics.strokes == settled.size == 40
+    samples = np.array([run.height[STARTUP_CYCLES:] for run in runs])
+    assert statistics.strokes == samples.size == 40
     expected = pooled([run.height - bottom.height for run in runs])[0]
     assert statistics.error.mean == pytest.approx(expected.mean, rel=1e-9)
     assert statistics.error.half_width == pytest.approx(expected.half_width, rel=1e-9)
     assert statistics.error.mean == pytest.approx(-7e-4, abs=3e-5)
-    assert statistics.height.mean == pytest.approx(settled.mean(), rel=1e-12)
+    assert statistics.height.mean == pytest.approx(samples.mean(), rel=1e-12)
     scatter, delay = statistics.standard_deviation, statistics.delay
-    assert scatter.mean == pytest.approx(np.sqrt(np.mean(settled.var(axis=1, ddof=1))))
+    assert scatter.mean == pytest.approx(np.sqrt(np.mean(samples.var(axis=1, ddof=1))))
     assert (scatter.low or 0.0) < 4e-5 < (scatter.high or 0.0)
     assert statistics.range_strokes == 10
-    assert statistics.range.mean == pytest.approx(np.ptp(settled, axis=1).mean())
-    assert statistics.range_of_all == pytest.approx(np.ptp(settled))
+    assert statistics.range.mean == pytest.approx(np.ptp(samples, axis=1).mean())
+    assert statistics.range_of_all == pytest.approx(np.ptp(samples))
     assert delay.mean == pytest.approx(-2e-3, abs=5e-4)
     turn = statistics.delay_angle.mean / delay.mean
     assert turn == pytest.approx(2.0 * np.pi / scene.mechanism.period)
@@ -97,8 +97,8 @@ def test_rise_and_errors_of_a_worn_stage() -> None:
     half = np.linalg.norm([each.half_width or np.nan for each in errors])
     assert difference.half_width == pytest.approx(half)
     rows = [rows for _, rows in bottom_errors(scene, unworn)]
-    settled = np.concatenate([each[STARTUP_CYCLES:] for each in rows])
-    assert settled.mean() == pytest.approx(errors[1].mean, rel=1e-9)
+    samples = np.concatenate([each[STARTUP_CYCLES:] for each in rows])
+    assert samples.mean() == pytest.approx(errors[1].mean, rel=1e-9)
 
 
 def test_output_at_rest_has_no_bottom() -> None:

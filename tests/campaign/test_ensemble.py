@@ -11,9 +11,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
+from presswear.campaign import ensemble as ensemble_module
 from presswear.campaign import replicates
 from presswear.campaign.campaign import run, run_stage
-from presswear.campaign.ensemble import FEWEST, Ensemble
+from presswear.campaign.ensemble import FEWEST, WATCHED_CYCLES, Ensemble
 from presswear.campaign.replicates import SPREAD, StepCheck, start_of
 from presswear.campaign.stage_statistics import COLUMNS, StageWear, _wear_peaks, deviation
 from presswear.campaign.wear_update import initial_depth
@@ -104,7 +105,10 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
     assert (depth.mean, depth.low, depth.high) == pytest.approx(expected)
 
 
-def test_stage_ends_when_all_replicates_together_know_the_maps() -> None:
+def test_stage_ends_when_all_replicates_together_know_the_maps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(ensemble_module, "WATCHED_CYCLES", 1)
     scene = replace(QUICK, replicates=3, cycles=None, tolerance=0.12)
     ensemble = run_stage(scene)[1]
     maps, weights = map_batches(ensemble.maps)
@@ -118,6 +122,24 @@ def test_stage_ends_when_all_replicates_together_know_the_maps() -> None:
     ensemble = run_stage(replace(scene, tolerance=1e-3, max_cycles=13))[1]
     assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
+
+
+def test_a_stage_watches_whether_the_motion_settles() -> None:
+    """The maps are known after 9 cycles, but the motion of a press is to be seen for 50."""
+    scene = replace(QUICK, replicates=2, cycles=None, tolerance=1.0)
+    known = run_stage(scene)[1]
+    assert [len(recorder.cycles) for recorder in known.recorders] == [WATCHED_CYCLES] * 2
+
+
+def test_a_costly_motion_is_watched_for_as_long_as_the_time_allows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = replace(QUICK, replicates=2, cycles=None, tolerance=1.0)
+    steps = run_stage(replace(scene, cycles=12))[1].recorders[0].each_cycle("steps").mean()
+    seconds = 2 * 20.5 * steps * scene.solver.step_time
+    monkeypatch.setattr(ensemble_module, "WATCHED_SECONDS", seconds)
+    cycles = [len(recorder.cycles) for recorder in run_stage(scene)[1].recorders]
+    assert 12 < cycles[0] < 30
 
 
 def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:

@@ -38,8 +38,9 @@ def finished(scene: pw.Scene, jobs: int, path: Path) -> Path:
 
 @pytest.fixture
 def each_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Check the time step of stages of few cycles as well."""
+    """Check the time step of stages of few cycles as well, which are not watched for longer."""
     monkeypatch.setattr(ensemble, "STEP_CHECK_CYCLES", 1)
+    monkeypatch.setattr(ensemble, "WATCHED_CYCLES", 1)
 
 
 @pytest.mark.usefixtures("each_is_checked")

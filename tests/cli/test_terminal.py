@@ -99,7 +99,7 @@ def in_terminal(words: list[str], folder: Path) -> str:
 
 @pytest.mark.parametrize("stage", [0, 7, 20])
 def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> None:
-    update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None)
+    update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None, 2)
     assert update is not None
     labels = ["cycle 1999 of 2000", update.label, "life, refinement 12, 990 million strokes"]
     texts = [step_text(SCENE, stage, label) for label in labels]

@@ -290,3 +290,19 @@ def test_a_run_that_failed_in_its_first_cycle_leaves_the_maps_of_others() -> Non
     with np.errstate(all="raise"):
         empty, *_ = statistics.smoothed_maps(runs, [36])
     assert not empty.any()
+
+
+@pytest.mark.parametrize(("count", "first"), [(20, 5), (100, 33), (1000, 90)])
+def test_maps_without_the_first_cycles_are_those_of_the_others(count: int, first: int) -> None:
+    """The batch in which the samples begin is left out as a whole."""
+    depth = np.random.default_rng(1).random((count, 1, 2, 6))
+    maps = statistics.MapBatches((1, 2, 6))
+    for one in depth:
+        maps.add(one)
+    later = maps.since(first)
+    begin = statistics.STARTUP_CYCLES + -(-first // maps.size) * maps.size
+    assert begin >= statistics.STARTUP_CYCLES + first
+    assert later.samples == count - begin
+    assert later.sampled == pytest.approx(depth[begin:].sum(axis=0))
+    assert later.batches == pytest.approx(maps.batches[-(-first // maps.size) :])
+    assert maps.since(0).sampled == pytest.approx(maps.sampled)

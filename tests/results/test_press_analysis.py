@@ -22,7 +22,7 @@ from presswear.results.press_analysis import (
     ENERGY_BOUND,
     PHASES,
     SNAP_THROUGH_S,
-    SettledStroke,
+    SampledStroke,
     curves_of,
     deep_contacts,
     drives_of,
@@ -32,7 +32,7 @@ from presswear.results.press_analysis import (
     ideal_forces,
     joint_tonnage,
     process_force,
-    settled_strokes,
+    sampled_strokes,
 )
 from presswear.scene.options import Numerics
 from presswear.scene.settings import changed
@@ -80,7 +80,7 @@ def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> No
     table = table_of(ideal, 0)
     np.testing.assert_array_equal([table["process_force"], table["height"]], [force, height])
     tonnage = ideal.tonnage(0)
-    # Of two settled strokes and cycles.
+    # Of two sampled strokes and cycles.
     for work in (tonnage.work, stage.statistics.drive_work_per_cycle):
         assert work.samples == 2
         assert work.mean == pytest.approx(SHEET.work, abs=1e-6 * SHEET.work)
@@ -170,7 +170,7 @@ def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(run_up: int
 
 
 def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Result) -> None:
-    strokes, moments = settled_strokes(IDEAL, ideal.stages[0]), ideal.strokes(0)
+    strokes, moments = sampled_strokes(IDEAL, ideal.stages[0]), ideal.strokes(0)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk / acceleration.
     off = (PERIOD / 1440.0) ** 2 / 8.0 * 20.0 * PRESS.speed
     starts, bottoms = ([getattr(each, name) for each in strokes] for name in ("start", "bottom"))
@@ -223,7 +223,7 @@ def test_without_work_there_are_approach_and_return_alone() -> None:
 
 
 NO_CONTACTS = np.zeros((0, len(CONTACT_COLUMNS)))
-STROKE = SettledStroke(start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
+STROKE = SampledStroke(start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
 
 
 @pytest.mark.parametrize(
@@ -292,7 +292,7 @@ def test_light_contacts_of_the_approach_do_not_need_rows() -> None:
     scene = replace(pw.scenes.press_blanking(conventions="refined"), engine="dae", wear_updates=0)
     result = pw.run(replace(scene, cycles=4), jobs=1)
     stage = result.stages[0]
-    strokes = settled_strokes(scene, stage)
+    strokes = sampled_strokes(scene, stage)
     is_between_rows = []
     for joint, stroke in product(stage.joints.values(), strokes):
         start, end = stroke.phases["approach"]
@@ -309,7 +309,7 @@ def test_light_contacts_of_the_approach_do_not_need_rows() -> None:
 
 def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     """Three strokes with planted peaks; Student's interval from scipy."""
-    strokes = [SettledStroke(*(moment + k for moment in STROKE)) for k in range(3)]
+    strokes = [SampledStroke(*(moment + k for moment in STROKE)) for k in range(3)]
     time = np.linspace(1.0, 4.0, 6001)
     planted = {"approach": 1.2, "work": 1.42, "snap-through": 1.46, "return": 1.7}
     sizes = {name: 100.0 * (1 + k) + np.array([0.0, 5.0, 7.0]) for k, name in enumerate(planted)}

@@ -128,7 +128,7 @@ def test_failed_stages() -> None:
 VISCOUS = wear_times(normal_law="kelvin-voigt", viscous_damping="100 N s/m", restitution=1)
 OWN_FOUR_BAR = pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0)
 RADIAL, SAMPLE = "Contact on worn surfaces is radial", "no two strokes are equal"
-OWN = "settled cycles of 4 replicates, and after a wear update the replicates, each on surfaces of"
+OWN = "sampled cycles of 4 replicates, and after a wear update the replicates, each on surfaces of"
 PAIRS = "on rod 3 and its pin on crank 2; C has its bearing on rod 5 and its pin on plate 4."
 ZERO = "counterclockwise from the x axis of the frame"
 
@@ -138,7 +138,7 @@ ZERO = "counterclockwise from the x axis of the frame"
     [
         (made.BOTH, 2, f"{SAMPLE} & {RADIAL} & {OWN} & {ZERO}", "presses on work"),
         (made.ONE, 1, "restitution is 0.9; in a single impact the law of Lankarani", RADIAL),
-        (made.BOTH, 1, f"{SAMPLE} & samples are the settled cycles of 4 replicates. In", RADIAL),
+        (made.BOTH, 1, f"{SAMPLE} & samples are the sampled cycles of 4 replicates. In", RADIAL),
         (made.BODY, 2, f"{SAMPLE} & axis of the body (thin arrow & {PAIRS}", RADIAL),
         (made.IDEAL, 1, "chosen, not the paper's & No joint has clearance", SAMPLE),
         (press_blanking(), 1, "presses on work (blanking", RADIAL),

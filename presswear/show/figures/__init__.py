@@ -35,11 +35,11 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "bottom": ("shown", motion.bottom_dead_centre),
     "force": ("loose", motion.contact_force),
     "path": ("loose", motion.centre_trajectory),
-    "phase": ("settled", dynamics.phase_portrait),
-    "poincare": ("settled", dynamics.poincare_section),
-    "impacts": ("settled", dynamics.impact_section),
-    "modes": ("settled", dynamics.contact_modes),
-    "spectrum": ("settled", dynamics.spectrum),
+    "phase": ("sampled", dynamics.phase_portrait),
+    "poincare": ("sampled", dynamics.poincare_section),
+    "impacts": ("sampled", dynamics.impact_section),
+    "modes": ("sampled", dynamics.contact_modes),
+    "spectrum": ("sampled", dynamics.spectrum),
     "drives": ("moving", motion.drive_work),
     "oil": ("all", motion.film_thickness),
 }
@@ -84,7 +84,7 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
             "shown": shown,
             "moving": moving,
             "loose": [each for each in moving if each.data.has_joint_series],
-            "settled": [each for each in shown if has_motion(result.scene, each.data)],
+            "sampled": [each for each in shown if has_motion(result.scene, each.data)],
         }
         return draw(result, choices[choice]) if choices[choice] else []
 

@@ -40,7 +40,7 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     sheet, places, _ = style.joint_panels(names, shown, 2.4, sharex=share, sharey=share)
     factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
     for axes, joint, stage in places:
-        data = style.between(stage.data, *press.settled_span(scene, stage.data))
+        data = style.between(stage.data, *press.sampled_span(scene, stage.data))
         look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         if not joint:
             axes.plot(1e3 * data.displacement, data.velocity, **look)

@@ -58,7 +58,7 @@ class Window:
         axes.set_xlabel(f"{self.phase} since the start (degrees)")
 
 
-def settled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
+def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     """Return the stages cut to the part of the motion that is shown: cycles after the start-up."""
     period, run_up = result.scene.mechanism.period, result.scene.run_up
     ends = [float(stage.data.time[-1]) for stage in stages]
@@ -88,7 +88,7 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     scene = result.scene
     if bottom_of(scene.ideal) is None:
         return []
-    shown, window = settled(result, moving)
+    shown, window = sampled(result, moving)
     factor, unit = unit_scale("m", scene.stroke)
     sheet, ((axes,),) = style.panels(1, 1, 2.9)
     marks: dict[str, str] = {}
@@ -114,7 +114,7 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
 def response(result: Result, moving: Shown) -> list[Drawing]:
     """Draw displacement, velocity and acceleration of the output against the ideal."""
     scene = result.scene
-    shown, window = settled(result, moving)
+    shown, window = sampled(result, moving)
     heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
     height = 0.9 + min(1.15, (_TALLEST - 0.9) / sum(heights)) * sum(heights)
     sheet, grid = style.panels(len(heights), 1, height, sharex=True, height_ratios=heights)
@@ -177,7 +177,7 @@ def _draw_jagged(
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the normal force at each clearance joint over time, in the first and last stage."""
     joints = result.scene.clearance_joints
-    shown, window = settled(result, moving)
+    shown, window = sampled(result, moving)
     sheet, places, lowest = style.joint_panels(joints, shown, 1.5, sharex=True)
     largest = dict.fromkeys(joints, 0.0)
     for axes, joint, stage in places:
@@ -221,7 +221,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
 
 def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the path of each pin centre inside its bearing, in the first and last stage."""
-    shown, window = settled(result, moving)
+    shown, window = sampled(result, moving)
     is_bounded = False
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
@@ -284,7 +284,7 @@ def pin_panels(
 def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the forces of the work and of the joints over the height of the stroke."""
     scene, process = result.scene, result.scene.process
-    shown = [(stage, press.settled_strokes(scene, stage.data)) for stage in moving]
+    shown = [(stage, press.sampled_strokes(scene, stage.data)) for stage in moving]
     shown = [(stage, strokes) for stage, strokes in shown if strokes]
     if process is None or not shown:
         return []
@@ -328,7 +328,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     drives = [drive.body for drive in scene.mechanism.linkage().drives]
     if not moving or not drives or scene.has_untrusted_loads:
         return []
-    shown, window = settled(result, moving)
+    shown, window = sampled(result, moving)
     sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
     curves = []
     for stage in shown:

@@ -65,7 +65,7 @@ class Clip:
     def default_start(self) -> float:
         """Time, s: after the run-up and, if there are two, after the first cycle.
 
-        A service life starts with its first frame, because its cycles are settled.
+        A service life starts with its first frame, because all its cycles are samples.
         """
         if len(self.chapters) > 1:
             return self.span[0]

@@ -1,0 +1,90 @@
+"""Settled motions of an ensemble: which replicates came to rest, and what each kind of motion is.
+
+See ``presswear.recording.settling`` for the measure and its source.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswear.linkage.elements import ClearanceJoint
+from presswear.recording.observe import column_of
+from presswear.recording.settling import (
+    REPEATED,
+    Motion,
+    Rest,
+    Settling,
+    half_life,
+    least_half_life,
+    rest_of,
+    same_motions,
+    signatures,
+)
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate, pooled
+from presswear.tools.arrays import Array
+
+Joints = Sequence[ClearanceJoint]
+
+
+def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
+    """Return the motion on which each run came to rest, from its rows of cycles."""
+    clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
+    rests = []
+    for rows in runs:
+        columns = [
+            [column_of(f"eccentricity_{axis}", k) for axis in "xy"] for k in range(len(joints))
+        ]
+        forces = [column_of("force_max", k) for k in range(len(joints))]
+        rests.append(rest_of(signatures(rows[:, columns] / clearances, rows[:, forces])))
+    return rests
+
+
+def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
+    """Return what runs came to, from their rows of cycles; None without clearance or cycles.
+
+    A run that has not settled is known to have been irregular until the cycles that a settled
+    motion would have had to repeat.
+    """
+    if not joints or not all(map(len, runs)):
+        return None
+    rests = rests_of(joints, runs)
+    starts = tuple(None if rest is None else rest.start for rest in rests)
+    settled = [k for k, rest in enumerate(rests) if rest is not None]
+    groups = same_motions([rest for rest in rests if rest is not None])
+    motions = []
+    for group in groups:
+        members = [settled[n] for n in group]
+        period = max(rest.period for k in members if (rest := rests[k]))
+        rows = [runs[k][max((starts[k] or 0) - STARTUP_CYCLES, 0) :] for k in members]
+        motions.append(_motion(joints, rows, len(members), period))
+    irregular = [run[:start] for run, start in zip(runs, starts, strict=True)]
+    irregular = [rows for rows in irregular if len(rows) > STARTUP_CYCLES]
+    if irregular:
+        motions.append(_motion(joints, irregular, len(runs) - len(settled), None))
+    left = [start for start in starts if start is not None]
+    still = [max(len(runs[k]) - REPEATED, 0) for k, rest in enumerate(rests) if rest is None]
+    return Settling(
+        watched=min(map(len, runs)),
+        starts=starts,
+        motions=tuple(motions),
+        half_life=half_life(left, still),
+        least_half_life=least_half_life(left, still),
+    )
+
+
+def _motion(joints: Joints, runs: Sequence[Array], replicates: int, period: int | None) -> Motion:
+    """Return the motion of some rows of cycles, with two rows of start-up before each."""
+
+    def mean(name: str, joint: int | None = None) -> Estimate:
+        return pooled([rows[:, column_of(name, joint)] for rows in runs])[0].positive
+
+    def by_joint(name: str) -> dict[str, Estimate]:
+        return {joint.name: mean(name, k) for k, joint in enumerate(joints)}
+
+    return Motion(
+        replicates=replicates,
+        period=period,
+        peak_force=by_joint("force_max"),
+        contacts=by_joint("contacts"),
+        acceleration_max=mean("acceleration_max"),
+    )

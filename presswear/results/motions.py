@@ -1,0 +1,99 @@
+"""Sentences on the motions that the replicates of a stage came to."""
+
+from collections.abc import Callable
+
+from presswear.recording.settling import REPEATED, Motion, Settling
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.tools.numbers import counted, quantity_text, readable
+
+SETTLE = "presswear dynamics settle shows how likely each motion is, and how long it lasts"
+
+
+def sentence_of(settling: Settling) -> str:
+    """Return what the replicates came to in one sentence, without a full stop."""
+    return _SENTENCES[settling.verdict](settling)
+
+
+def is_remarkable(settling: Settling) -> bool:
+    """Return whether a mean over the motions, or over the first strokes, misleads."""
+    if settling.is_mixture:
+        return True
+    latest = max((start for start in settling.starts if start is not None), default=0)
+    return settling.verdict == "settled" and latest > STARTUP_CYCLES + REPEATED
+
+
+def peak_force(motion: Motion) -> str:
+    """Return the peak force of a motion at the joint where it is greatest."""
+    joint = max(motion.peak_force, key=lambda name: motion.peak_force[name].mean)
+    return f"{quantity_text(motion.peak_force[joint].mean, 'N')} at {joint}"
+
+
+def _mixed(settling: Settling) -> str:
+    runs, peaks = counted(settling.runs, "run"), " or ".join(map(peak_force, _regular(settling)))
+    text = f"{settling.settled} of {runs} came to rest on a regular motion (peak force {peaks}) "
+    text += f"after {_strokes_before(settling)}; {_irregular(settling)}"
+    return f"{text}: after a disturbance expect both"
+
+
+def _coexisting(settling: Settling) -> str:
+    regular = _regular(settling)
+    kinds = ", ".join(f"{motion.replicates} with {peak_force(motion)}" for motion in regular)
+    text = f"{counted(settling.runs, 'run')} came to rest on {len(regular)} different "
+    text += f"regular motions (peak force: {kinds}) after {_strokes_before(settling)}: which one a "
+    return f"{text}machine shows depends on how it starts"
+
+
+def _settled(settling: Settling) -> str:
+    count, before = counted(settling.runs, "run"), _strokes_before(settling)
+    if not is_remarkable(settling):
+        return f"The motion is regular: {count} repeat after {before}"
+    text = f"All {count} came to rest on the same regular motion (peak force "
+    text += f"{peak_force(settling.motions[0])}) after {before}, and the numbers are those of this "
+    return f"{text}motion; {_irregular(settling)}: after a disturbance expect both"
+
+
+def _only_irregular(settling: Settling) -> str:
+    text = f"The motion is irregular: none of {counted(settling.runs, 'run')} came to rest "
+    text += f"on a regular motion in {settling.watched} strokes"
+    least = settling.least_half_life
+    if least >= 1.0:
+        text += f", so that half of such runs last longer than {least:.0f} strokes (95 %)"
+    return text
+
+
+def _unwatched(settling: Settling) -> str:
+    least = REPEATED + STARTUP_CYCLES
+    return (
+        f"{counted(settling.watched, 'stroke')} are too few to see whether the motion settles: "
+        f"cycles = {least} or more shows it"
+    )
+
+
+def _regular(settling: Settling) -> list[Motion]:
+    return [motion for motion in settling.motions if motion.period is not None]
+
+
+def _strokes_before(settling: Settling) -> str:
+    starts = [start for start in settling.starts if start is not None]
+    texts = dict.fromkeys(f"{start}" for start in (min(starts), max(starts)))
+    return f"{' to '.join(texts)} strokes"
+
+
+def _irregular(settling: Settling) -> str:
+    """Return how long the irregular motion lasts, and its peak force."""
+    irregular = [motion for motion in settling.motions if motion.period is None]
+    peak = f" (peak force {peak_force(irregular[0])})" if irregular else ""
+    text, life = f"irregular motion{peak} lasts", settling.half_life
+    if life is None or life.low is None or life.high is None:
+        return f"{text} an unknown time"
+    low, high = readable(life.low, 2), readable(life.high, 2)
+    return f"{text} {readable(life.mean, 2)} strokes at the median ({low} to {high})"
+
+
+_SENTENCES: dict[str, Callable[[Settling], str]] = {
+    "settled": _settled,
+    "coexisting": _coexisting,
+    "mixed": _mixed,
+    "irregular": _only_irregular,
+    "unwatched": _unwatched,
+}

@@ -1,0 +1,170 @@
+"""Motions that the replicates of a stage came to: settled, irregular, or some of both."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.campaign.settled_motions import settling_of
+from presswear.linkage.elements import ClearanceJoint
+from presswear.recording.observe import column_of, cycle_columns
+from presswear.results.motions import is_remarkable, sentence_of
+from presswear.results.stage import StageStatistics
+from presswear.scene.scene import Scene
+from presswear.show.key_numbers import key_numbers, warnings
+from presswear.tools.arrays import Array
+
+
+@pytest.fixture(scope="module")
+def slow_crank() -> Scene:
+    """A slider-crank that rattles for some 40 cycles and then runs with 299 N and no touchdown."""
+    return pw.Scene(
+        pw.SliderCrank(speed=2.0 * math.pi * 1000.0 / 60.0, slide_angle=0.0),
+        bearings={"B": pw.Bearing(clearance=5e-4)},
+        engine="dae",
+        replicates=4,
+        wear_updates=0,
+        max_cycles=1600,
+    )
+
+
+def rows_of(irregular: int, regular: int, force: float = 300.0, place: float = 0.0) -> Array:
+    """Return rows of a run that is irregular for some cycles, then regular for others."""
+    generator = np.random.default_rng(irregular + 100)
+    rows = np.zeros((irregular + regular, cycle_columns(1, 0)))
+    forces = rows[:, column_of("force_max", 0)]
+    forces[:irregular] = generator.uniform(200.0, 4000.0, irregular)
+    forces[irregular:] = force
+    ends = rows[:, column_of("eccentricity_x", 0)]
+    ends[:irregular] = generator.uniform(-5e-4, 5e-4, irregular)
+    ends[irregular:] = place
+    rows[:irregular, column_of("contacts", 0)] = 20.0
+    return rows
+
+
+@pytest.fixture(scope="module")
+def joints(slow_crank: Scene) -> tuple[ClearanceJoint, ...]:
+    return slow_crank.linkage().clearances
+
+
+def test_runs_of_which_some_have_settled_are_mixed(joints: tuple[ClearanceJoint, ...]) -> None:
+    settling = settling_of(joints, [rows_of(30, 40), rows_of(12, 58), rows_of(70, 0)])
+    assert settling is not None
+    assert settling.verdict == "mixed"
+    assert settling.starts == (30, 12, None)
+    regular, irregular = settling.motions
+    assert (regular.replicates, irregular.replicates) == (2, 1)
+    assert regular.peak_force["B"].mean == pytest.approx(300.0)
+    assert regular.contacts["B"].mean == 0.0
+    assert irregular.contacts["B"].mean == pytest.approx(20.0)
+    assert irregular.period is None
+    # Settled after 30 and 12 cycles, irregular for 60 of 70 at least: 102 cycles, two ends.
+    assert settling.half_life is not None
+    assert settling.half_life.mean == pytest.approx(np.log(2.0) * 102.0 / 2.0)
+    assert "2 of 3 runs came to rest on a regular motion (peak force 300 N at B)" in sentence_of(
+        settling
+    )
+    assert not any(settling.skipped(k) for k in range(3))
+
+
+def test_motions_of_different_forces_coexist(joints: tuple[ClearanceJoint, ...]) -> None:
+    settling = settling_of(joints, [rows_of(5, 40), rows_of(9, 40), rows_of(5, 40, 600.0)])
+    assert settling is not None
+    assert settling.verdict == "coexisting"
+    assert settling.is_mixture
+    assert "2 with 300 N at B, 1 with 600 N at B" in sentence_of(settling)
+
+
+def test_settled_runs_have_their_samples_from_the_regular_motion(
+    joints: tuple[ClearanceJoint, ...],
+) -> None:
+    settling = settling_of(joints, [rows_of(20, 40), rows_of(33, 40)])
+    assert settling is not None
+    assert settling.verdict == "settled"
+    # The two cycles before the samples count as start-up.
+    assert [settling.skipped(k) for k in range(2)] == [18, 31]
+    assert is_remarkable(settling)
+
+
+def test_runs_that_settle_at_once_are_not_remarkable(joints: tuple[ClearanceJoint, ...]) -> None:
+    settling = settling_of(joints, [rows_of(2, 40), rows_of(3, 40)])
+    assert settling is not None
+    assert not is_remarkable(settling)
+    assert sentence_of(settling) == "The motion is regular: 2 runs repeat after 2 to 3 strokes"
+
+
+def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) -> None:
+    settling = settling_of(joints, [rows_of(60, 0)] * 4)
+    assert settling is not None
+    assert settling.half_life is None
+    # No end in 4 x 50 cycles: 2^(-200 / T) = 0.05.
+    assert settling.least_half_life == pytest.approx(-200.0 * np.log(2.0) / np.log(0.05))
+    assert "none of 4 runs came to rest" in sentence_of(settling)
+
+
+def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]) -> None:
+    settling = settling_of(joints, [rows_of(7, 0)] * 4)
+    assert settling is not None
+    assert settling.verdict == "unwatched"
+    assert "7 strokes are too few" in sentence_of(settling)
+
+
+def test_a_linkage_without_clearance_has_nothing_to_settle() -> None:
+    result = pw.run(pw.changed(pw.scenes.ideal(), {"engine": "dae", "cycles": 3}))
+    assert result.stages[0].statistics.settling is None
+
+
+def statistics_of(scene: Scene) -> tuple[pw.Result, StageStatistics]:
+    result = pw.run(scene, jobs=1)
+    return result, result.stages[0].statistics
+
+
+def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene) -> None:
+    """The peak of 298.9 N was found by another simulator; the first strokes have 1,900 N.
+
+    With a half-life of 30 to 40 cycles, one of a thousand runs of 400 cycles is still irregular.
+    """
+    result, statistics = statistics_of(slow_crank)
+    settling = statistics.settling
+    assert settling is not None
+    assert settling.verdict == "settled"
+    assert result.status == "completed"
+    peak = statistics.joints["B"].peak_force_per_cycle
+    assert peak.mean == pytest.approx(298.9, abs=2.0)
+    assert statistics.joints["B"].contacts_per_cycle.mean < 0.2
+    assert [f"{warning:.3}" for warning in warnings(result)] == ["No "]
+    assert "same regular motion" in warnings(result)[0]
+
+
+def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene) -> None:
+    """In 24 of some 40 cycles some of eight runs settle and others do not, for most seeds."""
+    for seed in range(1, 40):
+        scene = pw.changed(slow_crank, {"cycles": 24, "seed": seed, "replicates": 8})
+        result, statistics = statistics_of(scene)
+        assert statistics.settling is not None
+        if statistics.settling.verdict == "mixed":
+            break
+    assert result.status == "unconverged"
+    assert "runs came to rest on a regular motion" in result.message
+    joint = statistics.joints["B"]
+    assert joint.peak_force_per_cycle.low is None
+    assert joint.contacts_per_cycle.low is None
+    assert joint.load_distance_per_cycle.low is not None
+    peak = next(key for key in key_numbers(result) if key.name == "Peak joint force")
+    assert " or " in peak.value
+    assert peak.note == "2 motions"
+
+
+def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene) -> None:
+    life = pw.Life(until="B.depth > 5 um")
+    scene = replace(slow_crank, wear_updates=1, cycles=12, tolerance=0.5, life=life)
+    result = pw.run(scene, jobs=2)
+    assert result.life is not None
+    assert "same regular motion (peak force 299 N at B)" in result.life.motion
+    assert result.life.motion.endswith("The histories begin in this motion")
+    # The motion without touchdown goes on while the surfaces wear by a hundredth of the clearance.
+    assert result.life.settled[0] == 4
+    forces = result.life.curves["B.force_max"][:, 0]
+    assert forces.max() < 450.0
