@@ -86,7 +86,7 @@ def _of_kicks(result: FinalMotions, number: int, motion: FinalMotion) -> str:
 def motion_rows(settled: Settled) -> tuple[list[str], list[list[str]]]:
     """Return headings and rows of the table of final motions for a terminal."""
     heads = [">motion", ">starts", ">share (%)", ">period"]
-    heads += ["joint", ">peak force (N)", ">contacts"]
+    heads += [">joint", ">peak (N)", ">contacts"]
     rows = []
     for number, motion in enumerate(settled.motions, 1):
         name = "irregular" if motion.period is None else f"{number}"

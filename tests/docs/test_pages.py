@@ -22,7 +22,7 @@ from readme import result_table
 
 import presswear as pw
 from presswear.cli import COMMANDS
-from presswear.cli.parser import parser_for
+from presswear.cli.parser import joined, parser_for
 from presswear.cli.terminal import parse_settings
 from presswear.recording import observe
 from presswear.results.life import LifeResult
@@ -51,6 +51,7 @@ def test_commands_are_found() -> None:
 )
 def test_command_line_is_valid(line: str) -> None:
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
+    words = joined(words)
     arguments = parser_for(words).parse_args(words)
     scene, settings = getattr(arguments, "scene", None), getattr(arguments, "set", None)
     if scene not in pw.scenes.SCENES or not settings:
