@@ -14,7 +14,7 @@ import numpy as np
 
 from presswear.analysis.bifurcation import Parameter
 from presswear.analysis.kicks import Kick
-from presswear.recording.settling import REPEATED, Rest, half_life, same_motions
+from presswear.recording.settling import REPEATED, Rest, half_life, least_half_life, same_motions
 from presswear.recording.statistics import LEVEL, STARTUP_CYCLES, Estimate
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -124,26 +124,6 @@ def proportion(count: int, total: int) -> Estimate:
     return Estimate(count / total, float(low), float(high), total)
 
 
-def irregular_half_life(settled: Sequence[int], irregular: Sequence[int]) -> Estimate | None:
-    """Return the half-life of the irregular motion from its age of ``STARTUP_CYCLES`` on, cycles.
-
-    Starts that had settled by then were in the basin of a final motion and never irregular. The
-    irregular motion is left at a constant rate, whatever its age, so that the start-up is cut off.
-    See ``recording.settling.half_life`` for the arguments.
-    """
-    late = [cycles - STARTUP_CYCLES for cycles in settled if cycles > STARTUP_CYCLES]
-    return half_life(late, [cycles - STARTUP_CYCLES for cycles in irregular])
-
-
-def least_half_life(irregular: Sequence[int]) -> float:
-    """Return the half-life that is exceeded with a confidence of 95 % if no run has settled.
-
-    With a constant rate, no run settles within the time T of all with the probability exp(-rate T).
-    """
-    time = sum(cycles - STARTUP_CYCLES for cycles in irregular)
-    return math.log(2.0) * time / -math.log(1.0 - LEVEL)
-
-
 def evaluate(
     runs: Runs, joints: tuple[str, ...], kicks: Mapping[int, Sequence[Kick]], value: float | None
 ) -> Settled:
@@ -170,6 +150,6 @@ def evaluate(
         )
         motions.append(motion)
     lasting = runs.cycles[list(irregular)].tolist()
-    estimate = irregular_half_life([rest.start for rest in rests], lasting)
-    bound = least_half_life(lasting) if irregular and not rests else None
+    estimate = half_life([rest.start for rest in rests], lasting)
+    bound = least_half_life([], lasting) if irregular and not rests else None
     return Settled(value, joints, runs, tuple(motions), estimate, bound)

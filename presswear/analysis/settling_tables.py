@@ -39,7 +39,7 @@ def _how_many(settled: Settled, cycles: int) -> str:
     at_rest = settled.counted - settled.irregular
     if at_rest == 0:
         words = f"none of {whole(settled.counted)} starts settled in {whole(cycles)} cycles"
-        if settled.least_half_life is None:
+        if not settled.least_half_life:
             return f"{words}."
         least = readable(settled.least_half_life, 2)
         return f"{words}: half-life longer than {least} cycles at 95 %."

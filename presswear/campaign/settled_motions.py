@@ -10,7 +10,6 @@ import numpy as np
 from presswear.linkage.elements import ClearanceJoint
 from presswear.recording.observe import column_of
 from presswear.recording.settling import (
-    REPEATED,
     Motion,
     Rest,
     Settling,
@@ -40,11 +39,7 @@ def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
 
 
 def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
-    """Return what runs came to, from their rows of cycles; None without clearance or cycles.
-
-    A run that has not settled is known to have been irregular until the cycles that a settled
-    motion would have had to repeat.
-    """
+    """Return what runs came to, from their rows of cycles; None without clearance or cycles."""
     if not joints or not all(map(len, runs)):
         return None
     rests = rests_of(joints, runs)
@@ -61,14 +56,16 @@ def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
     irregular = [rows for rows in irregular if len(rows) > STARTUP_CYCLES]
     if irregular:
         motions.append(_motion(joints, irregular, len(runs) - len(settled), None))
-    left = [start for start in starts if start is not None]
-    still = [max(len(runs[k]) - REPEATED, 0) for k, rest in enumerate(rests) if rest is None]
+    times = (
+        [rest.start for rest in rests if rest is not None],
+        [len(run) for run, rest in zip(runs, rests, strict=True) if rest is None],
+    )
     return Settling(
         watched=min(map(len, runs)),
         starts=starts,
         motions=tuple(motions),
-        half_life=half_life(left, still),
-        least_half_life=least_half_life(left, still),
+        half_life=half_life(*times),
+        least_half_life=least_half_life(*times),
     )
 
 

@@ -136,8 +136,8 @@ def same_motions(rests: Sequence[Rest]) -> list[list[int]]:
     return sorted(groups, key=len, reverse=True)
 
 
-def half_life(settled: Sequence[int], irregular: Sequence[int]) -> Estimate | None:
-    """Return the half-life of the irregular motion, cycles; None if no run has settled.
+def half_life(starts: Sequence[int], irregular: Sequence[int]) -> Estimate | None:
+    """Return the half-life of the irregular motion, cycles; None if no run has settled from it.
 
     The irregular motion is left at a constant rate, so that its duration is exponential.  Runs that
     had not settled when they ended are censored.  The rate is the number of runs that settled over
@@ -146,14 +146,13 @@ def half_life(settled: Sequence[int], irregular: Sequence[int]) -> Estimate | No
 
     Parameters
     ----------
-    settled : sequence of int
+    starts : sequence of int
         Cycles before each run settled.
     irregular : sequence of int
-        Cycles for which each other run is known to have been irregular.
+        Cycles of each run that did not settle.
     """
-    count = len(settled)
-    time = float(sum(settled) + sum(irregular))
-    if count == 0 or time == 0.0:
+    count, time = _irregular_time(starts, irregular)
+    if count == 0:
         return None
     from scipy.special import chdtri  # slow to import
 
@@ -164,9 +163,21 @@ def half_life(settled: Sequence[int], irregular: Sequence[int]) -> Estimate | No
     return Estimate(to_half / count, 2.0 * to_half / most, 2.0 * to_half / least, count)
 
 
-def least_half_life(settled: Sequence[int], irregular: Sequence[int]) -> float:
-    """Return what the half-life exceeds with 95 % probability, cycles; see ``half_life``."""
+def least_half_life(starts: Sequence[int], irregular: Sequence[int]) -> float:
+    """Return what the half-life exceeds with a confidence of 95 %, cycles; see ``half_life``."""
     from scipy.special import chdtri  # slow to import
 
-    time = float(sum(settled) + sum(irregular))
-    return 2.0 * math.log(2.0) * time / float(chdtri(2 * len(settled) + 2, 1.0 - LEVEL))
+    count, time = _irregular_time(starts, irregular)
+    return 2.0 * math.log(2.0) * time / float(chdtri(2 * count + 2, 1.0 - LEVEL))
+
+
+def _irregular_time(starts: Sequence[int], irregular: Sequence[int]) -> tuple[int, float]:
+    """Return how many runs settled from irregular motion, and the irregular cycles of all.
+
+    They are counted from the end of the start-up: runs that have settled by then were never
+    irregular.  The last cycles of the others, which may be regular already, do not count.
+    """
+    lasted = [start - STARTUP_CYCLES for start in starts if start > STARTUP_CYCLES]
+    unseen = STARTUP_CYCLES + REPEATED
+    still = [max(cycles - unseen, 0) for cycles in irregular]
+    return len(lasted), float(sum(lasted) + sum(still))

@@ -60,9 +60,9 @@ def test_runs_of_which_some_have_settled_are_mixed(joints: tuple[ClearanceJoint,
     assert regular.contacts["B"].mean == 0.0
     assert irregular.contacts["B"].mean == pytest.approx(20.0)
     assert irregular.period is None
-    # Settled after 30 and 12 cycles, irregular for 60 of 70 at least: 102 cycles, two ends.
+    # Settled 28 and 10 cycles after the start-up, irregular for 58 at least: 96 cycles, two ends.
     assert settling.half_life is not None
-    assert settling.half_life.mean == pytest.approx(np.log(2.0) * 102.0 / 2.0)
+    assert settling.half_life.mean == pytest.approx(np.log(2.0) * 96.0 / 2.0)
     assert "2 of 3 runs came to rest on a regular motion (peak force 300 N at B)" in sentence_of(
         settling
     )
@@ -99,8 +99,8 @@ def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) 
     settling = settling_of(joints, [rows_of(60, 0)] * 4)
     assert settling is not None
     assert settling.half_life is None
-    # No end in 4 x 50 cycles: 2^(-200 / T) = 0.05.
-    assert settling.least_half_life == pytest.approx(-200.0 * np.log(2.0) / np.log(0.05))
+    # No end in 4 x 48 cycles: 2^(-192 / T) = 0.05.
+    assert settling.least_half_life == pytest.approx(-192.0 * np.log(2.0) / np.log(0.05))
     assert "none of 4 runs came to rest" in sentence_of(settling)
 
 

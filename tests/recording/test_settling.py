@@ -13,6 +13,7 @@ from presswear.recording.settling import (
     same_motions,
     signatures,
 )
+from presswear.recording.statistics import STARTUP_CYCLES
 
 
 def logistic(rate: float, count: int, first: float = 0.3) -> np.ndarray:
@@ -73,7 +74,7 @@ def test_motions_are_the_same_where_their_means_are() -> None:
 
 
 def test_half_life_is_the_mean_time_times_the_logarithm_of_two() -> None:
-    estimate = half_life([10, 30], [20])
+    estimate = half_life([12, 32, 1], [20 + 2 + REPEATED])
     assert estimate is not None
     assert estimate.mean == pytest.approx(30.0 * math.log(2.0))
     assert estimate.low is not None
@@ -87,7 +88,8 @@ def test_half_lives_of_exponential_times_hold_in_their_share_of_tries() -> None:
     for _ in range(tries):
         times = generator.exponential(life / math.log(2.0), 4)
         ended = [int(time) for time in times if time < limit]
-        estimate = half_life(ended, [limit] * (4 - len(ended)))
+        still = [limit + STARTUP_CYCLES + REPEATED] * (4 - len(ended))
+        estimate = half_life([STARTUP_CYCLES + time for time in ended if time > 0], still)
         if estimate is None:
             held += 1  # no statement
             continue
