@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign import wear_update
-from presswear.campaign.ensemble import EnsembleState, Runner
+from presswear.campaign.ensemble import (
+    WATCHED_CYCLES,
+    WATCHED_SECONDS,
+    EnsembleState,
+    Runner,
+)
 from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
 from presswear.campaign.service_life import (
     FIRST_WEAR,
@@ -165,7 +170,7 @@ class WearHistories:
         self.state = replace(self.state, place=(number, interval), running=running)
         start = 0 if before else start_up
         runner.later = max(cycles_left(self.problem, refinements) - plan.cycles - start, 0.0)
-        runner.later += (scene.wear_updates + 1) * (scene.cycles or STAGE_CYCLES)
+        runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, before)
 
         wear = wear_update.wear_per_cycle(plan.share, plan.extra)
         label = f"life, refinement {number}, {large(strokes, digits=2)} strokes"
@@ -285,7 +290,7 @@ def run_life(
         histories.store(refinements=tuple(refinements))
         if len(refinements) == 1 and len(refinements[0].blocks) == MEASURED_BLOCKS:
             left = cycles_left(problem, refinements)
-            left += (scene.wear_updates + 1) * (scene.cycles or STAGE_CYCLES)
+            left += (scene.wear_updates + 1) * _stage_cycles(runner, refinements[0].blocks)
             last = refinements[0].blocks[-1]
             each = last.wall_s / max(last.cycles, 1)
             announce(left * scene.replicate_count, left * each)
@@ -304,6 +309,20 @@ def _settled(joints: Sequence[ClearanceJoint], histories: Sequence[Array]) -> in
     """Return how many wear histories repeat at their end, from their rows of cycles."""
     settling = settling_of(joints, histories)
     return None if settling is None or settling.verdict == "unwatched" else settling.settled
+
+
+def _stage_cycles(runner: Runner, blocks: Sequence[LoadBlock]) -> float:
+    """Return the cycles of each history that a stage through the life is expected to take."""
+    cycles = runner.scene.cycles
+    if cycles is not None:
+        return cycles
+    timed = [block for block in blocks if block.cycles]
+    if not timed:
+        return WATCHED_CYCLES
+    seconds = runner.workers.count * timed[-1].wall_s / timed[-1].cycles
+    if WATCHED_CYCLES * seconds <= WATCHED_SECONDS:
+        return WATCHED_CYCLES
+    return max(WATCHED_SECONDS / seconds, STAGE_CYCLES)
 
 
 def _words_of(histories: WearHistories) -> str:
