@@ -16,7 +16,7 @@ from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.forces import Ledger
-from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK
+from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK, STORED_ENERGY_CHANGE
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine, with_cause
 from presswear.tools.arrays import Array, State, named, part
@@ -51,9 +51,10 @@ Together = Callable[[Sequence[Any]], Advance | None]
 T = TypeVar("T")
 March = Generator[float, Finding | None, T]
 
-# Among the sums: elastic energy of what was worn off under load, J; energies of the ledger up to
-# the end of the last cycle, J
-_WORN_OFF, _MADE, _DRIVE_WORK = "worn_off", "made", "drive_work"
+_WORN_OFF = "worn_off"  # among the sums: elastic energy of what was worn off under load, J
+# Energies of the ledger by the column of the cycle that adds to them; the sums hold their values
+# at the end of the last cycle, J
+_ENERGIES = {CONTACT_MADE: "made", DRIVE_WORK: "drive_work", STORED_ENERGY_CHANGE: "stored"}
 
 
 def _balance(running: Simulation) -> Ledger:
@@ -100,7 +101,7 @@ def simulate(
 
 def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
     linkage, _, plan = case
-    running.sums.update({_WORN_OFF: 0.0, _MADE: 0.0, _DRIVE_WORK: 0.0})
+    running.sums.update(dict.fromkeys((_WORN_OFF, *_ENERGIES.values()), 0.0))
     if plan.resume is not None:
         for name, array in running.arrays.items():
             array[...] = plan.resume[name]
@@ -145,9 +146,10 @@ def _cycles(
             return finding
         time, position, velocity = running.state()
         ledger = _balance(running)
-        recorder.records.cycle[CONTACT_MADE] = ledger.made - running.sums[_MADE]
-        recorder.records.cycle[DRIVE_WORK] = ledger.drive_work - running.sums[_DRIVE_WORK]
-        running.sums.update({_MADE: ledger.made, _DRIVE_WORK: ledger.drive_work})
+        for column, name in _ENERGIES.items():
+            energy = getattr(ledger, name)
+            recorder.records.cycle[column] = energy - running.sums[name]
+            running.sums[name] = energy
         now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
         return examine(linkage, recorder, now)
 

@@ -27,10 +27,10 @@ ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range
 SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
 CYCLE_FIXED = (
     *("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps"),
-    *("contact_made", "bottom_height", "bottom_time", "drive_work"),
+    *("contact_made", "bottom_height", "bottom_time", "drive_work", "stored_energy_change"),
 )
 DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
-BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK = 6, 7, 8
+BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK, STORED_ENERGY_CHANGE = 6, 7, 8, 9
 # Columns of a joint, after those of the linkage. The place of its pin is that at the cycle's end.
 CYCLE_JOINT = ("force_max", "load_distance", "contacts", "eccentricity_x", "eccentricity_y")
 FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y = range(5)

@@ -102,7 +102,7 @@ class StageStatistics:
 
     cycles: int  # of all replicates
     energy_made_per_cycle: Estimate | None = None  # by the contacts, J
-    drive_work_per_cycle: Estimate | None = None  # of all drives, J
+    drive_work_per_cycle: Estimate | None = None  # of all drives, less what it stores, J
     output: OutputStatistics | None = None
     bdc: BottomStatistics | None = None  # None: nothing moves, or no stroke is complete
     joints: Mapping[str, JointStatistics] = field(default_factory=dict)

@@ -126,7 +126,7 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     "bdc_drift": ("m", "change of the mean height of bottom dead centre; negative is deeper"),
     "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
     "contacts": ("", "contacts in a cycle"),
-    "drive_work": ("J", "work of all drives in a cycle"),
+    "drive_work": ("J", "work of all drives in a cycle, less the change of stored energy"),
     "settled": ("", "share of the runs that came to rest on a regular motion"),
     "life": ("", "strokes until the first limit is exceeded"),
 }

@@ -1,0 +1,25 @@
+"""Statistics of a stage from the rows of its cycles."""
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.recording.statistics import after_startup, pooled
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
+    """The balance of energy over a run, and over the cycles that are samples."""
+    scene = pw.Scene(pw.FourBar(), engine=engine, wear_updates=0, replicates=1, cycles=12)
+    stage = pw.run(scene).stages[0]
+    work, stored = map(stage.each_cycle, ("drive_work", "stored_energy_change"))
+    energy = {name: float(value) for name, value in stage.diagnostics.items() if name[-2:] == "_J"}
+    assert work.sum() == pytest.approx(energy["drive_work_J"], abs=1e-12)
+    assert stored.sum() == pytest.approx(energy["stored_energy_change_J"], abs=1e-12)
+    lost = energy["contact_loss_J"] + energy["friction_loss_J"] + energy["energy_residual_J"]
+    assert (work - stored).sum() == pytest.approx(lost, abs=1e-12)
+    estimate = stage.statistics.drive_work_per_cycle
+    assert estimate == pooled([work - stored])[0]
+    # Four times narrower: the energy that goes back and forth is most of the scatter.
+    narrow, wide = (np.ptp(after_startup(rows)) for rows in (work - stored, work))
+    assert 4.0 * narrow < wide
