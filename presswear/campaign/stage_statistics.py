@@ -202,8 +202,8 @@ def _mean(recorders: Recorders, alone: Recorders, name: str, joint: int | None =
 def _drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
     """Return the mean drive work of a cycle, J.
 
-    The samples are the drive work minus the change of stored energy.  Their mean is the same in the
-    long run, and scatters less: energy that is stored at the end of a cycle is returned in the next.
+    The samples are the drive work minus the change of stored energy.  In the long run their mean is
+    the same.  It scatters less: energy stored at the end of a cycle is returned in the next.
     """
 
     def used(run: Recorder) -> Array:
