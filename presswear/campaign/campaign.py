@@ -184,6 +184,7 @@ def run_scenes(
         check_name(paths[name])
         scene.check_trusted()
     names = list(scenes)
+    done_so_far = [0.0] * len(names)
 
     def on_end(key: int, status: str) -> dict[int, None]:
         on_progress(names[key], 1.0, status)
@@ -192,7 +193,9 @@ def run_scenes(
     def on_report(key: int, done: float, words: str, need: Array | None) -> None:
         if need is not None:
             on_life_start(names[key], *need.tolist())
-        on_progress(names[key], 0.0 if math.isnan(done) else done, words)
+        if not math.isnan(done):  # kernels may be compiled in the middle of a run
+            done_so_far[key] = done
+        on_progress(names[key], done_so_far[key], words)
 
     tasks = {
         key: partial(_run_one, with_engine(scenes[name], engine), paths[name])
