@@ -94,14 +94,13 @@ class _Engine(Named):
         InputError
             If the engine cannot run this linkage or begin at this start.
         """
-        return self.simulate_together([(linkage, start, plan)])[0]
+        driver, engine = import_module("presswear.engines.driver"), import_module(self.module)
+        run: Run = driver.simulate(engine.prepare, self.resolved(), (linkage, start, plan))
+        return run
 
     def simulate_together(self, cases: "Sequence[tuple[Linkage, Start, Plan]]") -> "list[Run]":
-        """Run several replicates of one linkage, at most ``lanes``, as ``simulate`` runs one."""
-        driver, engine = import_module("presswear.engines.driver"), import_module(self.module)
-        together = getattr(engine, "together", None)
-        runs: list[Run] = driver.simulate(engine.prepare, self.resolved(), cases, together)
-        return runs
+        """Run several replicates of one linkage, as ``simulate`` runs one."""
+        return [self.simulate(*case) for case in cases]
 
     def lanes(self, linkage: "Linkage") -> int:
         """Return the number of replicates of a linkage that are best computed together."""
@@ -199,15 +198,6 @@ class InHouse(_Engine):
     def finer(self, factor: float) -> "InHouse | None":
         """Return a copy with the tolerance divided by a factor; None if steps are equal."""
         return None if self.has_equal_steps else super().finer(factor)
-
-    def lanes(self, linkage: "Linkage") -> int:
-        """Return the number of replicates of a linkage that are best computed together."""
-        if self.has_equal_steps or self.takes_all_coordinates:
-            return 1
-        from presswear.engines.dae.pack import lanes_for  # slow to import
-        from presswear.physics.prescribed import tree_of
-
-        return lanes_for(tree_of(linkage))
 
     @property
     def takes_all_coordinates(self) -> bool:
