@@ -19,7 +19,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.prescribed import Tree, tree_of
-from presswear.recording.statistics import Estimate, batched, half_width
+from presswear.recording.statistics import Estimate, half_width_of_runs
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 
@@ -96,7 +96,7 @@ def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1)
         return Estimate(math.nan)
     per_cycle = min(per_cycle, rates.size)
     rates = rates[rates.size % per_cycle :]
-    half = half_width(batched(rates.reshape(-1, per_cycle).mean(axis=1)))
+    half = half_width_of_runs([rates.reshape(-1, per_cycle).mean(axis=1)])
     return Estimate.symmetric(float(rates.mean()), half, rates.size)
 
 

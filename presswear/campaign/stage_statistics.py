@@ -26,7 +26,8 @@ from presswear.recording.statistics import (
     Estimate,
     after_startup,
     differ,
-    half_width,
+    half_width_of_runs,
+    inefficiency,
     map_batches,
     map_errors,
     mean_range,
@@ -65,6 +66,7 @@ class StageWear:
     added: Array  # (joints, 2, bins)
     maps: Array  # samples of it, by batches of cycles or by replicates; none: no intervals
     weights: Array  # cycles in each sample, (n,)
+    successive: tuple[int, ...]  # samples of each run, which are correlated
     coarser: Array | None  # added in half as many steps: the difference is the error of the step
     by_replicate: Array  # added by each replicate alone, (replicates, joints, 2, bins)
     # True if a wear update cycle by cycle is extrapolated from surfaces that stood still: the
@@ -72,6 +74,10 @@ class StageWear:
     is_frozen: bool
     is_smoothed: bool  # True if ``added`` is smoothed
     flattening: Array | None  # by which smoothing lowers ``added`` and the samples alike
+
+    def series(self, values: Array) -> list[Array]:
+        """Return values of the samples by run."""
+        return np.split(values, np.cumsum(self.successive)[:-1])
 
 
 def stage_result(
@@ -113,6 +119,7 @@ def _stage_wear(
     count, together = ensemble.replicates, ensemble.together
     batches, weights = map_batches(together.maps)
     samples, coarser = factor * batches, None
+    successive = [len(run.batches) for run in together.maps]
     if update is None:
         added = factor * smoothed_mean(together.maps, ensemble.bins)
         by_replicate = factor * ensemble.alone.added_by_run()
@@ -126,12 +133,22 @@ def _stage_wear(
     are_alike = index == 0 and not is_in_steps and not any(map(differ, volumes))
     if scene.replicate_count > 1 and not are_alike:
         samples, weights = by_replicate, np.ones(len(by_replicate))
+        successive = [1] * len(by_replicate)
     elif is_in_steps:
         samples, weights = samples[:0], weights[:0]
+        successive = [0]
     is_frozen = update is None and index > 0 and scene.wears_in_steps
     is_smoothed, flattening = bool(ensemble.bins), None if update is None else update.flattening
     return StageWear(
-        added, samples, weights, coarser, by_replicate, is_frozen, is_smoothed, flattening
+        added,
+        samples,
+        weights,
+        tuple(successive),
+        coarser,
+        by_replicate,
+        is_frozen,
+        is_smoothed,
+        flattening,
     )
 
 
@@ -238,7 +255,7 @@ def _joint_statistics(
     if len(maps) > 1:
         volumes = np.array([worn_volume(joint, depth) for depth in maps])
         off = volume - float(np.average(volumes, weights=wear.weights))
-        half = math.hypot(half_width(volumes) or 0.0, off)
+        half = math.hypot(half_width_of_runs(wear.series(volumes)) or 0.0, off)
     error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
     return JointStatistics(
         peak_force=_largest(recorders, "force_max", k),
@@ -285,10 +302,11 @@ def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, Wea
         deepest, angle = Estimate(value), Estimate(float(bin_centres(joint.bins)[place]))
         if len(samples):
             centre = np.average(samples, axis=0, weights=wear.weights)
-            draws = resampled(samples, wear.weights)
+            share = inefficiency(wear.series(samples[:, place]))
+            draws = centre + math.sqrt(share) * (resampled(samples, wear.weights) - centre)
             deepest, angle = peak_of(depth, draws, len(samples), centre)
             if is_at_place:
-                half = half_width(samples[:, place])
+                half = half_width_of_runs(wear.series(samples[:, place]))
                 deepest = Estimate.symmetric(value, half, len(samples))
                 deepest = widened(deepest, value - float(centre[place]))
             if wear.flattening is not None:

@@ -109,10 +109,11 @@ class Evidence:
         if samples.size >= MIN_SAMPLES:
             low, high = np.quantile(samples, (0.025, 0.975)).tolist()
             scatter = low, high
-        groups = [pw.statistics.batched(pw.statistics.after_startup(rows)) for rows in together]
-        count = len(together) if differ else sum(map(len, groups))
+        series = [pw.statistics.after_startup(rows) for rows in together]
+        worth = samples.size / pw.statistics.inefficiency(series)
+        independent = float(len(together)) if differ else worth
         ends = min(first), max(first)
-        return Measured(estimate, scatter, ends, len(together), differ, max(count - 1.0, 1.0))
+        return Measured(estimate, scatter, ends, len(together), differ, max(independent - 1.0, 1.0))
 
     def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
         """Return the estimate of a quantity under a case; None if it was not computed."""

@@ -1,9 +1,8 @@
 """Statistics of cycles, which are samples of a chaotic motion: means, wear maps, intervals.
 
 Cycles after the start-up are the samples: in the first cycle the pins fall on their bearings all at
-once, and the second cycle has weaker impacts than later ones.  Many cycles are averaged in batches
-of neighbours, so that correlation between cycles does not narrow an interval: the method of batch
-means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Confidence intervals are
+once, and the second cycle has weaker impacts than later ones.  Successive cycles are correlated: an
+interval is that of as many independent samples as the cycles are worth.  Confidence intervals are
 of 95 %.  In this module ``runs`` are arrays of one number per cycle, start-up included, one for
 each run; ``count`` is the number of maps that bootstrap samples are from.
 """
@@ -22,7 +21,7 @@ from presswear.tools.numbers import readable, with_interval
 
 STARTUP_CYCLES = 2  # that are no samples; if no more ran, the last of them is the only one
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
-MAX_BATCHES = 32  # with more, two neighbours become one
+MAX_BATCHES = 32  # of wear maps; with more, two neighbours become one
 LEVEL = 0.95
 RANGE_STROKES = 10  # successive strokes of which the range is computed
 MIN_WIDTH = 0.1  # bins, standard deviation of a Gaussian that leaves a map as it is
@@ -93,24 +92,72 @@ def after_startup(rows: Array) -> Array:
     return rows[max(min(STARTUP_CYCLES, len(rows) - 1), 0) :]
 
 
-def batched(samples: Array) -> Array:
-    """Return means of at most MAX_BATCHES batches of equal size, shape (batches, ...).
-
-    Samples that do not fill a batch are left out, at the start.
-    """
-    size = -(-len(samples) // MAX_BATCHES)
-    if size <= 1:
-        return samples
-    whole = samples[len(samples) % size :]
-    return np.asarray(whole.reshape(-1, size, *samples.shape[1:]).mean(axis=1))
-
-
 def half_width(samples: Array) -> float | None:
-    """Return the half width of Student's interval of a mean; None for fewer than two samples."""
+    """Return the half width of Student's interval of a mean; None for fewer than two samples.
+
+    The samples are independent; see ``half_width_of_runs``.
+    """
     count = len(samples)
     if count < 2:
         return None
     return quantile(count - 1) * (float(samples.std(ddof=1)) / math.sqrt(count))
+
+
+def half_width_of_runs(series: Sequence[Array]) -> float | None:
+    """Return the half width of the mean of correlated samples; None for fewer than two.
+
+    Student's interval of as many independent samples as the correlated ones are worth.
+
+    Parameters
+    ----------
+    series : sequence of ndarray
+        Successive samples, one array for each run. The runs are independent of each other.
+    """
+    samples = np.concatenate(series)
+    if samples.size < 2:
+        return None
+    worth = samples.size / inefficiency(series)
+    return quantile(max(worth - 1.0, 1.0)) * (float(samples.std(ddof=1)) / math.sqrt(worth))
+
+
+def inefficiency(series: Sequence[Array]) -> float:
+    """Return how many successive samples are worth one independent sample, 1 or more.
+
+    It is the sum of the autocorrelations over all lags.  The autocovariances are those of all runs
+    together.  They are summed in pairs of neighbouring lags, up to the first pair that is not
+    positive, and no pair counts more than the pair before it: the initial monotone sequence (Geyer,
+    Practical Markov chain Monte Carlo, Statistical Science 7, 4, 1992).  Negative
+    correlation does not narrow an interval.
+    """
+    samples = np.concatenate(series)
+    count, mean = samples.size, float(samples.mean())
+    deviations = [run - mean for run in series]
+    variance = sum(float(run @ run) for run in deviations) / max(count - 1, 1)
+    longest = max(map(len, series))
+    if variance == 0.0:
+        return 1.0
+    total, last = -1.0, math.inf
+    for lag in range(0, longest - 1, 2):
+        first, second = (
+            _autocovariance(deviations, each, variance / count) for each in (lag, lag + 1)
+        )
+        pair = min((first + second) / variance, last)
+        if pair <= 0.0:
+            break
+        total += 2.0 * pair
+        last = pair
+    return max(total, 1.0)
+
+
+def _autocovariance(deviations: Sequence[Array], lag: int, noise: float) -> float:
+    """Return the autocovariance of all runs, weighted by the part of the samples with that lag.
+
+    The deviations are from the mean of all samples, which lowers each product by the variance of
+    this mean, the ``noise``.
+    """
+    pairs = [(run[: run.size - lag], run[lag:]) for run in deviations if run.size > lag]
+    products = sum(float(before @ after) + before.size * noise for before, after in pairs)
+    return products / sum(run.size for run in deviations)
 
 
 def quantile(freedom: float) -> float:
@@ -426,20 +473,19 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
 
 
 def _half_width_of(samples: Sequence[Array]) -> float | None:
-    """Return the half width of the mean of batches of several runs, or of runs that differ."""
-    alone = differ(samples)
-    return half_width(
-        np.concatenate([run.mean(keepdims=True) if alone else batched(run) for run in samples])
-    )
+    """Return the half width of the mean over several runs, or of the means of runs that differ."""
+    if differ(samples):
+        return half_width(np.array([run.mean() for run in samples]))
+    return half_width_of_runs(samples)
 
 
 def spread(runs: Sequence[Array]) -> Estimate | None:
     """Return the standard deviation of cycles about the mean of their run; None: too few.
 
     The distance between the means of runs on different surfaces does not count.  The interval is
-    Student's of the logarithm of the variance by the jackknife over batches of neighbours (Miller,
-    The jackknife - a review, Biometrika 61, 1, 1974), which holds for samples that are not normal,
-    and correlated within a batch.
+    that of the logarithm of the variance by the jackknife (Miller, The jackknife - a review,
+    Biometrika 61, 1, 1974), which holds for samples that are not normal.  Its pseudo-values are
+    correlated as the cycles are.
     """
     samples = [after_startup(rows) for rows in runs]
     centred = [run - run.mean() for run in samples if run.size > 1]
@@ -448,19 +494,15 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     free = sum(run.size - 1 for run in centred)
     squares = sum(float(run @ run) for run in centred)
     value = math.sqrt(squares / free)
-    without = []
-    for run in centred:
-        for part in np.array_split(run, min(run.size, MAX_BATCHES)):
-            # The remaining samples have another mean: the sum of all is zero.
-            lost = float(part @ part) + float(part.sum()) ** 2 / (run.size - part.size)
-            without.append((squares - lost) / max(free - part.size, 1))
-    left_out, groups = np.array(without), len(without)
-    if groups < MIN_SAMPLES or not np.all(left_out > 0.0):
-        return Estimate(value, samples=groups)
-    pseudo = 2.0 * groups * math.log(value) - (groups - 1) * np.log(left_out)
-    centre, half = float(pseudo.mean()), half_width(pseudo) or 0.0
+    count = sum(run.size for run in centred)
+    # The other samples of the run have another mean: the sum of all is zero.
+    without = [(squares - run**2 * run.size / (run.size - 1)) / max(free - 1, 1) for run in centred]
+    if count < MIN_SAMPLES or not all(np.all(left > 0.0) for left in without):
+        return Estimate(value, samples=count)
+    pseudo = [2.0 * count * math.log(value) - (count - 1) * np.log(left) for left in without]
+    centre, half = float(np.concatenate(pseudo).mean()), half_width_of_runs(pseudo) or 0.0
     low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
-    return Estimate(value, low, high, groups)
+    return Estimate(value, low, high, count)
 
 
 def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:

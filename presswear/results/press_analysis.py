@@ -293,7 +293,7 @@ def _mean(values: Iterable[float]) -> Estimate | None:
     samples = np.array([float(value) for value in values if not math.isnan(value)])
     if not samples.size:
         return None
-    half = statistics.half_width(statistics.batched(samples))
+    half = statistics.half_width_of_runs([samples])
     return Estimate.symmetric(float(samples.mean()), half, samples.size).positive
 
 

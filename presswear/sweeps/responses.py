@@ -16,7 +16,7 @@ import numpy as np
 from presswear.linkage.surface import SIDES
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
-from presswear.recording.statistics import MAX_BATCHES, STARTUP_CYCLES, Estimate
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.press_analysis import rise
 from presswear.results.result import Result
 from presswear.results.stage import JointResult, JointStatistics, StageResult
@@ -216,8 +216,7 @@ def freedom_of(scene: Scene, key: str) -> float:
         return scene.replicate_count - 1.0 if scene.replicate_count > 1 else math.inf
     if scene.cycles is None:
         return math.inf
-    cycles = min(scene.cycles - STARTUP_CYCLES, MAX_BATCHES)
-    return max(scene.replicate_count * cycles - 1.0, 1.0)
+    return max(scene.replicate_count * (scene.cycles - STARTUP_CYCLES) - 1.0, 1.0)
 
 
 def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:

@@ -96,7 +96,7 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
     (joint, *_), random = QUICK.linkage().clearances, np.random.default_rng(3)
     groove = np.exp(-((np.arange(joint.bins) - 90.0) ** 2) / 200.0)
     maps = 1e-5 * (groove + 0.1 * random.random((4, 1, 2, joint.bins)))
-    wear = StageWear(maps.mean(axis=0), maps, np.ones(4), None, maps, False, False, None)
+    wear = StageWear(maps.mean(axis=0), maps, np.ones(4), (1,) * 4, None, maps, False, False, None)
     depth = _wear_peaks(joint, 0, wear)["bearing"].depth
     samples = maps[:, 0, 0, int(wear.added[0, 0].argmax())]
     mean, error = samples.mean(), stats.sem(samples)

@@ -14,8 +14,8 @@ from presswear.tools.arrays import Array
 
 
 def test_interval_of_a_mean_over_cycles() -> None:
-    """Student's interval of 2, 4, 6 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
-    found = statistics.pooled([np.array([100.0, 50.0, 2.0, 4.0, 6.0])])[0]
+    """Student's interval of 2, 6, 4 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
+    found = statistics.pooled([np.array([100.0, 50.0, 2.0, 6.0, 4.0])])[0]
     assert (found.mean, found.half_width) == pytest.approx((4.0, 4.30265 * 2.0 / 3.0**0.5))
     # Where no more ran, the last is the only sample.
     assert statistics.pooled([np.array([1.0, 3.0])])[0] == statistics.Estimate(3.0, samples=1)
@@ -29,12 +29,70 @@ def autoregressive(generator: np.random.Generator, phi: float, runs: int, count:
     return series
 
 
-def test_batches_cover_the_mean_of_correlated_cycles() -> None:
-    """Of an autoregressive series a plain interval is too narrow; that of batches is not."""
-    rows = autoregressive(np.random.default_rng(3), 0.8, 300, 1600)
-    for function, low, high in ((statistics.batched, 0.9, 1.0), (as_it_is, 0.0, 0.7)):
-        inside = [abs(row.mean()) <= (statistics.half_width(function(row)) or 0.0) for row in rows]
-        assert low < np.mean(inside) <= high
+def moving_average(generator: np.random.Generator, part: float, runs: int, count: int) -> Array:
+    """Return stationary series of unit variance whose neighbours alone are correlated."""
+    noise = generator.normal(size=(runs, count + 1))
+    series: Array = (noise[:, 1:] + part * noise[:, :-1]) / math.sqrt(1.0 + part * part)
+    return series
+
+
+@pytest.mark.parametrize(
+    ("make", "number", "share"),
+    [
+        (autoregressive, 0.0, 1.0),
+        (autoregressive, 0.5, 3.0),
+        (autoregressive, 0.8, 9.0),
+        (moving_average, 0.6, 2.56 / 1.36),
+        (moving_average, -0.6, 1.0),  # negative correlation does not narrow an interval
+    ],
+)
+def test_inefficiency_is_the_sum_of_all_autocorrelations(
+    make: Callable[..., Array], number: float, share: float
+) -> None:
+    """(1 + phi) / (1 - phi) of an autoregressive series, (1 + b)^2 / (1 + b^2) of an average."""
+    series = list(make(np.random.default_rng(8), number, 4, 20_000))
+    assert statistics.inefficiency(series) == pytest.approx(share, rel=0.15)
+    half = statistics.half_width_of_runs(series)
+    assert half == pytest.approx(1.96 * math.sqrt(share / 80_000), rel=0.08)
+
+
+@pytest.mark.parametrize(
+    ("make", "number", "runs", "count", "plain"),
+    [
+        (autoregressive, 0.0, 4, 5, 1.0),
+        (autoregressive, 0.0, 1, 60, 1.0),
+        (moving_average, 0.6, 4, 5, 0.89),
+        (moving_average, 0.6, 4, 20, 0.89),
+        (moving_average, 0.6, 4, 64, 0.89),
+        (autoregressive, 0.8, 1, 1600, 0.7),
+    ],
+)
+def test_means_of_correlated_cycles_are_covered(
+    make: Callable[..., Array], number: float, runs: int, count: int, plain: float
+) -> None:
+    """Of correlated series Student's interval of the cycles is too narrow; that of runs is not."""
+    generator = np.random.default_rng(3)
+    tries, inside, inside_plain = 600, 0, 0
+    for _ in range(tries):
+        series = list(make(generator, number, runs, count))
+        samples = np.concatenate(series)
+        half, narrow = statistics.half_width_of_runs(series), statistics.half_width(samples)
+        assert half is not None
+        assert narrow is not None
+        assert half >= narrow
+        inside += abs(samples.mean()) <= half
+        inside_plain += abs(samples.mean()) <= narrow
+    assert 0.91 < inside / tries < 0.985
+    assert inside_plain / tries <= plain
+
+
+def test_few_or_equal_samples_have_no_correlation() -> None:
+    assert statistics.inefficiency([np.ones(5), np.ones(5)]) == 1.0
+    assert statistics.half_width_of_runs([np.ones(5)]) == 0.0
+    assert statistics.half_width_of_runs([np.array([1.0])]) is None
+    means = [np.array([1.0]), np.array([2.0]), np.array([4.0])]
+    student = statistics.half_width(np.concatenate(means))
+    assert statistics.half_width_of_runs(means) == student
 
 
 def ends_of(estimate: statistics.Estimate | None) -> tuple[float, float]:
@@ -96,7 +154,7 @@ def test_intervals_of_scatter_cover_it(
 
 
 def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
-    first, second = np.array([9.0, 9.0, 1.0, 3.0, 2.0]), np.array([9.0, 9.0, 14.0, 10.0, 12.0])
+    first, second = np.array([9.0, 9.0, 1.0, 2.0, 3.0]), np.array([9.0, 9.0, 14.0, 12.0, 10.0])
     found = statistics.spread([first, second])
     assert found is not None
     assert found.mean == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))

@@ -312,7 +312,7 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     strokes = [SampledStroke(*(moment + k for moment in STROKE)) for k in range(3)]
     time = np.linspace(1.0, 4.0, 6001)
     planted = {"approach": 1.2, "work": 1.42, "snap-through": 1.46, "return": 1.7}
-    sizes = {name: 100.0 * (1 + k) + np.array([0.0, 5.0, 7.0]) for k, name in enumerate(planted)}
+    sizes = {name: 100.0 * (1 + k) + np.array([0.0, 7.0, 5.0]) for k, name in enumerate(planted)}
     force = np.zeros((time.size, 2))
     for name, at in planted.items():
         for k in range(3):
