@@ -33,5 +33,8 @@ def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The length of the trials of endurance."""
-    parser.addoption("--quick", action="store_true", help="of pytest -m endurance: a few of each")
+    """The length of trials, and the processes of those of coverage."""
+    parser.addoption(
+        "--quick", action="store_true", help="of endurance and coverage: a few of each"
+    )
+    parser.addoption("--jobs", help="of pytest -m coverage: runs at a time")

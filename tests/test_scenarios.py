@@ -1,12 +1,9 @@
 """Scripts in scenarios/: each runs and prints its numbers."""
 
-import math
 import runpy
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import presswear as pw
@@ -70,42 +67,3 @@ def test_second_wear_by_assumption(tmp_path: Path, capsys: pytest.CaptureFixture
     assert sum(row[4].startswith("0 of 1") for row in rows[1:-5]) >= 19
     assert len(rows[-4:]) == len({row[0] for row in rows[-4:]}) == 4
     assert (tmp_path / "runaway" / "two-wears.png").exists()
-
-
-@pytest.mark.parametrize(
-    ("half", "bias", "passes"), [(2.0, 0.0, True), (1.0, 0.0, False), (2.0, 1.0, False)]
-)
-def test_intervals_that_hold_are_distinguished(half: float, bias: float, passes: bool) -> None:
-    """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
-    script = runpy.run_path(str(SCENARIOS / "intervals.py"))
-    draws = 200.0 + 4.0 * (bias + np.random.default_rng(3).standard_normal(400))
-    campaigns = [[{"force": (draw, draw - half * 4.0, draw + half * 4.0)}] for draw in draws]
-    truths = [[{"force": (200.0 + off, math.nan, math.nan)}] for off in (-1.0, 0.0, 1.0)]
-    (coverage,) = script["coverages"](truths, campaigns)
-    assert coverage.passes == passes
-    assert coverage.truth[2] == pytest.approx(200.0 + 4.3027 / math.sqrt(3.0), rel=1e-4)
-    assert coverage.bias == pytest.approx(bias / half, abs=0.06)
-    # A quantity without an interval cannot hold.
-    assert not list(script["coverages"](truths, truths))
-
-
-def test_campaigns_share_no_seed_with_each_other_or_the_truth() -> None:
-    scenes = runpy.run_path(str(SCENARIOS / "intervals.py"))["make_scenes"]("paper")
-    assert sorted(scene.seed for scene in scenes.values()) == list(range(1, 101))
-    for name, scene in scenes.items():
-        assert (scene.cycles == 200) == name.startswith("truth")
-
-
-@pytest.mark.slow
-def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
-    """Fewer than seventeen of twenty intervals of 95 % hold by chance in one case of forty."""
-    script = runpy.run_path(str(SCENARIOS / "intervals.py"))
-    every = script["make_scenes"]("refined", wear_updates=1)
-    some = {f"campaign-{k}": every[f"campaign-{k}"] for k in range(1, 21)}
-    some |= {f"truth-{k}": replace(every[f"truth-{k}"], cycles=100) for k in range(1, 9)}
-    results = pw.run_scenes(some, tmp_path, jobs=2)
-    stages = [[script["intervals_of"](stage) for stage in one.stages] for one in results.values()]
-    wear = [one for one in script["coverages"](stages[20:], stages[:20]) if one.stage == "no wear"]
-    assert len(wear) == 1 + 2 * 4
-    for coverage in wear:
-        assert coverage.held.sum() >= 17, coverage

@@ -13,7 +13,9 @@ def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
     scene = pw.Scene(pw.FourBar(), engine=engine, wear_updates=0, replicates=1, cycles=12)
     stage = pw.run(scene).stages[0]
     work, stored = map(stage.each_cycle, ("drive_work", "stored_energy_change"))
-    energy = {name: float(value) for name, value in stage.diagnostics.items() if name[-2:] == "_J"}
+    energy = {
+        name: float(value or 0.0) for name, value in stage.diagnostics.items() if name[-2:] == "_J"
+    }
     assert work.sum() == pytest.approx(energy["drive_work_J"], abs=1e-12)
     assert stored.sum() == pytest.approx(energy["stored_energy_change_J"], abs=1e-12)
     lost = energy["contact_loss_J"] + energy["friction_loss_J"] + energy["energy_residual_J"]

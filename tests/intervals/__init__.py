@@ -1,0 +1,1 @@
+"""Trials of coverage: how many stated intervals contain the true value."""
