@@ -20,8 +20,6 @@ from presswear.tools.quantities import choice, count, quantity
 from presswear.tools.serialize import Named
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from presswear.engines.base import Plan, Run, Start
     from presswear.linkage.linkage import Linkage
 
@@ -98,14 +96,6 @@ class _Engine(Named):
         run: Run = driver.simulate(engine.prepare, self.resolved(), (linkage, start, plan))
         return run
 
-    def simulate_together(self, cases: "Sequence[tuple[Linkage, Start, Plan]]") -> "list[Run]":
-        """Run several replicates of one linkage, as ``simulate`` runs one."""
-        return [self.simulate(*case) for case in cases]
-
-    def lanes(self, linkage: "Linkage") -> int:
-        """Return the number of replicates of a linkage that are best computed together."""
-        return 1
-
 
 @dataclass(frozen=True)
 class ExudynTree(_Engine):
@@ -167,7 +157,7 @@ class InHouse(_Engine):
     word: ClassVar[str] = "dae"
     tolerance_name: ClassVar[str] = "integration_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-9, "forces": 1e-7, "wear": 1e-6}
-    step_time: ClassVar[float] = 4e-6
+    step_time: ClassVar[float] = 2.5e-6
 
     integrator: Integrator = choice(
         "auto",
