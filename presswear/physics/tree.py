@@ -3,6 +3,10 @@
 Each body has one coordinate: its angle relative to its parent, or its position along a guide; a
 free body has three. A branch that hangs from a prescribed body is described in axes that translate
 with its hinge, so that the motion of the hinge enters as a force -m a and is exact.
+
+Accelerations under forces follow from articulated bodies: from the leaves inwards the inertia and
+force of each link as its parent feels them, then outwards the accelerations (Featherstone, Rigid
+Body Dynamics Algorithms, 2008, 7.3).
 """
 
 import math
@@ -218,3 +222,110 @@ def pack_links(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         link["place"] = place
         place += COORDINATES[link["kind"]]
     return links
+
+
+# A link with all that hangs from it, about its mass centre; SI units, global directions
+ARTICULATED = np.dtype(
+    [
+        *floats("xx", "xy", "yy", "xt", "yt", "tt"),  # its inertia
+        *floats("fx", "fy", "ft"),  # force and moment on it
+        *floats("sx", "sy", "st"),  # its motion with its coordinate
+        *floats("ux", "uy", "ut"),  # inertia times that motion
+        *floats("cx", "cy"),  # acceleration that no coordinate gives
+        *floats("dx", "dy"),  # from the parent's mass centre to its own
+        *floats("mobility", "force"),  # of its coordinate; on its coordinate
+    ]
+)
+
+
+@inlined
+def articulate(
+    links: Records, v: Array, axes: Array, carried: Array, force: Array, bodies: Records
+) -> None:
+    """Fill the articulated bodies of a tree under forces, N and N m, from the leaves inwards."""
+    for i in range(links.shape[0]):
+        link, child = links[i], bodies[i]
+        b = link.body
+        child.xx = child.yy = link.mass
+        child.tt = link.inertia
+        child.xy = child.xt = child.yt = 0.0
+        child.fx, child.fy, child.ft = force[b], force[b + 1], force[b + 2]
+    for i in range(links.shape[0] - 1, -1, -1):
+        link, child = links[i], bodies[i]
+        if link.kind == LOOSE:
+            continue
+        b = link.body
+        if link.kind == GUIDED:
+            rx, ry, square = 0.0, 0.0, 0.0
+            child.sx, child.sy, child.st = link.cosine, link.sine, 0.0
+        else:
+            rx, ry = arm(link.own_x, link.own_y, axes, b)
+            square = v[b + 2] * v[b + 2]
+            child.sx, child.sy, child.st = ry, -rx, 1.0
+        child.ux = child.xx * child.sx + child.xy * child.sy + child.xt * child.st
+        child.uy = child.xy * child.sx + child.yy * child.sy + child.yt * child.st
+        child.ut = child.xt * child.sx + child.yt * child.sy + child.tt * child.st
+        child.mobility = 1.0 / (child.sx * child.ux + child.sy * child.uy + child.st * child.ut)
+        child.force = child.sx * child.fx + child.sy * child.fy + child.st * child.ft
+        if link.parent < 0:
+            child.cx, child.cy = carried[i, 2] + square * rx, carried[i, 3] + square * ry
+            continue
+        p = link.before
+        px, py = arm(link.before_x, link.before_y, axes, p)
+        before = v[p + 2] * v[p + 2]
+        child.cx, child.cy = square * rx - before * px, square * ry - before * py
+        child.dx, child.dy = px - rx, py - ry
+        parent = bodies[link.parent]
+        # Along its coordinate it gives way.
+        part = child.mobility
+        xx = child.xx - part * child.ux * child.ux
+        xy = child.xy - part * child.ux * child.uy
+        yy = child.yy - part * child.uy * child.uy
+        xt = child.xt - part * child.ux * child.ut
+        yt = child.yt - part * child.uy * child.ut
+        tt = child.tt - part * child.ut * child.ut
+        part *= child.force
+        fx = child.fx - part * child.ux - xx * child.cx - xy * child.cy
+        fy = child.fy - part * child.uy - xy * child.cx - yy * child.cy
+        ft = child.ft - part * child.ut - xt * child.cx - yt * child.cy
+        turned_x, turned_y = child.dx * xy - child.dy * xx, child.dx * yy - child.dy * xy
+        parent.xx += xx
+        parent.xy += xy
+        parent.yy += yy
+        parent.xt += turned_x + xt
+        parent.yt += turned_y + yt
+        parent.tt += child.dx * (turned_y + 2.0 * yt) - child.dy * (turned_x + 2.0 * xt) + tt
+        parent.fx += fx
+        parent.fy += fy
+        parent.ft += child.dx * fy - child.dy * fx + ft
+
+
+@inlined
+def release(links: Records, bodies: Records, u_t: Array, a: Array) -> None:
+    """Fill the accelerations of a tree and its bodies from ``articulate``, outwards."""
+    for i in range(links.shape[0]):
+        link, child = links[i], bodies[i]
+        b, c = link.body, link.place
+        if link.kind == LOOSE:
+            # The three equations of its inertia, without its turn first: what hangs from it never
+            # makes the two for its translation singular.
+            xx, xy, yy, xt, yt = child.xx, child.xy, child.yy, child.xt, child.yt
+            part = 1.0 / (xx * yy - xy * xy)
+            free_x = part * (yy * child.fx - xy * child.fy)
+            free_y = part * (xx * child.fy - xy * child.fx)
+            turn_x, turn_y = part * (yy * xt - xy * yt), part * (xx * yt - xy * xt)
+            turn = child.ft - xt * free_x - yt * free_y
+            turn /= child.tt - xt * turn_x - yt * turn_y
+            a[b], a[b + 1], a[b + 2] = free_x - turn * turn_x, free_y - turn * turn_y, turn
+            u_t[c], u_t[c + 1], u_t[c + 2] = a[b], a[b + 1], a[b + 2]
+            continue
+        ax, ay, at = child.cx, child.cy, 0.0
+        if link.parent >= 0:
+            p = link.before
+            at = a[p + 2]
+            ax += a[p] - at * child.dy
+            ay += a[p + 1] + at * child.dx
+        own_t = child.mobility * (child.force - child.ux * ax - child.uy * ay - child.ut * at)
+        u_t[c] = own_t
+        a[b], a[b + 1] = ax + child.sx * own_t, ay + child.sy * own_t
+        a[b + 2] = at + child.st * own_t
