@@ -79,7 +79,7 @@ def intervals_of(stage: pw.StageResult) -> dict[str, Ends]:
 
 
 def _ends(estimate: pw.Estimate) -> Ends:
-    low, high = (np.nan if end is None else end for end in (estimate.low, estimate.high))
+    low, high = (math.nan if end is None else end for end in (estimate.low, estimate.high))
     return estimate.mean, low, high
 
 
@@ -94,22 +94,37 @@ class Coverage:
     """Intervals of one quantity against its true value."""
 
     quantity: str
-    truth: Ends
-    means: Array  # of the tries, shape (tries,)
-    half_widths: Array  # nan: no interval
-    holds: Flags  # the interval contains the true value, shape (tries,)
+    truth: float  # mean of the long runs
+    error: float  # half width of the interval of this mean
+    ends: Array  # mean and ends of each try, shape (tries, 3); nan: no interval
     says_mixed: Flags  # the try says that its motion has not settled, shape (tries,)
+
+    @property
+    def half_widths(self) -> Array:
+        """Half widths of the intervals that the tries state."""
+        low, high = self.ends[~np.isnan(self.ends[:, 1]), 1:].T
+        return np.asarray(0.5 * (high - low))
 
     @property
     def stated(self) -> Flags:
         """True where an interval is stated, or said to be none."""
-        return np.asarray(~np.isnan(self.half_widths) | self.says_mixed)
+        return np.asarray(~np.isnan(self.ends[:, 1]) | self.says_mixed)
+
+    @property
+    def right(self) -> Flags:
+        """True where an interval contains the true value, or the try says that there is none.
+
+        The error of the true value is added to each interval as an independent one.
+        """
+        mean, low, high = self.ends.T
+        side = np.where(self.truth > mean, high - mean, mean - low)
+        reach = np.hypot(side, self.error)
+        return np.asarray((abs(self.truth - mean) <= reach) | self.says_mixed)
 
     @property
     def share(self) -> float:
-        """Share of the stated intervals that hold; a warning counts as one that holds."""
-        right = self.holds | self.says_mixed
-        return float(right[self.stated].mean()) if self.stated.any() else np.nan
+        """Share of the stated intervals that are right; nan: none is stated."""
+        return float(self.right[self.stated].mean()) if self.stated.any() else math.nan
 
     @property
     def passes(self) -> bool:
@@ -118,21 +133,21 @@ class Coverage:
 
     @property
     def bias(self) -> float:
-        """Distance of the mean of the tries from the true value, in mean half widths."""
-        width = float(np.nanmean(self.half_widths)) if (~np.isnan(self.half_widths)).any() else 0.0
-        return float(self.means.mean() - self.truth[0]) / width if width > 0.0 else 0.0
+        """Distance of the mean of the settled tries from the true value, in mean half widths."""
+        means = self.ends[~self.says_mixed, 0]
+        width = self.half_widths.mean() if self.half_widths.size else 0.0
+        off = float(np.nanmean(means)) - self.truth if means.size else 0.0
+        return off / float(width) if width > 0.0 else 0.0
 
     def __str__(self) -> str:
-        mean, low, high = self.truth
-        widths = self.half_widths[~np.isnan(self.half_widths)]
-        relative = np.median(widths) / abs(mean) if widths.size and mean else np.nan
-        right = int((self.holds | self.says_mixed)[self.stated].sum())
+        width = np.median(self.half_widths) if self.half_widths.size else math.nan
+        relative = 100.0 * width / abs(self.truth) if self.truth else math.nan
         cells = [
             self.quantity,
-            f"{mean:.4g} ({low:.4g} to {high:.4g})",
-            f"{100.0 * relative:.2g} %",
+            f"{self.truth:.4g} ± {self.error:.2g}",
+            f"{relative:.2g} %",
             f"{self.bias:+.2f}",
-            f"{right} of {int(self.stated.sum())}",
+            f"{int(self.right[self.stated].sum())} of {int(self.stated.sum())}",
             f"{int(self.says_mixed.sum())}",
         ]
         return " | ".join(cells)
@@ -142,22 +157,12 @@ def coverages(
     long: Sequence[Intervals], tries: Sequence[Intervals], says_mixed: Sequence[bool]
 ) -> Iterator[Coverage]:
     """Compare the intervals of every quantity with the mean of the long runs."""
-    mixed = np.array(says_mixed, bool)
+    absent = (math.nan, math.nan, math.nan)
     for quantity in long[0] if long else ():
         values = np.array([one[quantity][0] for one in long if quantity in one])
-        half = half_width(values) or 0.0
-        truth = float(values.mean())
-        absent = (np.nan, np.nan, np.nan)
-        means, low, high = np.array([one.get(quantity, absent) for one in tries]).T
-        holds = (low <= truth) & (truth <= high)
-        yield Coverage(
-            quantity,
-            (truth, truth - half, truth + half),
-            means[~np.isnan(means)],
-            0.5 * (high - low),
-            holds,
-            mixed,
-        )
+        error = half_width(values) or 0.0
+        ends = np.array([one.get(quantity, absent) for one in tries]).reshape(-1, 3)
+        yield Coverage(quantity, float(values.mean()), error, ends, np.array(says_mixed, bool))
 
 
 HEADER = (

@@ -39,7 +39,8 @@ def test_intervals_that_hold_are_distinguished(half: float, passes: bool) -> Non
     long = [{"force": (200.0 + off, math.nan, math.nan)} for off in (-1.0, 0.0, 1.0)]
     (coverage,) = coverages(long, tries, [False] * len(tries))
     assert coverage.passes == passes
-    assert coverage.truth[2] == pytest.approx(200.0 + 4.3027 / math.sqrt(3.0), rel=1e-4)
+    assert coverage.truth == pytest.approx(200.0)
+    assert coverage.error == pytest.approx(4.3027 / math.sqrt(3.0), rel=1e-4)
     assert coverage.bias == pytest.approx(0.0, abs=0.06)
     # Whoever says that the motion has not settled states no wrong interval.
     (warned,) = coverages(long, tries, [True] * len(tries))
