@@ -277,7 +277,6 @@ class _Rounds:
         runs, until = self.state.runs or (None,) * len(self.depth), self.state.until or first * sets
         self.state = replace(self.state, runs=runs, until=until)
         self._linkages = [linkage_on(self.runner.scene, surfaces) for surfaces in self.depth]
-        self._groups: dict[int, Sequence[int]] = {}  # runs of each work unit
         self._done = [0.0 if run is None else float(run.cycles) for run in runs]
         # As many as in the stage before, or the first round, is most often enough.
         before = self.runner.before if self.spec.tolerance is not None else 0.0
@@ -308,25 +307,20 @@ class _Rounds:
         return {STEP_CHECK: job}
 
     def units(self, indices: Iterable[int]) -> dict[int, Job]:
-        """Return the work units that runs lack in their round, by the first run in each."""
-        runner, runs, last = self.runner, self.state.runs, self._last()
+        """Return the work units of runs that are not at the end of their round."""
+        runner, last = self.runner, self._last()
         frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)
-        unfinished = [k for k in indices if k <= last and not self._is_over(k)]
-        size = 1
-        if len(unfinished) > 1 and not (frames or observers):
-            size = runner.scene.solver.lanes(self._linkages[unfinished[0]])
-        size = min(size, -(-len(unfinished) // runner.workers.count))
         units: dict[int, Job] = {}
-        for first in range(0, len(unfinished), max(size, 1)):
-            group, parts = unfinished[first : first + size], {}
-            for k in group:
-                run, number = runs[k], k + self._size * self.spec.number
-                arrays = None if run is None else run.arrays
-                parts[k] = Part(self.depth[k], number, self.state.until[k], arrays)
+        for k in indices:
+            if k > last or self._is_over(k):
+                continue
+            run = self.state.runs[k]
+            arrays = None if run is None else run.arrays
+            number = k + self._size * self.spec.number
+            part = Part(self.depth[k], number, self.state.until[k], arrays)
             duration = runner.workers.lasts
-            unit = WorkUnit(runner.scene, self.spec, parts, duration, frames, observers)
-            units[group[0]], self._groups[group[0]] = unit, group
+            units[k] = WorkUnit(runner.scene, self.spec, part, duration, frames, observers)
         return units
 
     def on_end(self, key: int, outcome: Any) -> dict[int, Job | None]:
@@ -334,18 +328,19 @@ class _Rounds:
         if key == STEP_CHECK:
             self.state = replace(self.state, step_errors=outcome)
             return {}
-        ended: Mapping[int, RunState] = outcome
-        runs = tuple(ended.get(k, run) for k, run in enumerate(self.state.runs))
-        self.state = replace(self.state, runs=runs, wall=clock.perf_counter() - self._started)
-        for k, run in ended.items():
-            self._done[k] = float(run.cycles)
+        ended: RunState = outcome
+        runs = [*self.state.runs]
+        runs[key] = ended
+        wall = clock.perf_counter() - self._started
+        self.state = replace(self.state, runs=tuple(runs), wall=wall)
+        self._done[key] = float(ended.cycles)
         following: dict[int, Job | None] = {}
-        following |= self.units(k for k, run in ended.items() if run.status is None)
-        if any(run.status == "failed" for run in ended.values()):
+        if ended.status is None:
+            following |= self.units([key])
+        elif ended.status == "failed":
             following |= dict.fromkeys([*range(self._last() + 1, len(runs)), STEP_CHECK])
-        elif not following:
-            for number in {k // self._size for k in ended}:
-                following |= self.units(self._next_round(number))
+        else:
+            following |= self.units(self._next_round(key // self._size))
             following |= self.check()
         self.keep(self.state)
         return following
@@ -399,8 +394,7 @@ class _Rounds:
         """Report the progress of the runs."""
         is_compiling, size = math.isnan(done), self._size
         if index != STEP_CHECK and not is_compiling:
-            for k in self._groups[index]:
-                self._done[k] = done
+            self._done[index] = done
         needed = np.repeat(self._needed, size)
         cycle = f"cycle {int(min(self._done))} of {math.ceil(max(self._needed))}"
         word = self.spec.label or cycle

@@ -203,62 +203,57 @@ class Part:
 
 @dataclass(frozen=True)
 class WorkUnit:
-    """Parts of runs that one process computes together."""
+    """Part of a run that one process computes."""
 
     scene: Scene
     spec: RunSpec
-    parts: Mapping[int, Part]  # by the index of the run
-    duration: float  # wall time after which each part ends with the next cycle, s
+    part: Part
+    duration: float  # wall time after which the part ends with the next cycle, s
     frames: int = 0  # film frames to show while it runs
     observers: tuple[Observer, ...] = ()  # notified by the engine, in this process
 
-    def __call__(self, report: Report) -> dict[int, RunState]:
-        """Run it; an interrupt raises ``Stopped`` with the states of the last finished cycles."""
-        parts = {index: _RunningPart(self, part) for index, part in self.parts.items()}
+    def __call__(self, report: Report) -> RunState:
+        """Run it; an interrupt raises ``Stopped`` with the state of the last finished cycle."""
+        running = _RunningPart(self)
 
-        def case_of(running: _RunningPart) -> tuple[Linkage, Start, Plan]:
-            def advanced(part: float, recorder: Recorder) -> None:
-                running.done = part * self.spec.cycles
-                rows = recorder.last_frames(self.frames) if self.frames else None
-                report(sum(each.done for each in parts.values()) / len(parts), "", rows)
+        def advanced(part: float, recorder: Recorder) -> None:
+            rows = recorder.last_frames(self.frames) if self.frames else None
+            report(part * self.spec.cycles, "", rows)
 
-            plan = replace(
-                self.spec.plan(self.scene),
-                observers=(running, *self.observers),
-                report=advanced,
-                resume=running.arrays,
-            )
-            return running.linkage, start_of(self.scene, running.part.replicate), plan
-
+        plan = replace(
+            self.spec.plan(self.scene),
+            observers=(running, *self.observers),
+            report=advanced,
+            resume=running.arrays,
+        )
+        start = start_of(self.scene, self.part.replicate)
         with on_compiling(lambda: report(math.nan, "compiling")):
             try:
-                runs = self.scene.solver.simulate_together([*map(case_of, parts.values())])
+                run = self.scene.solver.simulate(running.linkage, start, plan)
             except BaseException as error:
-                states = {k: RunState(each.arrays) for k, each in parts.items() if each.arrays}
                 # After a signal any error is treated as an interrupt.
-                if not states or not (isinstance(error, KeyboardInterrupt) or is_stopped()):
+                is_interrupt = isinstance(error, KeyboardInterrupt) or is_stopped()
+                if running.arrays is None or not is_interrupt:
                     raise
-                raise Stopped(states) from None
-        pairs = zip(parts.items(), runs, strict=True)
-        return {index: running.state_of(run) for (index, running), run in pairs}
+                raise Stopped(RunState(running.arrays)) from None
+        return running.state_of(run)
 
 
 class _RunningPart(Observer):
     """Ends a part of a run in time, and keeps the arrays to resume from."""
 
-    def __init__(self, unit: WorkUnit, part: Part) -> None:
-        self._unit, self.part, self.linkage = unit, part, linkage_on(unit.scene, part.depth)
+    def __init__(self, unit: WorkUnit) -> None:
+        self._unit, self.linkage = unit, linkage_on(unit.scene, unit.part.depth)
         self._started, self._is_interrupted = clock.perf_counter(), False
-        self.arrays = part.arrays
-        self._resumed = 0 if part.arrays is None else len(part.arrays["recorder/cycles"])
-        self.done = float(self._resumed)  # cycles
+        self.arrays = unit.part.arrays
+        self._resumed = 0 if self.arrays is None else len(self.arrays["recorder/cycles"])
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         cycles, unit = len(recorder.cycles), self._unit
         if cycles > self._resumed:
             self.arrays = state()
         is_worn_out = unit.spec.wear and worn_out(self.linkage.clearances, recorder.surface_depth)
-        if is_worn_out or cycles >= self.part.until:
+        if is_worn_out or cycles >= unit.part.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration
         self._is_interrupted = is_due and cycles > self._resumed

@@ -101,7 +101,7 @@ class Run:
     time: float  # simulated, s
     # Steps, Newton iterations, wall time by stage and the like
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
-    cpu: float = 0.0  # CPU time of the solution without building, s; shared by runs together
+    cpu: float = 0.0  # CPU time of the solution without building, s
 
     @property
     def message(self) -> str:

@@ -1,13 +1,9 @@
-"""One driver for all engines: cycle by cycle, from a state that can be written down.
-
-An engine may compute several runs together.  Each run is therefore a generator: it yields the time
-up to which it is to be integrated, and receives what went wrong on the way, if anything.
-"""
+"""One driver for all engines: cycle by cycle, from a state that can be written down."""
 
 import time as clock
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,19 +33,11 @@ class Simulation:
     constraints: Constraints | None = None  # what may drift
     worn: Callable[[], None] = lambda: None  # called when the surfaces have changed
     close: Callable[[], None] = lambda: None  # frees what the engine holds
-    member: Any = None  # what ``Together`` needs of it; None: it runs alone
 
 
 # Builds the model of a linkage in a start, with an engine's settings
 Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 Case = tuple[Linkage, Start, Plan]
-# Integrates runs, by their numbers, up to times, s, until one of them at least is there or has
-# failed; returns what it found on those
-Advance = Callable[[Mapping[int, float]], Mapping[int, Finding | None]]
-# Returns it for the members of simulations of one linkage; None if they differ in more than numbers
-Together = Callable[[Sequence[Any]], Advance | None]
-T = TypeVar("T")
-March = Generator[float, Finding | None, T]
 
 _WORN_OFF = "worn_off"  # among the sums: elastic energy of what was worn off under load, J
 # Energies of the ledger by the column of the cycle that adds to them; the sums hold their values
@@ -63,44 +51,12 @@ def _balance(running: Simulation) -> Ledger:
     return replace(ledger, contact_loss=ledger.contact_loss + running.sums[_WORN_OFF])
 
 
-def simulate(
-    prepare: Prepare, settings: Any, cases: Sequence[Case], together: Together | None = None
-) -> list[Run]:
-    """Run linkages from their starts, together if the engine can; see ``Plan`` and ``Run``."""
-    recorders = [recorder_of(*case) for case in cases]
-    simulations = [
-        prepare(linkage, start, settings, plan, recorder)
-        for (linkage, start, plan), recorder in zip(cases, recorders, strict=True)
-    ]
-    marches = list(map(_march, cases, recorders, simulations))
-    members = [simulation.member for simulation in simulations]
-
-    def advance_first(ends: Mapping[int, float]) -> Mapping[int, Finding | None]:
-        k, end = next(iter(ends.items()))
-        return {k: simulations[k].advance(end)}
-
-    advance: Advance | None = None
-    if together is not None and len(cases) > 1 and None not in members:
-        advance = together(members)
-    advance = advance or advance_first
-    ends: dict[int, float] = {}
-    runs: dict[int, Run] = {}
-    findings: Mapping[int, Finding | None] = dict.fromkeys(range(len(cases)))
-    started = clock.process_time()
-    while findings:
-        for k, finding in findings.items():
-            try:
-                ends[k] = marches[k].send(finding)
-            except StopIteration as stop:
-                runs[k] = stop.value
-                ends.pop(k, None)
-        findings = advance(ends) if ends else {}
-    cpu = (clock.process_time() - started) / len(cases)
-    return [replace(runs[k], cpu=cpu) for k in range(len(cases))]
-
-
-def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
-    linkage, _, plan = case
+def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
+    """Run a linkage from its start; see ``Plan`` and ``Run``."""
+    linkage, start, plan = case
+    recorder = recorder_of(*case)
+    running = prepare(linkage, start, settings, plan, recorder)
+    began = clock.process_time()
     running.sums.update(dict.fromkeys((_WORN_OFF, *_ENERGIES.values()), 0.0))
     if plan.resume is not None:
         for name, array in running.arrays.items():
@@ -108,7 +64,7 @@ def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
         stored = plan.resume["sums"].tolist()
         running.sums.update(zip(sorted(running.sums), stored, strict=True))
         recorder.load(part(plan.resume, "recorder"))
-    status, finding = yield from _cycles(linkage, recorder, plan, running)
+    status, finding = _cycles(linkage, recorder, plan, running)
     time, position, velocity = running.state()
     if finding is not None:
         finding = with_cause(finding, linkage, recorder, position, velocity)
@@ -119,6 +75,7 @@ def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
         end=Start(position, velocity),
         time=time,
         diagnostics={**running.diagnostics(), **_balance(running).as_dict()},
+        cpu=clock.process_time() - began,
     )
     running.close()
     return run
@@ -126,7 +83,7 @@ def _march(case: Case, recorder: Recorder, running: Simulation) -> March[Run]:
 
 def _cycles(
     linkage: Linkage, recorder: Recorder, plan: Plan, running: Simulation
-) -> March[tuple[Status, Finding | None]]:
+) -> tuple[Status, Finding | None]:
     """Run cycle by cycle; returns how it ended and what went wrong, if anything.
 
     Every cycle begins in the same way from the state that the last one left, whether this
@@ -140,8 +97,8 @@ def _cycles(
             **named("recorder", recorder.save()),
         }
 
-    def advanced(end: float) -> March[Finding | None]:
-        finding = yield end
+    def advanced(end: float) -> Finding | None:
+        finding = running.advance(end)
         if finding is not None:
             return finding
         time, position, velocity = running.state()
@@ -154,7 +111,7 @@ def _cycles(
         return examine(linkage, recorder, now)
 
     if plan.run_up > 0.0 and not len(recorder.cycles):
-        finding = yield from advanced(plan.run_up)
+        finding = advanced(plan.run_up)
         if finding:
             return "failed", finding
         recorder.start_cycle()
@@ -170,11 +127,11 @@ def _cycles(
                 return "enough", None
         cycle_start = plan.run_up + plan.cycle * done
         for phase in inner:
-            finding = yield cycle_start + phase * plan.cycle
+            finding = running.advance(cycle_start + phase * plan.cycle)
             if finding:
                 return "failed", finding
             recorder.note_section()
-        finding = yield from advanced(plan.run_up + plan.cycle * (done + 1))
+        finding = advanced(plan.run_up + plan.cycle * (done + 1))
         if finding:
             return "failed", finding
         if len(inner) < len(plan.sections):

@@ -20,8 +20,6 @@ from presswear.tools.quantities import choice, count, quantity
 from presswear.tools.serialize import Named
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from presswear.engines.base import Plan, Run, Start
     from presswear.linkage.linkage import Linkage
 
@@ -94,18 +92,9 @@ class _Engine(Named):
         InputError
             If the engine cannot run this linkage or begin at this start.
         """
-        return self.simulate_together([(linkage, start, plan)])[0]
-
-    def simulate_together(self, cases: "Sequence[tuple[Linkage, Start, Plan]]") -> "list[Run]":
-        """Run several replicates of one linkage, at most ``lanes``, as ``simulate`` runs one."""
         driver, engine = import_module("presswear.engines.driver"), import_module(self.module)
-        together = getattr(engine, "together", None)
-        runs: list[Run] = driver.simulate(engine.prepare, self.resolved(), cases, together)
-        return runs
-
-    def lanes(self, linkage: "Linkage") -> int:
-        """Return the number of replicates of a linkage that are best computed together."""
-        return 1
+        run: Run = driver.simulate(engine.prepare, self.resolved(), (linkage, start, plan))
+        return run
 
 
 @dataclass(frozen=True)
@@ -168,7 +157,7 @@ class InHouse(_Engine):
     word: ClassVar[str] = "dae"
     tolerance_name: ClassVar[str] = "integration_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-9, "forces": 1e-7, "wear": 1e-6}
-    step_time: ClassVar[float] = 4e-6
+    step_time: ClassVar[float] = 2.5e-6
 
     integrator: Integrator = choice(
         "auto",
@@ -199,15 +188,6 @@ class InHouse(_Engine):
     def finer(self, factor: float) -> "InHouse | None":
         """Return a copy with the tolerance divided by a factor; None if steps are equal."""
         return None if self.has_equal_steps else super().finer(factor)
-
-    def lanes(self, linkage: "Linkage") -> int:
-        """Return the number of replicates of a linkage that are best computed together."""
-        if self.has_equal_steps or self.takes_all_coordinates:
-            return 1
-        from presswear.engines.dae.pack import lanes_for  # slow to import
-        from presswear.physics.prescribed import tree_of
-
-        return lanes_for(tree_of(linkage))
 
     @property
     def takes_all_coordinates(self) -> bool:

@@ -17,7 +17,6 @@ from presswear.physics.segment import turned
 from presswear.physics.tree import cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
-from presswear.tools.lanes import where
 
 # A pin in its bearing at one instant, open or closed
 CONTACT = np.dtype(
@@ -71,9 +70,7 @@ def joint_end(
     ``place_links``.
     """
     if body < 0:
-        nothing = where(False, q[0], 0.0)
-        x, y = local_x + nothing, local_y + nothing
-        return Pose(x, y, nothing, nothing, nothing, nothing, nothing, nothing)
+        return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     angle, spin = q[body + 2], v[body + 2]
     if axes is None:
         cosine, sine = cos_sin(angle)
@@ -119,9 +116,9 @@ def note_ends(
     ex, ey = pin.x - bearing.x, pin.y - bearing.y
     vx, vy = pin.vx - bearing.vx, pin.vy - bearing.vy
     eccentricity = math.sqrt(ex * ex + ey * ey)
-    turning = (ex * vy - ey * vx) / (eccentricity * eccentricity)
-    turning = where(eccentricity > 0.0, turning, 0.0)
-    contact.eccentricity, contact.turning = eccentricity, turning
+    contact.eccentricity, contact.turning = eccentricity, 0.0
+    if eccentricity > 0.0:
+        contact.turning = (ex * vy - ey * vx) / (eccentricity * eccentricity)
     contact.eccentricity_x, contact.eccentricity_y = ex, ey
     contact.velocity_x, contact.velocity_y = vx, vy
     contact.bearing_angle, contact.bearing_spin = bearing.angle, bearing.spin
@@ -161,8 +158,8 @@ def note_radial(joint: Records, surfaces: Array | None, contact: Records) -> Non
     """
     eccentricity = contact.eccentricity
     # A pin exactly in the centre touches nothing: any direction serves.
-    nx = where(eccentricity > 0.0, contact.eccentricity_x / eccentricity, 1.0)
-    ny = where(eccentricity > 0.0, contact.eccentricity_y / eccentricity, 0.0)
+    nx = contact.eccentricity_x / eccentricity if eccentricity > 0.0 else 1.0
+    ny = contact.eccentricity_y / eccentricity if eccentricity > 0.0 else 0.0
     penetration = eccentricity - joint.clearance
     approach = contact.velocity_x * nx + contact.velocity_y * ny
     rate = approach

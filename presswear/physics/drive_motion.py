@@ -7,7 +7,6 @@ import numpy as np
 from presswear.linkage.drives import DEGREE, MAX_HARMONICS, MAX_PIECES, Drive
 from presswear.linkage.linkage import Linkage
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
-from presswear.tools.lanes import where
 
 # A drive as the kernels see it
 MOTION = np.dtype(
@@ -113,8 +112,7 @@ def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
     """Return angle since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
     if drive.count + drive.pieces > 0 or drive.run_up > 0.0:
         return uneven_motion(drive, t)
-    nothing = where(False, t, 0.0)
-    return drive.speed * t, drive.speed + nothing, nothing
+    return drive.speed * t, drive.speed, 0.0
 
 
 @lazily_compiled(0, MOTION, 0)

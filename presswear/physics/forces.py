@@ -27,7 +27,6 @@ from presswear.physics.packed import Packed, depths_of
 from presswear.physics.wear import wear_rates
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats, inlined
-from presswear.tools.lanes import anywhere, where
 
 # Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
 # its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s
@@ -63,16 +62,13 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
         contact.bristle_rate = bristle_rate(
             contact.sliding, contact.bristle, is_closed, joint.friction
         )
-    nothing = where(False, contact.penetration, 0.0)
-    is_pressed = is_closed & (onset_speed >= 0.0)
-    if not anywhere(is_pressed):
-        return nothing, nothing
-    onset = max(where(onset_speed > 0.0, onset_speed, contact.rate), ONSET_SPEED_FLOOR)
+    if not (is_closed and onset_speed >= 0.0):
+        return 0.0, 0.0
+    onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
     normal = normal_force(
         joint.normal, contact.elastic, contact.penetration, contact.closing, onset
     )
-    normal = where(is_pressed, normal, 0.0)
-    tangential = nothing
+    tangential = 0.0
     if has_bristles:
         tangential = bristle_force(
             normal, contact.sliding, contact.bristle, contact.bristle_rate, joint.friction
@@ -94,7 +90,7 @@ def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
 def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     """Return forces and moments of a contact; ``onset_speed`` as in ``contact_forces``."""
     normal, tangential = contact_forces(joint, onset_speed, contact)
-    if not anywhere(normal != 0.0):
+    if normal == 0.0:
         return JointLoad(normal, tangential, normal, normal, normal, normal)
     nx, ny = contact.normal_x, contact.normal_y
     fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
@@ -105,24 +101,26 @@ def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     by = contact.bearing_lever_y + contact.eccentricity_y + contact.pin_arm * ny
     pin_moment = px * fy - py * fx
     bearing_moment = by * fx - bx * fy
-    couple = where(contact.elastic > 0.0, normal / contact.elastic * contact.couple, 0.0)
-    pin_moment += couple
-    bearing_moment -= couple
+    if contact.elastic > 0.0:
+        couple = normal / contact.elastic * contact.couple
+        pin_moment += couple
+        bearing_moment -= couple
     return JointLoad(normal, tangential, fx, fy, pin_moment, bearing_moment)
 
 
 @inlined
 def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float, float]:
     """Return the powers lost in contact and friction, and made by the normal law, W."""
-    is_closed = contact.penetration > 0.0
+    if not contact.penetration > 0.0:
+        return 0.0, 0.0, 0.0
     stored = contact.elastic * contact.closing
     lost = normal * contact.approach - stored
     made = normal * (contact.closing - contact.approach)
     damped = normal * contact.closing - stored
     # A user law may push harder where it opens.
-    made = where(damped < 0.0, made - damped, made)
-    rubbed = -tangential * contact.sliding
-    return where(is_closed, lost, 0.0), where(is_closed, rubbed, 0.0), where(is_closed, made, 0.0)
+    if damped < 0.0:
+        made -= damped
+    return lost, -tangential * contact.sliding, made
 
 
 @inlined
@@ -138,17 +136,18 @@ def add_contacts(
         base = JOINT_RATES * k
         contact = contacts[k]
         load = load_of(joint, onset[k], contact)
+        contact.normal, contact.tangential = load.normal, load.tangential
         lost, rubbed, made = loss_powers(contact, load.normal, load.tangential)
         work, pressure = wear_rates(joint, contact, load.normal)
         is_held_open = onset[k] < 0.0
-        rates[base + CONTACT_LOSS] = where(is_held_open, 0.0, lost)
-        rates[base + FRICTION_LOSS] = where(is_held_open, 0.0, rubbed)
-        rates[base + MADE] = where(is_held_open, 0.0, made)
+        rates[base + CONTACT_LOSS] = 0.0 if is_held_open else lost
+        rates[base + FRICTION_LOSS] = 0.0 if is_held_open else rubbed
+        rates[base + MADE] = 0.0 if is_held_open else made
         rates[base + WORK] = work
         rates[base + PRESSURE] = pressure
         rates[base + BRISTLE] = contact.bristle_rate
         # What is no number is applied too, so that it ends the run.
-        if anywhere(load.normal != 0.0):
+        if load.normal != 0.0:
             b = joint.pin_body
             if b >= 0:
                 force[b] += load.x

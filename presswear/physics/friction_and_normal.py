@@ -25,7 +25,7 @@ from presswear.tools.compile import (
     floats,
     inlined,
 )
-from presswear.tools.lanes import anywhere, where
+from presswear.tools.lanes import where
 from presswear.tools.user_function import compile_function
 
 # Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp, too
@@ -68,12 +68,12 @@ ONSET_SPEED_FLOOR = 1e-6
 @inlined
 def elastic_force(penetration: float, stiffness: float, exponent: float) -> float:
     """Return the elastic contact force K delta^n, N; zero when open."""
+    if penetration <= 0.0:
+        return 0.0
     # n = 3/2 is by far the most common; a square root is cheaper than a power.
     if exponent == 1.5:
-        force = stiffness * penetration * math.sqrt(penetration)
-    else:
-        force = stiffness * penetration**exponent
-    return where(penetration <= 0.0, 0.0, force)
+        return stiffness * penetration * math.sqrt(penetration)
+    return float(stiffness * penetration**exponent)
 
 
 @compiled
@@ -162,7 +162,7 @@ def round_foundation(penetration: float, stiffness: float, clearance: float) -> 
 
 
 # Elastic forces of NORMAL_PARAMETERS by name, or the address of one that stands in the kernels
-ELASTICITIES = {"power": INLINE, "liu": liu_force, "foundation": ROUND_FOUNDATION}
+ELASTICITIES: dict[str, Any] = {"power": INLINE, "liu": liu_force, "foundation": ROUND_FOUNDATION}
 
 
 @inlined
@@ -172,27 +172,28 @@ def elastic_at(law: Records, penetration: float) -> float:
         return elastic_force(penetration, law.stiffness, law.exponent)
     if law.address == ROUND_FOUNDATION:
         return round_foundation(penetration, law.stiffness, law.clearance)[0]
+    if penetration <= 0.0:
+        return 0.0
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
-    return where(penetration <= 0.0, 0.0, call(law.address, (penetration, 0.0, 1.0, *rest)))
+    return call(law.address, (penetration, 0.0, 1.0, *rest))
 
 
 @inlined
 def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     """Return the elastic force, N, and its energy, J, at a penetration, m."""
-    energy = where(False, penetration, 0.0)
-    if not anywhere(penetration > 0.0):
-        return energy, energy
+    if not penetration > 0.0:
+        return 0.0, 0.0
     if law.address == ROUND_FOUNDATION:
         return round_foundation(penetration, law.stiffness, law.clearance)
     elastic = elastic_at(law, penetration)
-    reach = max(penetration, 0.0)
     if law.address == INLINE:
-        return elastic, elastic * reach / (law.exponent + 1.0)
+        return elastic, elastic * penetration / (law.exponent + 1.0)
+    energy = 0.0
     for i in range(len(ABSCISSAE)):
         # In the root of the penetration, which nearly all laws are smooth in.
         x = 0.5 * (1.0 + ABSCISSAE[i])
         energy += WEIGHTS[i] * x * elastic_at(law, penetration * x * x)
-    return elastic, energy * reach
+    return elastic, energy * penetration
 
 
 @inlined
@@ -205,14 +206,13 @@ def normal_force(
     speed at touchdown delta_dot_0, m/s, above zero.
     """
     if law.kind == FACTOR:  # equation 8
-        force = elastic * (1.0 + law.damping * rate / onset_speed)
-        return where(force > 0.0, force, 0.0)
+        return max(elastic * (1.0 + law.damping * rate / onset_speed), 0.0)
     if law.kind == VISCOUS:  # Kelvin and Voigt; ``damping`` is D, N s/m
         return max(elastic + law.damping * rate, 0.0)
     rest = (law.stiffness, law.exponent, law.damping, law.clearance)
     force = call(law.address, (penetration, rate, onset_speed, *rest))
     # What is no number stays none, and ends the run.
-    return where(force < 0.0, 0.0, force)
+    return 0.0 if force < 0.0 else force
 
 
 @compiled
@@ -260,7 +260,7 @@ def ramp_friction(
 
 
 # Friction forces of FRICTION_PARAMETERS by name, but for the one with bristles
-FRICTION_FORCES = {
+FRICTION_FORCES: dict[str, Any] = {
     "ramp": ramp_friction,
     "smooth": smooth_friction,
     "threlfall": threlfall_friction,
@@ -303,7 +303,7 @@ def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) 
     free = -law.bristle_stiffness / law.bristle_damping * bristle
     held = stribeck_coefficient(sliding, law)
     bent = sliding - law.bristle_stiffness * abs(sliding) * bristle / held
-    return where(is_closed, bent, free)
+    return bent if is_closed else free
 
 
 @compiled

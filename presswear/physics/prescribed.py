@@ -28,7 +28,6 @@ from presswear.physics.tree import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats, inlined, lazily_compiled
-from presswear.tools.lanes import where
 
 # A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
 CLOSING = np.dtype(
@@ -273,7 +272,7 @@ def drive_torques(
 @inlined
 def _turned_share(prescribed: Prescribed, closings: Records | None, i: int) -> float:
     """Return the moment, N m, that part ``i`` bears of the parts without a drive that it turns."""
-    share = where(False, prescribed.work[BORNE, i], 0.0)
+    share = 0.0
     if closings is not None:
         right, turns = prescribed.work[RIGHT], prescribed.work[TURNS]
         for r in range(2 * closings.shape[0]):

@@ -16,7 +16,6 @@ from presswear.physics.foundation import SURFACES, bin_of, press, spread_round
 from presswear.physics.packed import JOINT
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
-from presswear.tools.lanes import anywhere, where
 
 ARC_MARGIN = 1e-6  # rad; the ends of a contact arc are known to 5e-8
 
@@ -34,7 +33,7 @@ def contact_area(
     reach = eccentricity + pin_radius + bearing_radius
     above = penetration * reach / (2.0 * eccentricity * pin_radius)
     # A pin worn to less than half the bearing would meet it over more than a half turn.
-    sine = where(above >= 1.0, 1.0, math.sqrt(above * (2.0 - above)))
+    sine = 1.0 if above >= 1.0 else math.sqrt(above * (2.0 - above))
     return 2.0 * width * bearing_radius * sine
 
 
@@ -44,9 +43,8 @@ def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, 
 
     The rate of slip is (R_j + delta) |phi_dot| (equation 24) or |v_t|. Zero without an account.
     """
-    nothing = where(False, normal, 0.0)
-    if joint.wear_coefficient == 0.0 or not anywhere(normal > 0.0):
-        return nothing, nothing
+    if joint.wear_coefficient == 0.0 or not normal > 0.0:
+        return 0.0, 0.0
     slip = abs(contact.sliding)
     if joint.slip_by_angle:
         slip = (joint.pin_radius + contact.penetration) * abs(contact.turning)
@@ -59,7 +57,7 @@ def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, 
         contact.pin_arm + indentation,
         joint.width,
     )
-    return where(normal > 0.0, work, 0.0), where(normal > 0.0, work / area, 0.0)
+    return work, work / area
 
 
 @compiled

@@ -34,7 +34,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import digest
 from presswear.tools.kernel_cache import KernelCache
-from presswear.tools.lanes import COUNTS, Lanes, intrinsic_with, lane_by_lane
+from presswear.tools.lanes import intrinsic_with
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -159,17 +159,7 @@ class _LazyKernel(Kernel):
         binding.add_symbol(f"{self._name}.compile", callback)
         signature = typing.signature(result, *parameters)
         lower_builtin(self, *parameters)(self._generate_call)
-        signatures = [signature]
-        if types.float64 in parameters and result != types.none:
-            # With lanes it is called once for each lane.
-            self._scalar = signature
-            for lanes in map(Lanes, COUNTS):
-                wide = [lanes if kind == types.float64 else kind for kind in parameters]
-                is_tuple = isinstance(result, types.BaseTuple)
-                of_lanes = types.UniTuple(lanes, len(result)) if is_tuple else lanes
-                signatures.append(typing.signature(of_lanes, *wide))
-                lower_builtin(self, *wide)(self._generate_lanes)
-        template = typing.make_concrete_template(self._name, self, signatures)
+        template = typing.make_concrete_template(self._name, self, [signature])
         self._numba_type_ = types.Function(template)
 
     def _compile(self) -> int | None:
@@ -217,12 +207,6 @@ class _LazyKernel(Kernel):
                 convention.return_status_propagate(builder, status)
         return value
 
-    def _generate_lanes(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        def each(builder: Any, *numbers: Any) -> Any:
-            return self._generate_call(context, builder, self._scalar, numbers)
-
-        return lane_by_lane(each)(builder, *arguments)
-
 
 def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
     """Compile a kernel that few scenes need apart from its callers.
@@ -248,8 +232,7 @@ def _fault_of(text: str) -> str:
     call, place = re.search(r">>> (.+)", text), re.search(r"at (\S+) \((\d+)\)", text)
     fault = call[1] if call else text.partition("\n")[0]
     where = f"{Path(place[1]).name}, line {place[2]}: " if place else ""
-    lanes = "; with several replicates numbers are lanes: use where() in place of if"
-    return f"{where}{fault} cannot be compiled{lanes if ' conditions)' in fault else ''}"
+    return f"{where}{fault} cannot be compiled"
 
 
 def specialised(kernel: F, *arguments: Any) -> F:
@@ -266,12 +249,6 @@ def specialised(kernel: F, *arguments: Any) -> F:
     return cast(F, dispatcher.overloads[kinds].entry_point)
 
 
-def is_compiled_elsewhere(kernel: Callable[..., Any], *arguments: Any) -> bool:
-    """Return whether another process compiles a kernel for arguments of these types now."""
-    dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
-    return bool(dispatcher._cache.is_locked(kinds, dispatcher.targetctx))
-
-
 def _call_in_python(address: int, arguments: tuple[float, ...]) -> float:
     kind = ctypes.CFUNCTYPE(*[ctypes.c_double] * (1 + len(arguments)))
     return float(kind(int(address))(*arguments))
@@ -279,24 +256,52 @@ def _call_in_python(address: int, arguments: tuple[float, ...]) -> float:
 
 @intrinsic_with(_call_in_python)
 def _call(typing: Any, address: Any, arguments: Any) -> Any:
-    lanes = [kind for kind in arguments.types if isinstance(kind, Lanes)]
     count, double = len(arguments), ir.DoubleType()
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind = ir.FunctionType(double, [double] * count)
         function = builder.inttoptr(values[0], kind.as_pointer())
+        return builder.call(function, cgutils.unpack_tuple(builder, values[1], count))
 
-        def each(builder: Any, *numbers: Any) -> Any:
-            return builder.call(function, numbers)
-
-        numbers = cgutils.unpack_tuple(builder, values[1], count)
-        return (lane_by_lane(each) if lanes else each)(builder, *numbers)
-
-    return (lanes[0] if lanes else types.float64)(types.int64, arguments), generate
+    return types.float64(types.int64, arguments), generate
 
 
 # In a kernel: call a function of numbers by its address, with a tuple of its arguments.
 call = cast(Callable[[int, tuple[float, ...]], float], _call)
+
+
+@intrinsic
+def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
+    signature = types.none(*arguments.types)
+
+    def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
+        convention, kinds = context.call_conv, signature.args
+        pointer = convention.get_function_type(types.none, kinds).as_pointer()
+        function = builder.inttoptr(values[0], pointer)
+        parts = cgutils.unpack_tuple(builder, values[1], len(kinds))
+        status, _result = convention.call_function(builder, function, types.none, kinds, parts)
+        if config.BOUNDSCHECK:  # else kernels do not raise
+            with cgutils.if_unlikely(builder, status.is_error):
+                convention.return_status_propagate(builder, status)
+        return context.get_dummy_value()
+
+    return types.none(types.int64, arguments), generate
+
+
+# In a kernel: call a kernel without result by its entry, with a tuple of arguments of its types.
+call_entry = cast(Callable[[int, tuple[Any, ...]], None], _call_entry)
+
+
+def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
+    """Return the entry of a kernel for ``call_entry``, compiled for arguments of these types.
+
+    The address of packed arguments may be passed as a number.
+    """
+    dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
+    dispatcher.compile(kinds)
+    code = dispatcher.overloads[kinds]
+    _called.append(code)
+    return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
 
 _called: list[Any] = []  # machine code that is called by address must stay in memory

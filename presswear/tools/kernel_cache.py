@@ -198,13 +198,6 @@ class KernelCache:
             self._lock.close()
             self._lock = None
 
-    def is_locked(self, signature: Any, context: Any) -> bool:
-        """Return whether another process compiles the function now."""
-        file, *_ = self.files(signature, context)
-        with suppress(OSError), file.with_suffix(".lock").open("r+", encoding="utf-8") as opened:
-            return lock(opened) in BUSY
-        return False
-
 
 def _remove_oldest(folder: Path) -> None:
     files = sorted(folder.iterdir(), key=lambda file: file.stat().st_mtime)

@@ -159,9 +159,7 @@ def use(monkeypatch: pytest.MonkeyPatch) -> Use:
 
     def replace_all(engine: FakeEngine) -> None:
         for kind in (ExudynTree, ExudynJoints, InHouse):
-            monkeypatch.setattr(kind, "lanes", lambda self, linkage: 1)
             monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
-            monkeypatch.setattr(kind, "simulate_together", lambda self, cases: [engine(*cases[0])])
 
     return replace_all
 

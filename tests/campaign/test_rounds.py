@@ -78,11 +78,11 @@ def test_failed_run_is_the_last(workers: Workers, monkeypatch: pytest.MonkeyPatc
     """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__
 
-    def failing(self: WorkUnit, report: Report) -> dict[int, RunState]:
-        states = call(self, report)
-        if 1 in states and states[1].cycles >= 2:
-            states[1] = replace(states[1], status="failed")
-        return states
+    def failing(self: WorkUnit, report: Report) -> RunState:
+        state = call(self, report)
+        if self.part.replicate == 1 and state.cycles >= 2:
+            return replace(state, status="failed")
+        return state
 
     monkeypatch.setattr(WorkUnit, "__call__", failing)
     runs = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), workers=workers)[1]

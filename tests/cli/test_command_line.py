@@ -374,7 +374,7 @@ def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -
 
 
 def test_final_motions_of_a_scene_over_a_parameter(tmp_path: Path, command: Command) -> None:
-    line = f"dynamics settle slider-crank --starts 2 --cycles 14 --jobs 1 --out {tmp_path / 's'}"
+    line = f"dynamics settle slider-crank --starts 2 --cycles 12 --jobs 1 --out {tmp_path / 's'}"
     output = command(f"{line} --over 'speed=100:200:2 rad/s'")
     for words in (
         "speed = 100 rad/s: none of 2",

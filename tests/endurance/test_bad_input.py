@@ -39,7 +39,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         raise Ran
 
     for engine in (ExudynTree, ExudynJoints, InHouse):
-        monkeypatch.setattr(engine, "simulate_together", stop)
+        monkeypatch.setattr(engine, "simulate", stop)
     monkeypatch.setattr(BaseProcess, "start", stop)
     folder = tmp_path / "here"
     folder.mkdir()

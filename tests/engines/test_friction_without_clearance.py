@@ -10,7 +10,7 @@ from runs import residual, run_scene
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.dynamics import state_size, system_of
+from presswear.engines.dae.dynamics import held_system, state_size
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
@@ -146,6 +146,5 @@ def test_nothing_is_added_where_no_joint_rubs() -> None:
         linkage = scene.linkage()
         packed = pack(linkage)
         assert packed.rubbing is None
-        start = scene.ideal.at(np.zeros(1)).position[0]
-        system = system_of(packed, constraints_of(linkage), start)
+        system = held_system(packed, constraints_of(linkage), 0.0, 0.0)
         assert state_size(system) == 2 * system.size + 2 + 6 * len(linkage.clearances) + 4

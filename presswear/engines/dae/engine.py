@@ -9,18 +9,20 @@ import numpy as np
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
+    held_system,
     load_work_place,
     state_size,
-    system_of,
+    written_system,
 )
 from presswear.engines.dae.march import BROKEN, RUNNING, STUCK, march_controlled, march_fixed
-from presswear.engines.dae.pack import Member, lanes_for, together
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
+from presswear.physics.equations.function import model_of
+from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.forces import (
     CONTACT_LOSS,
     FRICTION_LOSS,
@@ -31,14 +33,12 @@ from presswear.physics.forces import (
     made_remedy,
     stored_energy,
 )
-from presswear.physics.prescribed import Tree, tree_of
+from presswear.physics.prescribed import begin_motion
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress
 from presswear.tools.arrays import Array
 from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
-
-__all__ = ["prepare", "together"]
 
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
@@ -119,20 +119,22 @@ def prepare(
     constraints = constraints_of(linkage)
     check_start(constraints, start)
     records = recorder.records
-    tree = None if settings.takes_all_coordinates else tree_of(linkage)
-    if isinstance(tree, Tree):
-        system = system_of(records.packed, tree, start.position, onset=records.onset)
-        coordinates = tree.coordinates(start.position, start.velocity)
+    packed, onset = records.packed, records.onset
+    tree = None if settings.takes_all_coordinates else write_equations(linkage, packed)
+    if isinstance(tree, Equations):
+        model = model_of(linkage, tree, packed, onset)
+        begin_motion(model.prescribed, 0.0, start.position)
+        system = written_system(packed, tree, model)
+        coordinates = tree.chain.coordinates(start.position, start.velocity)
     else:
-        baumgarte = settings.alpha, settings.beta
-        system = system_of(records.packed, constraints, start.position, *baumgarte, records.onset)
+        system = held_system(packed, constraints, settings.alpha, settings.beta, onset)
         coordinates = start.position, start.velocity
     n, size = system.size, state_size(system)
     y = np.zeros(size)
     y[: 2 * n] = np.concatenate(coordinates)
     drives = y[2 * n : 2 * n + DRIVE_INTEGRALS]
     joints = y[2 * n + DRIVE_INTEGRALS : system.first_torque].reshape(-1, JOINT_RATES)
-    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)))
+    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 2, size)))
     control = np.zeros(1, CONTROL)
     is_fixed, tolerance = settings.has_equal_steps, settings.tolerance
     control["step"] = settings.step if is_fixed else 1e-6
@@ -167,11 +169,6 @@ def prepare(
     energy_before = stored()
     sums = {"solve": 0.0}
     progress = Progress(plan.cycle)
-
-    def start_again() -> None:
-        # The state to go on from may be that of a coarser run.
-        control["tolerance"] = tolerance
-        march(float(control["time"][0]), 1)
 
     def look(status: int, wall: float) -> Finding | None:
         time = float(control["time"][0])
@@ -216,11 +213,10 @@ def prepare(
         }
 
     arrays = {"y": y, "slope": motion.slopes[0], "control": control}
-    is_packed = lanes_for(tree) > 1 and not is_fixed
     # Without closed loops nothing follows from the last motion.
-    if system.tree is not None and lanes_for(tree) == 1:
-        arrays["prescribed"] = system.tree.prescribed.work
-    held = None if isinstance(tree, Tree) else constraints
+    if isinstance(tree, Equations) and tree.chain.has_loops:
+        arrays["prescribed"] = model.prescribed.work
+    held = None if isinstance(tree, Equations) else constraints
     return Simulation(
         advance,
         state,
@@ -231,20 +227,20 @@ def prepare(
         REMEDY,
         constraints=held,
         worn=partial(control.__setitem__, "has_slope", False),
-        member=Member(kernel.args[0], start_again, look) if is_packed else None,
     )
 
 
 def _words(
-    linkage: Linkage, tree: Tree | str | None, constraints: Constraints, settings: InHouse
+    linkage: Linkage, tree: Equations | str | None, constraints: Constraints, settings: InHouse
 ) -> dict[str, str]:
     """Return sentences on the model that was built and on its solver."""
     steps = f"RK4 at equal steps of {settings.step:g} s"
     if not settings.has_equal_steps:
         method = settings.integrator.upper()
         steps = f"{method} at tolerance {settings.tolerance:g}, touches located"
-    if isinstance(tree, Tree):
-        words = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
+    if isinstance(tree, Equations):
+        names = listed([link.body.name for link in tree.chain.free])
+        words = f"open tree of {tree.chain.size} coordinates ({names})"
         model = described(linkage, words, prescribed_of(linkage))
         return {"model": model, "solver": f"in-house, {steps}"}
     words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"

@@ -16,15 +16,13 @@ from presswear.engines.dae.dynamics import (
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
-    accelerate,
-    place,
+    place_held,
 )
-from presswear.engines.dae.runge_kutta import START, classical_step, embedded_step, rates
+from presswear.engines.dae.runge_kutta import SPARE, START, classical_step, embedded_step, rates
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import Held, project
-from presswear.physics.contact import note_contacts
 from presswear.physics.drive_motion import step_to_break
-from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK, note_forces
+from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK
 from presswear.physics.friction_and_normal import corner_ahead
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value
 from presswear.physics.step_length import contact_step, longest_step
@@ -41,7 +39,7 @@ from presswear.physics.touchdown import (
 )
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, unpack
+from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
 
 RUNNING, DONE, BROKEN, STUCK, TRYING, IDLE = range(6)
 
@@ -64,13 +62,10 @@ MAX_BEHIND = 1e-9  # ... and so far where round-off keeps it from ending sooner
 @compiled
 def reach_end(address: PackedArguments, classical: int | None, t: float, h: float) -> None:
     """Fill the state of all bodies at the end of a trial step, with accelerations."""
-    (run,) = unpack(address)
-    system, motion, last = run.system, run.motion, run.last
-    n = system.size
     # An embedded method evaluates its last slopes there.
     if classical is not None:
-        place(system.tree, system.state, t + h, motion.trial)
-    accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
+        (run,) = unpack(address)
+        rates(address, t + h, run.motion.trial, SPARE)
 
 
 @compiled
@@ -301,21 +296,27 @@ def keep_constraints(held: Held | None, is_projected: bool, t: float, y: Array) 
 def start_march(address: PackedArguments) -> None:
     """Record the initial state once; without steps to follow, place all bodies in the state."""
     (run,) = unpack(address)
-    system, records, motion = run.system, run.records, run.motion
-    state, n = run.control[0], system.size
-    if state.most > 0 and not state.has_slope:
+    system, records, motion, state = run.system, run.records, run.motion, run.control[0]
+    if state.most == 0:
+        rates(address, state.time, motion.y, SPARE)
+    elif not state.has_slope:
         rates(address, state.time, motion.y, START)
         state.has_slope = True
-    if state.most == 0 or not state.has_started:
-        place(system.tree, system.state, state.time, motion.y)
     if not state.has_started:
-        accelerate(system.tree, system.state, motion.slopes[0, n : 2 * n])
-        copy_to(records.torque, system.torque)
+        for k in range(records.torque.shape[0]):
+            records.torque[k] = motion.slopes[0, system.first_torque + TORQUE_INTEGRALS * k]
         q, v, a, _, _ = system.state
-        note_contacts(records.packed, records.contacts, q, v)
+        copy_contacts(records.contacts, system.contacts)
         settle(records, 0.0, LEAST_STEPS)
         observe(records, 0.0, 0.0, q, v, a)
         state.has_started = True
+
+
+@inlined
+def copy_contacts(target: Records, source: Records) -> None:
+    """Copy the contacts of all joints."""
+    for k in range(source.shape[0]):
+        target[k] = source[k]
 
 
 @compiled
@@ -324,9 +325,7 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
     (run,) = unpack(address)
     system, records, control, motion = run.system, run.records, run.control, run.motion
     n, y = system.size, motion.y
-    for k in range(system.contacts.shape[0]):
-        records.contacts[k] = system.contacts[k]
-    note_forces(records.packed.joints, records.onset, records.contacts)
+    copy_contacts(records.contacts, system.contacts)
     for k in range(system.contacts.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_RATES * k
         # Integrals are emptied into the account, so that they never lose digits.
@@ -335,7 +334,6 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
         y[base + WORK] = y[base + PRESSURE] = 0.0
         joint, contact = records.packed.joints[k], records.contacts[k]
         remember(records.memory[k], joint, records.onset[k], contact, t)
-    accelerate(system.tree, system.state, motion.slopes[0, n : 2 * n])
     for k in range(records.drives.shape[0]):
         base = system.first_torque + TORQUE_INTEGRALS * k
         drive = records.drives[k]
@@ -464,7 +462,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     (run,) = unpack(address)
     system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
-    control, motion, last = run.control, run.motion, run.last
+    control, motion = run.control, run.motion
     n, state = system.size, control[0]
     start_march(address)
     for _ in range(state.most):
@@ -492,11 +490,14 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         # What is left of a step that was cut follows by itself.
         state.due = t + whole if h < whole else 0.0
         t = end if h >= left else t + h
-        place(system.tree, system.state, t, motion.y)
-        accelerate(system.tree, system.state, motion.slopes[last, n : 2 * n])
         q, v, a, _, _ = system.state
+        if system.held is None:
+            rates(address, t, motion.y, SPARE)
+        else:
+            # Multipliers are dear: the accelerations stay those of the last stage.
+            place_held(system, motion.y)
         settle_loads(system.packed.loads, t, q, v, a)
-        note_contacts(records.packed, records.contacts, q, v)
+        copy_contacts(records.contacts, system.contacts)
         settle(records, t, LEAST_STEPS)
         keep_constraints(system.held, state.projected, t, motion.y)
         rates(address, t, motion.y, START)

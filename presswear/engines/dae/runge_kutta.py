@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from presswear.engines.dae.dynamics import System, bristle_place, evaluate
-from presswear.engines.dormand_prince import Tableau
+from presswear.engines.dormand_prince import DOP853, Tableau
+from presswear.physics.equations.function import ACCELERATIONS, END, RATES
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS
 from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array
@@ -15,15 +16,17 @@ from presswear.tools.compile import (
     Records,
     compiled,
     floats,
+    fused_inlined,
     inlined,
     unpack,
 )
-from presswear.tools.lanes import where
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
 UNEXCHANGED = 1e-3  # part of the kinetic energy to which the error of a loss is compared at least
-START: Any = np.int64(0)  # index of the slopes at the start of a step; compiled as any other index
+# Indices of the slopes at the start of a step, and of spare ones; compiled as any other index
+START: Any = np.int64(0)
+SPARE: Any = np.int64(DOP853.b.size + 1)
 
 # State of an integration
 CONTROL = np.dtype(
@@ -67,7 +70,7 @@ class Motion(NamedTuple):
 
     y: Array  # (m,)
     trial: Array  # the state's successor on trial, (m,)
-    slopes: Array  # of the stages, (13, m); the first holds dy/dt at the start
+    slopes: Array  # of the stages, (14, m); the first holds dy/dt at the start, the last is spare
 
 
 class Integration(NamedTuple):
@@ -77,7 +80,7 @@ class Integration(NamedTuple):
     tableau: Tableau | None  # of an embedded method
     # Stages of the classical method, for equal steps; the compiler leaves out the None of both
     classical: int | None
-    records: RecorderState | None  # None of several replicates
+    records: RecorderState
     control: Records  # one of CONTROL
     motion: Motion
     last: int  # index of the slopes at the end of a step
@@ -88,9 +91,7 @@ def rates(address: PackedArguments, t: float, y: Array, stage: int) -> None:
     """Evaluate dy/dt in a state and store it as the slopes of a stage."""
     (run,) = unpack(address)
     system = run.system
-    out, torques = run.motion.slopes[stage], stage >= 0  # not a literal, as START
-    alone, members = system.alone, system.members
-    evaluate(system, system.held, system.tree, alone, members, t, y, out, torques, True)
+    evaluate(system, system.held, t, y, run.motion.slopes[stage], END)
 
 
 @compiled
@@ -111,17 +112,61 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
         )
 
 
+@fused_inlined
+def weighted_sum(target: Array, slopes: Array, weights: Array, count: int, size: int) -> None:
+    """Fill the sum of the first rows of slopes, each times its weight, in the first columns."""
+    odd = count & 1
+    for i in range(size):
+        target[i] = weights[0] * slopes[0, i]
+    if odd == 0:
+        for i in range(size):
+            target[i] += weights[1] * slopes[1, i]
+    for j in range(2 - odd, count, 2):
+        one = weights[j]
+        two = weights[j + 1]
+        if one != 0.0 or two != 0.0:
+            for i in range(size):
+                target[i] += one * slopes[j, i] + two * slopes[j + 1, i]
+
+
 @inlined
-def _errors(tableau: Tableau, slopes: Array, i: int, allowed: float) -> tuple[float, float]:
-    """Return both estimates of the error of a component over the allowed one, squared, per step."""
-    one = 0.0
-    two = 0.0
-    for j in range(tableau.b.shape[0] + 1):
-        one += tableau.error[j] * slopes[j, i]
-        two += tableau.second_error[j] * slopes[j, i]
-    one /= allowed
-    two /= allowed
-    return one * one, two * two
+def mean_error(run: Integration, weights: Array) -> float:
+    """Return an estimate of the error of a trial step over the allowed one, squared, per step^2.
+
+    It is the mean over coordinates, rates, the deflections of bristles, and the losses of joints
+    whose force ends before the contact does: no rate feels the energy lost until then.
+    """
+    system, tolerance = run.system, run.control[0].tolerance
+    y, new, slopes = run.motion
+    size, position, errors = 2 * system.size, 1.0 / (tolerance * POSITION_SCALE), slopes[SPARE]
+    weighted_sum(errors, slopes, weights, run.last + 1, system.checked)
+    total = 0.0
+    count = float(size)
+    for i in range(system.size):
+        total += (errors[i] * position) ** 2
+    for i in range(system.size, size):
+        total += (errors[i] / (tolerance * (1.0 + abs(y[i])))) ** 2
+    if system.checked > size:
+        for k in range(system.packed.joints.shape[0]):
+            bristle = bristle_place(size, k)
+            loss = bristle - BRISTLE + CONTACT_LOSS
+            if system.packed.joints[k].friction.bristle_stiffness > 0.0:
+                total += (errors[bristle] * position) ** 2
+                count += 1.0
+            if system.packed.joints[k].normal.abrupt and slopes[0, loss] != 0.0:
+                energy = max(new[loss], new[size + 1], UNEXCHANGED * kinetic_energy(system))
+                total += (errors[loss] / (tolerance * energy)) ** 2
+                count += 1.0
+    return total / count
+
+
+@inlined
+def kinetic_energy(system: System) -> float:
+    """Return the kinetic energy of the motion placed last, J."""
+    energy = 0.0
+    for i in range(system.packed.mass.shape[0]):
+        energy += 0.5 * system.packed.mass[i] * system.state[1, i] * system.state[1, i]
+    return energy
 
 
 @compiled
@@ -132,56 +177,25 @@ def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float
     follows that of positions and rates, but for the deflections of bristles.
     """
     (run,) = unpack(address)
-    system, tolerance = run.system, run.control[0].tolerance
+    system = run.system
     y, new, slopes = run.motion
     stages = tableau.b.shape[0]
-    for stage in range(1, stages + 1):
-        is_last = stage == stages
-        weights = tableau.b if is_last else tableau.a[stage]
+    for stage in range(1, stages):
         # Slopes do not depend on the integrals, but for those of bristles.
-        size = y.shape[0] if is_last else system.felt
-        for i in range(size):
-            new[i] = y[i]
-        for j in range(stage):
-            if weights[j] != 0.0:
-                factor = h * weights[j]
-                for i in range(size):
-                    new[i] += factor * slopes[j, i]
-        part = 1.0 if is_last else tableau.c[stage]
-        # The torques of the drives are summed with the weights of the step, and needed at its end.
-        torques = is_last or tableau.b[stage] != 0.0
-        out = slopes[stage]
-        held, tree, alone, members = system.held, system.tree, system.alone, system.members
-        at = t + part * h
-        evaluate(system, held, tree, alone, members, at, new, out, torques, is_last)
-    first = 0.0
-    second = 0.0
-    size, count, allowed = 2 * system.size, 2.0 * system.size, tolerance * POSITION_SCALE
+        weighted_sum(new, slopes, tableau.a[stage], stage, system.felt)
+        for i in range(system.felt):
+            new[i] = y[i] + h * new[i]
+        # Powers are summed with the weights of the step.
+        level = RATES if tableau.b[stage] != 0.0 else ACCELERATIONS
+        evaluate(system, system.held, t + tableau.c[stage] * h, new, slopes[stage], level)
+    size = y.shape[0]
+    weighted_sum(new, slopes, tableau.b, stages, size)
     for i in range(size):
-        if i < system.size:
-            one, two = _errors(tableau, slopes, i, allowed)
-        else:
-            one, two = _errors(tableau, slopes, i, tolerance * (1.0 + abs(y[i])))
-        first += one
-        second += two
-    for k in range(system.packed.joints.shape[0]):
-        bristle = bristle_place(size, k)
-        if system.packed.joints[k].friction.bristle_stiffness > 0.0:
-            one, two = _errors(tableau, slopes, bristle, allowed)
-            first += one
-            second += two
-            count += 1.0
-        loss = bristle - BRISTLE + CONTACT_LOSS
-        if system.packed.joints[k].normal.abrupt:
-            # Its force ends before the contact does: no rate feels the energy lost until then.
-            kinetic = 0.0
-            for i in range(system.packed.mass.shape[0]):
-                kinetic += 0.5 * system.packed.mass[i] * system.state[1, i] * system.state[1, i]
-            energy = max(max(new[loss], new[size + 1]), UNEXCHANGED * kinetic)
-            one, two = _errors(tableau, slopes, loss, energy * allowed / POSITION_SCALE)
-            is_lossy = slopes[0, loss] != 0.0
-            first += where(is_lossy, one, 0.0)
-            second += where(is_lossy, two, 0.0)
-            count += where(is_lossy, 1.0, 0.0)
-    error = abs(h) * first / math.sqrt((first + 0.01 * second) * count)
-    return where((first == 0.0) & (second == 0.0), 0.0, error)
+        new[i] = y[i] + h * new[i]
+    evaluate(system, system.held, t + h, new, slopes[stages], END)
+    error = mean_error(run, tableau.error)
+    if tableau.second_error[0] == 0.0:
+        return abs(h) * math.sqrt(error)
+    second = mean_error(run, tableau.second_error)
+    blended = error + 0.01 * second
+    return abs(h) * error / math.sqrt(blended) if blended > 0.0 else blended

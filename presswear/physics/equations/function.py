@@ -13,16 +13,14 @@ from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.drive_motion import motions_of, uneven_motion
 from presswear.physics.equations.writer import Equations
 from presswear.physics.friction_and_normal import (
+    ELASTICITIES,
+    FRICTION_FORCES,
     ONSET_SPEED_FLOOR,
     Bristles,
     bristle_force,
     bristle_rate,
     elastic_of,
-    liu_force,
-    ramp_friction,
     round_foundation,
-    smooth_friction,
-    threlfall_friction,
 )
 from presswear.physics.loads import Loads, load_size, spring_pull
 from presswear.physics.packed import Packed
@@ -71,9 +69,10 @@ _NAMES = {
         function.__name__: function
         for function in (
             *(Bristles, bristle_force, bristle_rate, contact_area, cos_sin, drive_torques),
-            *(elastic_of, liu_force, load_size, note_foundation, note_radial, place_prescribed),
-            *(ramp_friction, round_foundation, smooth_friction, spring_pull, subtract_inertia),
-            *(threlfall_friction, uneven_motion),
+            *(elastic_of, load_size, note_foundation, note_radial, place_prescribed),
+            *(round_foundation, spring_pull, subtract_inertia, uneven_motion),
+            *FRICTION_FORCES.values(),
+            *(law for law in ELASTICITIES.values() if not isinstance(law, int)),
         )
     },
     "call": call,

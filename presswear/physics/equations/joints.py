@@ -20,7 +20,7 @@ from presswear.physics.forces import (
     PRESSURE,
     WORK,
 )
-from presswear.physics.friction_and_normal import FRICTION_FORCES
+from presswear.physics.friction_and_normal import ELASTICITIES, FRICTION_FORCES
 from presswear.tools.compile import Records
 
 FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
@@ -32,7 +32,10 @@ _FILLED = (
 
 
 # What the text of a joint gives to the rest, zero while it is open
-_RESULTS = ("force_x", "force_y", "pin_moment", "bearing_moment")
+_RESULTS = (
+    *("normal_force", "friction_force"),
+    *("force_x", "force_y", "pin_moment", "bearing_moment"),
+)
 _RATES = {
     "contact_loss": CONTACT_LOSS,
     "friction_loss": FRICTION_LOSS,
@@ -203,7 +206,7 @@ class JointText:
         depth, law = self.value("penetration"), self.joint.round_normal
         numbers = self.record["normal"]
         stiffness = self.parameter("stiffness", numbers["stiffness"])
-        if law.user_law is not None or law.elasticity == "liu":
+        if law.user_law is not None or not isinstance(ELASTICITIES[law.elasticity], int):
             force = self._call_normal(depth, ZERO, ONE)
         elif law.elasticity == "foundation":
             clearance = self.parameter("clearance", self.joint.clearance)
@@ -220,18 +223,20 @@ class JointText:
         words = ("stiffness", "exponent", "damping", "clearance")
         rest = (self.parameter(word, numbers[word]) for word in words)
         arguments = ", ".join((depth, rate, onset, *rest))
-        if self.joint.round_normal.user_law is None:
-            return f"liu_force({arguments})"
+        law = self.joint.round_normal
+        if law.user_law is None:
+            return f"{ELASTICITIES[law.elasticity].__name__}({arguments})"
         return f"call(int({self.parameter('normal_law', numbers['address'])}), ({arguments}))"
 
     def _write_forces(self, onset: str, normal: Vector) -> None:
         """Write the forces and moments of a closed joint."""
         text = self.text
-        size = self.let("normal_force", self._normal_force(onset))
+        size, across = self.name("normal_force"), ZERO
+        text.write(f"{size} = {self._normal_force(onset)}")
         along = normal.times(f"-{size}")
-        across = ZERO
         if self.joint.friction.coefficient > 0.0:
-            across = self.let("friction_force", self._friction(size))
+            across = self.name("friction_force")
+            text.write(f"{across} = {self._friction(size)}")
             along = along.plus(normal.swept(across))
         force = Vector(self.name("force_x"), self.name("force_y"))
         text.write(f"{force.x} = {along.x}")
@@ -317,7 +322,7 @@ class JointText:
         write(f"{made} -= min({lost}, {ZERO})")
 
     def _write_wear(self, normal: str) -> None:
-        """Write the rates of wear: of the load distance, and of pressure times slip."""
+        """Write the rates of wear: of the load distance, or also of pressure times slip."""
         write, depth = self.text.write, self.value("penetration")
         slip = f"abs({self.value('sliding')})"
         if self.record["slip_by_angle"]:
@@ -326,6 +331,8 @@ class JointText:
             slip = f"({radius} + {depth}) * abs({turning})"
         work = self.name("wear_work")
         write(f"{work} = {normal} * {slip}")
+        if self.record["over_arc"]:
+            return
         half = f"0.5 * {depth}"
         sizes = (
             self.value("eccentricity"),
@@ -345,6 +352,8 @@ class JointText:
         place = self.name("contact")
         if not self.is_worn:
             self.text.write(f"{place} = data.contacts[{self.number}]")
+        forces = {"normal": "normal_force", "tangential": "friction_force"}
+        self.fields |= {field: self.name(word) for field, word in forces.items()}
         for word, value in self.fields.items():
             if not (self.is_worn and word in _FILLED):
                 self.text.write(f"{place}[{FIELDS[word]}] = {value}")
