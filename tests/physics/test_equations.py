@@ -379,3 +379,33 @@ def test_numbers_stand_beside_their_names() -> None:
     )
     place = [*written(linkage).numbers].index("rod_mobility")
     assert f"rod_mobility = parameters[{place}]  # 1\n" in written(linkage).listing
+
+
+STORED = """
+import sys
+import numpy as np
+from presswear.physics.equations.function import function_of
+from presswear.tools.compile import call_entry, compiled, entry_of
+
+TEXT = "def equations(model, t, y, out, level):\\n    out[0] = {}\\n"
+
+@compiled
+def called(entry, model, t, y, out, level):
+    call_entry(entry, (model, t, y, out, level))
+
+values = [float(word) for word in sys.argv[1:]]
+y, out = np.zeros((2, 1))
+kernels = [function_of(TEXT.format(value)) for value in values]
+entries = [entry_of(kernel, 0, 0.0, y, y, 2) for kernel in kernels]
+for kernel in kernels:
+    called(entry_of(kernel, 0, 0.0, y, y, 2), 0, 0.0, y, out, 2)
+    print(*out)
+"""
+
+
+def test_equations_that_other_processes_stored_are_not_mistaken(tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    for values in ("1.0",), ("2.0", "1.0"):
+        command = [sys.executable, "-c", STORED, *values]
+        ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        assert ran.stdout.split() == list(values)

@@ -86,11 +86,14 @@ def function_of(text: str) -> Kernel:
 
     A debugger shows the lines of the text.
     """
-    name = f"<equations {digest(text.encode())[:8]}>"
+    short = digest(text.encode())[:16]
+    name = f"<equations {short}>"
     names: dict[str, Any] = {**_NAMES, "__name__": __name__}
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     exec(compile(text, name, "exec"), names)
     function: Callable[..., Any] = names["equations"]
+    # Of two equal names in machine code that other processes stored, only one would be found.
+    function.__qualname__ = f"equations_{short}"
     return Kernel(function, file=__file__, text=text, fastmath={"contract"})
 
 
