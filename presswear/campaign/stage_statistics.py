@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
+from presswear.campaign.roughness import roughness_of
 from presswear.campaign.wear_update import WearUpdate, cycles_of_update, wear_error
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
@@ -42,6 +43,7 @@ from presswear.results.stage import (
     BottomStatistics,
     JointStatistics,
     OutputStatistics,
+    Roughness,
     StageResult,
     StageStatistics,
     WearPeak,
@@ -171,7 +173,12 @@ def _statistics(
     if not recorders:
         return StageStatistics(cycles=0)
     joints, settling = ensemble.linkage.clearances, ensemble.settling
-    mean_peak = _mean_of_mixture if settling and settling.is_mixture else _mean
+    surfaces = [Roughness(0.0)] * len(joints)
+    if index > 0 and not scene.wears_in_steps:
+        surfaces = roughness_of(ensemble, recorders)
+    is_mixture = bool(settling and settling.is_mixture)
+    is_doubtful = is_mixture or any(surface.is_rough for surface in surfaces)
+    mean_peak = _mean_without_interval if is_doubtful else _mean
     output: dict[str, Any] = {name: _largest(recorders, name) for name in _OUTPUTS}
     output["velocity_min"] = -_largest(recorders, "velocity_min", sign=-1.0)
     output |= {f"{name}_per_cycle": mean_peak(recorders, alone, name) for name in _OUTPUTS}
@@ -186,7 +193,7 @@ def _statistics(
         drive_work_per_cycle=_drive_work(recorders, alone),
         output=OutputStatistics(**output),
         joints={
-            joint.name: _joint_statistics(joint, k, recorders, alone, wear, mean_peak)
+            joint.name: _joint_statistics(joint, k, recorders, alone, wear, mean_peak, surfaces[k])
             for k, joint in enumerate(joints)
         },
         bdc=bottom_statistics(scene, recorders, alone),
@@ -229,10 +236,10 @@ def _drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
     return pooled(*([used(run) for run in runs] for runs in (recorders, alone)))[0]
 
 
-def _mean_of_mixture(
+def _mean_without_interval(
     recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
 ) -> Estimate:
-    """Return the mean of replicates with different motions: without interval, it holds for none."""
+    """Return the mean of different motions, or on rough surfaces: an interval would not hold."""
     estimate = _mean(recorders, alone, name, joint)
     return Estimate(estimate.mean, samples=estimate.samples)
 
@@ -244,6 +251,7 @@ def _joint_statistics(
     alone: Recorders,
     wear: StageWear,
     mean_peak: Callable[[Recorders, Recorders, str, int], Estimate],
+    surface: Roughness,
 ) -> JointStatistics:
     added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
     coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
@@ -275,6 +283,7 @@ def _joint_statistics(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
         ),
         wear_peaks={} if wear.is_frozen else _wear_peaks(joint, k, wear),
+        surface=surface,
     )
 
 

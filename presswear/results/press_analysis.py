@@ -626,6 +626,25 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     return sentences
 
 
+def rough_surfaces(stages: Sequence[StageResult]) -> list[str]:
+    """Return sentences on stages whose surfaces have bumps higher than the penetration."""
+    sentences = []
+    for stage in stages:
+        for name, joint in stage.statistics.joints.items():
+            height, penetration = joint.surface.height, joint.surface.penetration
+            if not joint.surface.is_rough or penetration is None:
+                continue
+            sentences.append(
+                f"{stage.name.capitalize()}: the surfaces of joint {name} have bumps of "
+                f"{readable(1e6 * height, 2)} µm (rms), because a wear update in one jump "
+                "multiplies the noise of its map. Half of the time in contact the pin penetrates "
+                f"less than {readable(1e6 * penetration, 2)} µm. Contacts, peak forces and "
+                "accelerations are those of the bumps and have no interval. More cycles make the "
+                "map smoother; extrapolation = steps wears the bumps off again."
+            )
+    return sentences
+
+
 # Sampled motion -----------------------------------------------------------------------------------
 
 

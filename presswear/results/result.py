@@ -141,7 +141,8 @@ class Result:
         first += [] if self.life is None else [f"{self.life}"]
         remark = self.scene.bin_remark
         lines += [f"worn volume: {remark}"] if remark else []
-        return "\n".join([*first, *lines, *press.deep_contacts(self.scene, self.stages)])
+        doubts = press.deep_contacts(self.scene, self.stages) + press.rough_surfaces(self.stages)
+        return "\n".join([*first, *lines, *doubts])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.

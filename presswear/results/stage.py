@@ -1,5 +1,6 @@
 """One stage of a result: statistics, recorded arrays, and the wear after it."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -77,6 +78,19 @@ class WearPeak:
 
 
 @dataclass(frozen=True)
+class Roughness:
+    """Bumps on worn surfaces that a wear update in one jump made from a map of few cycles."""
+
+    height: float  # rms noise of bearing and pin together, m; 0: no jump before
+    penetration: float | None = None  # median in contact, m; None: no contact, or no jump
+
+    @property
+    def is_rough(self) -> bool:
+        """True if bumps are higher than the penetration, so that each breaks the contact."""
+        return self.height > (self.penetration or math.inf)
+
+
+@dataclass(frozen=True)
 class JointStatistics:
     """Forces, contacts and wear of a clearance joint in a stage, of all replicates; SI units."""
 
@@ -94,6 +108,7 @@ class JointStatistics:
     wear_depth_max_by_replicate: tuple[float, ...]  # deepest place of one wear update, m
     wear_peaks: Mapping[str, WearPeak]
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
+    surface: Roughness = Roughness(0.0)
 
 
 @dataclass(frozen=True)
