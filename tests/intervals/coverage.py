@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.recording.statistics import half_width
+from presswear.recording.statistics import half_width, widened
 from presswear.tools.arrays import Array
 
 TRIES, LONG_RUNS = 80, 4  # long runs take the seeds after those of the tries
@@ -72,7 +72,9 @@ def intervals_of(stage: pw.StageResult) -> dict[str, Ends]:
         found[f"contacts {name}"] = joint.contacts_per_cycle
         found[f"load distance {name}"] = joint.load_distance_per_cycle
         # A run chooses the cycles of its wear update by its first cycles.
-        found[f"worn volume {name}, of a cycle"] = joint.wear_volume.scaled(per_cycle)
+        # The error of the wear step is stated beside this interval, and is not in it.
+        volume = widened(joint.wear_volume, joint.wear_volume_step_error or 0.0)
+        found[f"worn volume {name}, of a cycle"] = volume.scaled(per_cycle)
         for side, peak in joint.wear_peaks.items():
             found[f"deepest wear {name}, {side}, of a cycle"] = peak.depth.scaled(per_cycle)
     return {name: _ends(estimate) for name, estimate in found.items() if estimate is not None}
