@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from presswear.campaign.bumps import bumps_of
 from presswear.campaign.ensemble import Ensemble
-from presswear.campaign.roughness import roughness_of
 from presswear.campaign.wear_update import WearUpdate, cycles_of_update, wear_error
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
@@ -41,9 +41,9 @@ from presswear.recording.statistics import (
 )
 from presswear.results.stage import (
     BottomStatistics,
+    Bumps,
     JointStatistics,
     OutputStatistics,
-    Roughness,
     StageResult,
     StageStatistics,
     WearPeak,
@@ -173,12 +173,10 @@ def _statistics(
     if not recorders:
         return StageStatistics(cycles=0)
     joints, settling = ensemble.linkage.clearances, ensemble.settling
-    surfaces = [Roughness(0.0)] * len(joints)
-    if index > 0 and not scene.wears_in_steps:
-        surfaces = roughness_of(ensemble, recorders)
-    is_mixture = bool(settling and settling.is_mixture)
-    is_doubtful = is_mixture or any(surface.is_rough for surface in surfaces)
-    mean_peak = _mean_without_interval if is_doubtful else _mean
+    surfaces = bumps_of(ensemble, recorders)
+    are_high = any(surface is not None and surface.are_high for surface in surfaces)
+    is_mixture = settling is not None and settling.is_mixture
+    mean_peak = _mean_without_interval if is_mixture or are_high else _mean
     output: dict[str, Any] = {name: _largest(recorders, name) for name in _OUTPUTS}
     output["velocity_min"] = -_largest(recorders, "velocity_min", sign=-1.0)
     output |= {f"{name}_per_cycle": mean_peak(recorders, alone, name) for name in _OUTPUTS}
@@ -239,9 +237,8 @@ def _drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
 def _mean_without_interval(
     recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
 ) -> Estimate:
-    """Return the mean of different motions, or on rough surfaces: an interval would not hold."""
-    estimate = _mean(recorders, alone, name, joint)
-    return Estimate(estimate.mean, samples=estimate.samples)
+    """Return a mean over different motions, or on rough surfaces, whose interval would not hold."""
+    return _mean(recorders, alone, name, joint).without_interval
 
 
 def _joint_statistics(
@@ -251,7 +248,7 @@ def _joint_statistics(
     alone: Recorders,
     wear: StageWear,
     mean_peak: Callable[[Recorders, Recorders, str, int], Estimate],
-    surface: Roughness,
+    bumps: Bumps | None,
 ) -> JointStatistics:
     added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
     coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
@@ -283,7 +280,7 @@ def _joint_statistics(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
         ),
         wear_peaks={} if wear.is_frozen else _wear_peaks(joint, k, wear),
-        surface=surface,
+        bumps=bumps,
     )
 
 

@@ -91,7 +91,7 @@ def run_scene(
     from presswear.campaign.campaign import run_into, workers_of
     from presswear.campaign.wear_histories import fewest_cycles_of
     from presswear.results.folder import ResultFolder
-    from presswear.results.press_analysis import deep_contacts, rough_surfaces
+    from presswear.results.press_analysis import contact_warnings
     from presswear.results.result import load
 
     window: Any = nullcontext()
@@ -133,8 +133,7 @@ def run_scene(
         with console.status("drawing the figures") as line:
             report = write_report(result, lambda count: line.update(f"drawing {count} figures"))
         terminal.print_lines(console, f"results in {folder}, report in {report}")
-    terminal.print_lines(console, *deep_contacts(result.scene, result.stages))
-    terminal.print_lines(console, *rough_surfaces(result.stages))
+    terminal.print_lines(console, *contact_warnings(result.scene, result.stages))
     if result.status == "failed":
         raise RunFailed(result.message)
     if result.status == "unconverged":

@@ -64,9 +64,14 @@ class Estimate:
         if half is None or self.mean <= 0.0:
             return self
         if half > self.mean * math.log(MAX_FACTOR):
-            return Estimate(self.mean, samples=self.samples)
+            return self.without_interval
         factor = math.exp(half / self.mean)
         return Estimate(self.mean, self.mean / factor, self.mean * factor, self.samples)
+
+    @property
+    def without_interval(self) -> "Estimate":
+        """Mean alone."""
+        return Estimate(self.mean, samples=self.samples)
 
     def __str__(self) -> str:
         """Return the mean with its interval; ``±`` where both ends are about as far away.

@@ -363,10 +363,8 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     for k, body in enumerate(ideal):
         columns = dict(zip(CYCLE_DRIVE, last[:, k].T, strict=True))
         peaks[body] = [_mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")]
-        if settling and settling.is_mixture:
-            peaks[body] = [
-                peak and Estimate(peak.mean, samples=peak.samples) for peak in peaks[body]
-            ]
+        if stage.statistics.high_bumps or (settling and settling.is_mixture):
+            peaks[body] = [peak and peak.without_interval for peak in peaks[body]]
         numbers[body] = {
             name: _farthest(values) if name.endswith("peak") else float(values.mean())
             for name, values in columns.items()
@@ -626,23 +624,28 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     return sentences
 
 
-def rough_surfaces(stages: Sequence[StageResult]) -> list[str]:
+def high_bumps(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on stages whose surfaces have bumps higher than the penetration."""
+    advice = "life.quick = off" if scene.is_quick else "more cycles, or extrapolation = steps"
     sentences = []
     for stage in stages:
-        for name, joint in stage.statistics.joints.items():
-            height, penetration = joint.surface.height, joint.surface.penetration
-            if not joint.surface.is_rough or penetration is None:
-                continue
+        rough = [
+            f"{name} ({readable(1e6 * one.height, 2)} µm, penetration "
+            f"{readable(1e6 * one.penetration, 2)} µm)"
+            for name, one in stage.statistics.high_bumps.items()
+        ]
+        if rough:
             sentences.append(
-                f"{stage.name.capitalize()}: the surfaces of joint {name} have bumps of "
-                f"{readable(1e6 * height, 2)} µm (rms), because a wear update in one jump "
-                "multiplies the noise of its map. Half of the time in contact the pin penetrates "
-                f"less than {readable(1e6 * penetration, 2)} µm. Contacts, peak forces and "
-                "accelerations are those of the bumps and have no interval. More cycles make the "
-                "map smoother; extrapolation = steps wears the bumps off again."
+                f"{stage.name.capitalize()}: bumps are higher than the penetration at joint "
+                f"{' and '.join(rough)}, because one jump multiplies the noise of its wear map. "
+                f"Contacts and peak values have no interval; use {advice}."
             )
     return sentences
+
+
+def contact_warnings(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
+    """Return sentences on contacts that are too deep for the model, or on rough surfaces."""
+    return deep_contacts(scene, stages) + high_bumps(scene, stages)
 
 
 # Sampled motion -----------------------------------------------------------------------------------

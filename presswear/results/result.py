@@ -119,7 +119,7 @@ class Result:
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
     def __str__(self) -> str:
-        """Return a table of the stages, and sentences on deep contacts."""
+        """Return a table of the stages, and sentences on deep contacts and rough surfaces."""
         names = self.scene.clearance_joints
         rows = [["stage", "cycles", "ended", "joint", "largest force (N)"]]
         rows[0].append("worn per million strokes (mm³)")
@@ -141,8 +141,7 @@ class Result:
         first += [] if self.life is None else [f"{self.life}"]
         remark = self.scene.bin_remark
         lines += [f"worn volume: {remark}"] if remark else []
-        doubts = press.deep_contacts(self.scene, self.stages) + press.rough_surfaces(self.stages)
-        return "\n".join([*first, *lines, *doubts])
+        return "\n".join([*first, *lines, *press.contact_warnings(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.

@@ -1,6 +1,5 @@
 """One stage of a result: statistics, recorded arrays, and the wear after it."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -78,16 +77,16 @@ class WearPeak:
 
 
 @dataclass(frozen=True)
-class Roughness:
+class Bumps:
     """Bumps on worn surfaces that a wear update in one jump made from a map of few cycles."""
 
-    height: float  # rms noise of bearing and pin together, m; 0: no jump before
-    penetration: float | None = None  # median in contact, m; None: no contact, or no jump
+    height: float  # rms noise of bearing and pin together, m
+    penetration: float  # median in contact, m
 
     @property
-    def is_rough(self) -> bool:
+    def are_high(self) -> bool:
         """True if bumps are higher than the penetration, so that each breaks the contact."""
-        return self.height > (self.penetration or math.inf)
+        return self.height > self.penetration
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ class JointStatistics:
     wear_depth_max_by_replicate: tuple[float, ...]  # deepest place of one wear update, m
     wear_peaks: Mapping[str, WearPeak]
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
-    surface: Roughness = Roughness(0.0)
+    bumps: Bumps | None = None  # None: no jump before, one replicate, or no contact
 
 
 @dataclass(frozen=True)
@@ -131,6 +130,12 @@ class StageStatistics:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", Joints(self.joints))
+
+    @property
+    def high_bumps(self) -> dict[str, Bumps]:
+        """Joints whose bumps are higher than the penetration; with one, peaks have no interval."""
+        bumps = {name: joint.bumps for name, joint in self.joints.items()}
+        return {name: one for name, one in bumps.items() if one is not None and one.are_high}
 
     @property
     def energy_residual_fraction(self) -> float | None:

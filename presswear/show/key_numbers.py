@@ -337,8 +337,7 @@ def _rivals(values: Mapping[str, Estimate]) -> list[str]:
 def warnings(result: Result) -> list[str]:
     """Return sentences on what makes the numbers of a result doubtful."""
     scene, lines = result.scene, doubts(result.scene)
-    lines += press.deep_contacts(scene, result.stages)
-    lines += press.rough_surfaces(result.stages)
+    lines += press.contact_warnings(scene, result.stages)
     stages = [stage for stage in result.stages if not stage.failed]
     for stage in stages:
         settling = stage.statistics.settling
