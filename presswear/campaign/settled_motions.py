@@ -28,14 +28,10 @@ Joints = Sequence[ClearanceJoint]
 def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
     """Return the motion on which each run came to rest, from its rows of cycles."""
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
-    rests = []
-    for rows in runs:
-        columns = [
-            [column_of(f"eccentricity_{axis}", k) for axis in "xy"] for k in range(len(joints))
-        ]
-        forces = [column_of("force_max", k) for k in range(len(joints))]
-        rests.append(rest_of(signatures(rows[:, columns] / clearances, rows[:, forces])))
-    return rests
+    indices = range(len(joints))
+    places = [[column_of(f"eccentricity_{axis}", k) for axis in "xy"] for k in indices]
+    forces = [column_of("force_max", k) for k in indices]
+    return [rest_of(signatures(rows[:, places] / clearances, rows[:, forces])) for rows in runs]
 
 
 def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
@@ -50,7 +46,7 @@ def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
     for group in groups:
         members = [settled[n] for n in group]
         period = max(rest.period for k in members if (rest := rests[k]))
-        rows = [runs[k][max((starts[k] or 0) - STARTUP_CYCLES, 0) :] for k in members]
+        rows = [runs[k][starts[k] :] for k in members]
         motions.append(_motion(joints, rows, len(members), period))
     irregular = [run[:start] for run, start in zip(runs, starts, strict=True)]
     irregular = [rows for rows in irregular if len(rows) > STARTUP_CYCLES]

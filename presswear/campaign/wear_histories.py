@@ -38,7 +38,6 @@ from presswear.recording.observe import column_of
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
-from presswear.results.motions import sentence_of
 from presswear.results.stage import WearStep
 from presswear.scene.options import Life, Service
 from presswear.scene.scene import Scene
@@ -302,7 +301,7 @@ def run_life(
         keep_blocks,
         lambda refinements: report(preliminary_life(scene, problem, refinements)),
     )
-    return done, replace(life_result(scene, problem, done), motion=_words_of(histories))
+    return done, replace(life_result(scene, problem, done), settling=histories.settling)
 
 
 def _settled(joints: Sequence[ClearanceJoint], histories: Sequence[Array]) -> int | None:
@@ -323,17 +322,6 @@ def _stage_cycles(runner: Runner, blocks: Sequence[LoadBlock]) -> float:
     if WATCHED_CYCLES * seconds <= WATCHED_SECONDS:
         return WATCHED_CYCLES
     return max(WATCHED_SECONDS / seconds, STAGE_CYCLES)
-
-
-def _words_of(histories: WearHistories) -> str:
-    """Return a sentence on the motion that the wear of a life is of."""
-    settling = histories.settling
-    if settling is None:
-        return ""
-    text = sentence_of(settling)
-    if settling.verdict == "settled":
-        return f"{text}. The histories begin in this motion"
-    return text
 
 
 def preliminary_life(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:

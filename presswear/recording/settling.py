@@ -76,14 +76,14 @@ class Settling:
         return "settled" if regular == 1 else "coexisting"
 
     def skipped(self, replicate: int) -> int:
-        """Return the first cycles of a replicate that are left out: no samples, beside start-up.
+        """Return the number of cycles of a replicate that come before its start-up.
 
-        Where all replicates have settled, the numbers are those of the motion that goes on.
+        Where all replicates have settled, the numbers are those of the motion that goes on, after a
+        start-up: in its first cycle the rattle ends.
         """
-        start = self.starts[replicate]
-        if start is None or self.settled < self.runs:
+        if self.settled < self.runs:
             return 0
-        return max(start - STARTUP_CYCLES, 0)
+        return self.starts[replicate] or 0
 
     @property
     def is_mixture(self) -> bool:

@@ -5,7 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from presswear.recording.settling import Settling
 from presswear.recording.statistics import Estimate, quantile
+from presswear.results.motions import sentence_of
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, quantity_text, readable
@@ -92,7 +94,7 @@ class LifeResult:
     phases: tuple[Phase, ...]
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
-    motion: str = ""  # sentence on the motion on the surfaces at the start
+    settling: Settling | None = None  # motions on the surfaces at the start; None: a quick life
     settled: tuple[int | None, ...] = ()  # histories that repeat at the end of each load block
 
     @property
@@ -125,6 +127,16 @@ class LifeResult:
         span = span_of(self.strokes, self.error)
         strokes = large(self.strokes, digits=digits_of(self.error))
         return f"{strokes} strokes ({span})" if span else f"{strokes} strokes"
+
+    @property
+    def motion(self) -> str:
+        """Sentence on the motion on the surfaces at the start, without a full stop, or nothing."""
+        if self.settling is None:
+            return ""
+        text = sentence_of(self.settling)
+        if self.settling.verdict == "settled":
+            return f"{text}. The histories begin in this motion"
+        return text
 
     def __str__(self) -> str:
         """Return one line: strokes and the limit that is exceeded, or the values reached."""

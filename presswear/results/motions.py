@@ -6,7 +6,7 @@ from presswear.recording.settling import REPEATED, Motion, Settling
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.tools.numbers import counted, quantity_text, readable
 
-SETTLE = "presswear dynamics settle shows how likely each motion is, and how long it lasts"
+SETTLE_ADVICE = "presswear dynamics settle shows how likely each motion is, and how long it lasts"
 
 
 def sentence_of(settling: Settling) -> str:
@@ -14,7 +14,7 @@ def sentence_of(settling: Settling) -> str:
     return _SENTENCES[settling.verdict](settling)
 
 
-def is_remarkable(settling: Settling) -> bool:
+def needs_warning(settling: Settling) -> bool:
     """Return whether a mean over the motions, or over the first strokes, misleads."""
     if settling.is_mixture:
         return True
@@ -45,7 +45,7 @@ def _coexisting(settling: Settling) -> str:
 
 def _settled(settling: Settling) -> str:
     count, before = counted(settling.runs, "run"), _strokes_before(settling)
-    if not is_remarkable(settling):
+    if not needs_warning(settling):
         return f"The motion is regular: {count} repeat after {before}"
     text = f"All {count} came to rest on the same regular motion (peak force "
     text += f"{peak_force(settling.motions[0])}) after {before}, and the numbers are those of this "

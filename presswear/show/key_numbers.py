@@ -7,7 +7,7 @@ from typing import Any
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.life import QUICK, WITHOUT_CURVES, LifeResult, digits_of, span_of, words_of
-from presswear.results.motions import SETTLE, is_remarkable, sentence_of
+from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
 from presswear.results.oil_film import STEADY, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, StageResult
@@ -126,7 +126,7 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
         text += f" Before the wear of {strokes} strokes: {new}."
     settling = last.statistics.settling
-    if settling and not is_remarkable(settling):
+    if settling and not needs_warning(settling):
         text += f" {sentence_of(settling)}."
     peak = measured("Peak joint force", forces[at], "N", text)
     if settling and settling.is_mixture:
@@ -342,8 +342,8 @@ def warnings(result: Result) -> list[str]:
     for stage in stages:
         settling = stage.statistics.settling
         # The status of the run names stages of which some replicates have settled.
-        if settling and is_remarkable(settling) and settling.verdict != "mixed":
-            lines.append(f"{stage.name.capitalize()}: {sentence_of(settling)}. {SETTLE}.")
+        if settling and needs_warning(settling) and settling.verdict != "mixed":
+            lines.append(f"{stage.name.capitalize()}: {sentence_of(settling)}. {SETTLE_ADVICE}.")
     for stage in stages:
         made = stage.statistics.energy_made_fraction
         if made > _MADE:
