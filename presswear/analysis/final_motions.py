@@ -62,7 +62,7 @@ class FinalMotion:
 
 
 @dataclass(frozen=True)
-class Settled:
+class FinalMotionsAt:
     """Final motions at one value of the parameter."""
 
     value: float | None  # of the parameter, SI; None: there is no parameter
@@ -111,7 +111,7 @@ class FinalMotions:
     scene: Scene
     watch: Watch
     parameter: Parameter | None
-    values: tuple[Settled, ...]
+    values: tuple[FinalMotionsAt, ...]
 
 
 def proportion(count: int, total: int) -> Estimate:
@@ -126,7 +126,7 @@ def proportion(count: int, total: int) -> Estimate:
 
 def evaluate(
     runs: Runs, joints: tuple[str, ...], kicks: Mapping[int, Sequence[Kick]], value: float | None
-) -> Settled:
+) -> FinalMotionsAt:
     """Return the final motions of finished runs; ``kicks`` are by the first start of a motion."""
     counted = int((runs.settled != FAILED).sum())
     at_rest = np.flatnonzero(runs.settled >= 0)
@@ -152,4 +152,4 @@ def evaluate(
     lasting = runs.cycles[list(irregular)].tolist()
     estimate = half_life([rest.start for rest in rests], lasting)
     bound = least_half_life([], lasting) if irregular and not rests else None
-    return Settled(value, joints, runs, tuple(motions), estimate, bound)
+    return FinalMotionsAt(value, joints, runs, tuple(motions), estimate, bound)

@@ -15,7 +15,7 @@ from presswear.analysis.final_motions import (
     FAILED,
     IRREGULAR,
     FinalMotions,
-    Settled,
+    FinalMotionsAt,
     Watch,
     evaluate,
 )
@@ -85,7 +85,7 @@ def run_start(
     each = range(len(linkage.clearances))
     force = np.array([run.recorder.each_cycle("force_max", k) for k in each])
     contacts = np.array([run.recorder.each_cycle("contacts", k) for k in each])
-    first = STARTUP_CYCLES if rest is None else rest.start
+    first = STARTUP_CYCLES if rest is None else rest.start + STARTUP_CYCLES
     row["peak_force"], row["contacts"] = (
         force[:, first:].mean(axis=1),
         contacts[:, first:].mean(axis=1),
@@ -111,7 +111,7 @@ def _row(joints: int, coordinates: int) -> NDArray[Any]:
         ("period", int),  # of the final motion, cycles; 0: irregular
         ("signature", float, 3 * joints),  # of the final motion
         ("last", float, (PERIODS[-1], 3 * joints)),  # signatures of the last cycles
-        ("peak_force", float, joints),  # mean of the last cycles of the final motion, N
+        ("peak_force", float, joints),  # mean of the final motion after its start-up, N
         ("contacts", float, joints),  # mean of these cycles
         ("irregular_cycles", int),  # after the start-up and before the final motion
         ("irregular_force", float, joints),  # mean peak force in them, N
@@ -136,19 +136,20 @@ class _Folder:
 
     def __init__(self, folder: Path, starts: int) -> None:
         self._folder, self._starts = folder, starts
-        self.rows: dict[int, NDArray[Any]] = {}  # by value times starts plus start
+        self.rows: dict[tuple[int, int], NDArray[Any]] = {}  # by value and start
         self.kicks: dict[tuple[int, int], tuple[Kick, ...]] = {}  # by value and start
         if (folder / RUNS).exists():
             stored = read_arrays(folder / RUNS)
-            self.rows = dict(zip(stored["keys"].tolist(), stored["rows"], strict=True))
+            keys = map(tuple, stored["keys"].tolist())
+            self.rows = dict(zip(keys, stored["rows"], strict=True))
         if (folder / KICKS).exists():
             document = read_json(folder / KICKS, f"{folder} has no {KICKS}", SCHEMA)
             each = typed(document["motions"], list[_Kicked], f"{folder / KICKS}")
             self.kicks = {(one.value, one.start): one.kicks for one in each}
 
-    def add_row(self, key: int, row: NDArray[Any]) -> None:
+    def add_row(self, value: int, row: NDArray[Any]) -> None:
         """Store a finished run."""
-        self.rows[key] = row[0]
+        self.rows[value, int(row["index"][0])] = row[0]
         keys = sorted(self.rows)
         rows = np.array([self.rows[each] for each in keys])
         write_arrays(self._folder / RUNS, {"keys": np.array(keys), "rows": rows}, np.savez)
@@ -159,9 +160,11 @@ class _Folder:
         motions = [_Kicked(*key, each) for key, each in self.kicks.items()]
         write_json(self._folder / KICKS, {"schema": SCHEMA, "motions": motions})
 
-    def settled(self, value: int, joints: tuple[str, ...], number: float | None) -> Settled | None:
+    def settled(
+        self, value: int, joints: tuple[str, ...], number: float | None
+    ) -> FinalMotionsAt | None:
         """Return the final motions of the finished runs of a value; None without any."""
-        keys = range(value * self._starts, (value + 1) * self._starts)
+        keys = ((value, start) for start in range(self._starts))
         rows = [self.rows[key] for key in keys if key in self.rows]
         if not rows:
             return None
@@ -218,7 +221,7 @@ def compute(
     values = () if parameter is None else parameter.values
     scenes = [changed(scene, {parameter.key: value}) for value in values] if parameter else [scene]
     with only_writer(folder, resume=True):
-        _check_inputs(folder, {"scene": scene.as_dict(), "watch": watch, "parameter": parameter})
+        _store_inputs(folder, scene, watch, parameter)
         stored = _Folder(folder, watch.starts)
         ideals = [initial_state(each) for each in scenes]
         count = min(jobs or cores(), watch.starts * len(scenes))
@@ -240,17 +243,20 @@ def _run_starts(
     for value, (scene, ideal) in enumerate(zip(scenes, ideals, strict=True)):
         starts = spread_starts(scene, watch.starts)
         for index in range(watch.starts):
-            key = value * watch.starts + index
-            if key not in stored.rows:
+            if (value, index) not in stored.rows:
+                key = value * watch.starts + index
                 work[key] = partial(run_start, scene, starts, index, watch.cycles, ideal)
     total = watch.starts * len(scenes)
+    left = len(work)
 
     def progress(*_: Any) -> None:
-        done = len(stored.rows)
+        done = total - left
         on_progress(f"start {min(done + 1, total)} of {total}", STARTS_SHARE * done / total)
 
     def finish(key: int, row: Any) -> Mapping[int, Any]:
-        stored.add_row(key, row)
+        nonlocal left
+        left -= 1
+        stored.add_row(key // watch.starts, row)
         progress()
         return {}
 
@@ -291,15 +297,19 @@ def _run_all_kicks(
     workers.run(work, finish, progress)
 
 
-def _check_inputs(folder: Path, inputs: Mapping[str, Any]) -> None:
-    """Write the inputs into a new folder; raise InputError where it holds others."""
-    if not (folder / FILE).exists():
-        write_json(folder / FILE, {"schema": SCHEMA, **inputs})
-        return
-    document = _document(folder)
-    for name, value in plain(inputs).items():
-        if document[name] != value:
-            raise InputError(f"{folder} holds final motions with another {name}")
+def _store_inputs(folder: Path, scene: Scene, watch: Watch, parameter: Parameter | None) -> None:
+    """Write the inputs into a folder; raise InputError where it holds others.
+
+    Only the number of starts may differ, because more starts begin with the same ones.
+    """
+    inputs = {"scene": scene.as_dict(), "watch": watch, "parameter": parameter}
+    if (folder / FILE).exists():
+        document = _document(folder)
+        document["watch"]["starts"] = watch.starts
+        for name, value in plain(inputs).items():
+            if document[name] != value:
+                raise InputError(f"{folder} holds final motions with another {name}")
+    write_json(folder / FILE, {"schema": SCHEMA, **inputs})
 
 
 def load(folder: Path) -> FinalMotions:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from presswear.analysis.final_motions import FinalMotion, FinalMotions, Settled
+from presswear.analysis.final_motions import FinalMotion, FinalMotions, FinalMotionsAt
 from presswear.analysis.kicks import DIRECTIONS, STATES
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.tools.files import write_bytes
@@ -15,7 +15,7 @@ from presswear.tools.numbers import quantity_text, readable, whole
 Table = tuple[Sequence[str], list[list[object]]]  # names of the columns with units, and the rows
 
 
-def summary(result: FinalMotions, settled: Settled) -> list[str]:
+def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
     """Return sentences on the final motions at one value of the parameter."""
     sentences = [_how_many(settled, result.watch.cycles)]
     if settled.half_life is not None:
@@ -34,7 +34,7 @@ def summary(result: FinalMotions, settled: Settled) -> list[str]:
     return [f"{result.parameter.key} = {value}: {sentences[0]}", *sentences[1:]]
 
 
-def _how_many(settled: Settled, cycles: int) -> str:
+def _how_many(settled: FinalMotionsAt, cycles: int) -> str:
     """Return a sentence on how many starts settled."""
     at_rest = settled.counted - settled.irregular
     if at_rest == 0:
@@ -83,7 +83,7 @@ def _of_kicks(result: FinalMotions, number: int, motion: FinalMotion) -> str:
     )
 
 
-def motion_rows(settled: Settled) -> tuple[list[str], list[list[str]]]:
+def motion_rows(settled: FinalMotionsAt) -> tuple[list[str], list[list[str]]]:
     """Return headings and rows of the table of final motions for a terminal."""
     heads = [">motion", ">starts", ">share (%)", ">period"]
     heads += [">joint", ">peak (N)", ">contacts"]
@@ -129,7 +129,7 @@ def _named(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
 
 
-def _values(result: FinalMotions) -> Iterable[tuple[list[object], Settled]]:
+def _values(result: FinalMotions) -> Iterable[tuple[list[object], FinalMotionsAt]]:
     for settled in result.values:
         yield ([] if result.parameter is None else [settled.value]), settled
 

@@ -216,7 +216,7 @@ def test_a_slider_crank_comes_to_rest(tmp_path: Path, monkeypatch: pytest.Monkey
     again = settle.compute(SCENE, watch, tmp_path, start_of, jobs=1)
     assert again.values[0].motions == settled.motions
     with pytest.raises(pw.InputError, match="final motions with another watch"):
-        settle.compute(SCENE, Watch(5, 60), tmp_path, start_of, jobs=1)
+        settle.compute(SCENE, Watch(4, 61), tmp_path, start_of, jobs=1)
 
 
 def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
@@ -230,6 +230,8 @@ def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         settle.compute(scene, watch, tmp_path / "parts", start_of, jobs=1, on_progress=stop)
     assert len(settle.load(tmp_path / "parts").values[0].runs) == 1
+    fewer = settle.compute(scene, Watch(2, 14), tmp_path / "parts", start_of, jobs=1)
+    assert len(fewer.values[0].runs) == 2
     parts = settle.compute(scene, watch, tmp_path / "parts", start_of, jobs=1)
     assert parts.values[0].runs.tobytes() == whole.values[0].runs.tobytes()
     sentence = summary(whole, whole.values[0])[0]

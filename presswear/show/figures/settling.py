@@ -5,7 +5,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
-from presswear.analysis.final_motions import FinalMotions, Settled
+from presswear.analysis.final_motions import FinalMotions, FinalMotionsAt
 from presswear.analysis.settling_tables import summary
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.show.figures import style
@@ -26,7 +26,7 @@ def drawings_of(result: FinalMotions) -> list[Drawing]:
 
 
 @matplotlib.rc_context(style.SETTINGS)
-def draw_settling(result: FinalMotions, settled: Settled) -> Drawing:
+def draw_settling(result: FinalMotions, settled: FinalMotionsAt) -> Drawing:
     """Return the survival curve of the irregular motion, and the starts by final motion."""
     sheet, grid = style.panels(1, 2, 3.4)
     _draw_survival(grid[0, 0], settled)
@@ -36,7 +36,7 @@ def draw_settling(result: FinalMotions, settled: Settled) -> Drawing:
     return style.finished("settling", sheet, pens, startup=STARTUP_CYCLES, **content)[0]
 
 
-def _draw_survival(axes: Axes, settled: Settled) -> None:
+def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
     """Draw the share of starts that have not settled over the cycles, with the exponential law."""
     cycles, share = settled.unsettled()
     is_shown = share > 0.0
@@ -57,7 +57,7 @@ def _draw_survival(axes: Axes, settled: Settled) -> None:
     axes.set_ylabel("starts not settled (%)")
 
 
-def _draw_starts(axes: Axes, result: FinalMotions, settled: Settled) -> str:
+def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> str:
     """Draw where the pin with the largest force starts, by final motion; return its joint."""
     forces = np.array([[one.peak_force[j] for j in settled.joints] for one in settled.motions])
     k = int(forces.max(axis=0).argmax()) if forces.size else 0
@@ -116,7 +116,7 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     return style.finished("half-life", sheet, **content)[0]
 
 
-def _draw_life(axes: Axes, value: float, settled: Settled) -> None:
+def _draw_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:
     """Draw a half-life with its interval, or an arrow from its lower limit."""
     colour, life = style.LINES[0][0], settled.half_life
     if life is not None:
