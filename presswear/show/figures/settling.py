@@ -14,7 +14,6 @@ from presswear.tools.numbers import readable, unit_scale
 
 _MARKERS = "osD^v<>p"  # of final motions, the one of most starts first
 _BAND = 0.2  # opacity of an interval
-_ROW = 0.18  # height of a row of a legend over the clearance
 CURVE, FIT = Pen("starts", style.LINES[0][0]), Pen("exponential law", *style.LINES[1])
 
 
@@ -79,10 +78,11 @@ def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> s
     circle = factor * clearance * np.array([np.cos(turn), np.sin(turn)])
     axes.plot(*circle, color=style.REFERENCE, linewidth=0.7)
     axes.set_aspect("equal")
-    axes.set_ylim(*(factor * clearance * np.array([-1.1, 1.1 + _ROW * len(settled.motions)])))
+    axes.set_ylim(*(factor * clearance * np.array([-1.1, 1.1])))
     axes.set_xlabel(f"start of the pin at {joint}, x ({unit})")
     axes.set_ylabel(f"start of the pin at {joint}, y ({unit})")
-    axes.legend(loc="upper right")
+    # Above the axes, where no marker of the legend is taken for a start.
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return joint
 
 
