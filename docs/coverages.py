@@ -1,0 +1,118 @@
+"""Write the coverage of intervals into its page:  python docs/coverages.py results/coverage
+
+The folder is that of ``pytest -m coverage``, finished or interrupted.
+"""
+
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import presswear as pw
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS.parent / "tests"))
+from intervals.coverage import SUBJECTS, Coverage, table  # noqa: E402
+
+PAGE = DOCS / "validation" / "intervals.md"
+RANGE = 0.9, 0.99  # of the intervals, which should hold
+Columns = Mapping[str, list[Coverage]]  # by the heading of a column
+
+
+def coverages_of(folder: Path) -> dict[str, list[list[Coverage]]]:
+    """Return the coverages of the finished tries of each subject, by stage."""
+    found = {}
+    for name, subject in SUBJECTS.items():
+        paths = [path for path in sorted((folder / name).glob("*")) if _is_finished(path)]
+        results = {path.name: pw.load(path) for path in paths}
+        found[name] = [table(results, k) for k in range(subject.scene.wear_updates + 1)]
+    return found
+
+
+def _is_finished(path: Path) -> bool:
+    return (path / "result.json").exists() and pw.load(path).status != "running"
+
+
+def row_name(coverage: Coverage, subject: str) -> str:
+    """Return a quantity, without its joint where the linkage has one joint with clearance."""
+    joints = SUBJECTS[subject].scene.clearance_joints
+    text = coverage.quantity.removesuffix(", of a cycle")
+    return text if len(joints) > 1 else re.sub(rf" {joints[0]}\b", "", text)
+
+
+def counts(columns: Columns, subjects: Iterable[str]) -> list[str]:
+    """Return a table of the intervals that hold, with a row for each quantity."""
+    cells: dict[str, dict[str, str]] = {}
+    for (heading, rows), subject in zip(columns.items(), subjects, strict=True):
+        for row in rows:
+            stated = int(row.stated.sum())
+            text = f"{int(row.right[row.stated].sum())} of {stated}" if stated else "none stated"
+            cells.setdefault(row_name(row, subject), {})[heading] = text
+    lines = [f"| interval | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
+    for name, texts in cells.items():
+        lines.append(f"| {name} | {' | '.join(texts.get(one, '') for one in columns)} |")
+    return lines
+
+
+def sentences(columns: Columns, where: str) -> list[str]:
+    """Return sentences on all intervals of a table."""
+    every = [(name, row) for name, rows in columns.items() for row in rows if row.stated.any()]
+    right = sum(int(row.right[row.stated].sum()) for _, row in every)
+    stated = sum(int(row.stated.sum()) for _, row in every)
+    within = sum(RANGE[0] <= row.share <= RANGE[1] for _, row in every)
+    fewest = min(every, key=lambda item: item[1].share)
+    one_motion = (item for item in every if not item[1].says_mixed.any())
+    bias = max(one_motion, key=lambda item: abs(item[1].bias), default=fewest)
+    lines = [
+        f"- {where.capitalize()}, {right:,} of {stated:,} intervals hold, "
+        f"{100.0 * right / stated:.1f} %. Of {len(every)} counts, {within} are from "
+        f"{100.0 * RANGE[0]:.0f} to {100.0 * RANGE[1]:.0f} %.",
+        f"- The lowest count is that of {_cell(*fewest)}, {100.0 * fewest[1].share:.0f} %. The "
+        f"largest bias is that of {_cell(*bias)}, {bias[1].bias:+.2f} half widths.",
+    ]
+    below = [_cell(*item) for item in every if item[1].share < RANGE[0]]
+    above = [_cell(*item) for item in every if item[1].share > RANGE[1]]
+    if below:
+        lines.append(f"- Below {100.0 * RANGE[0]:.0f} %: {'; '.join(below)}.")
+    if above:
+        lines.append(f"- Above {100.0 * RANGE[1]:.0f} %: {'; '.join(above)}.")
+    for name, rows in columns.items():
+        mixed = int(rows[0].says_mixed.sum()) if rows else 0
+        if mixed:
+            total = len(rows[0].says_mixed)
+            lines.append(
+                f"- {name}: {mixed} of {total} runs say that some replicates have settled and "
+                "others have not. They count as right."
+            )
+    return lines
+
+
+def _cell(heading: str, coverage: Coverage) -> str:
+    return f"{coverage.quantity.removesuffix(', of a cycle')} ({heading})"
+
+
+def results_of(folder: Path) -> str:
+    """Return the tables of new and of worn surfaces with their sentences."""
+    found = coverages_of(folder)
+    new = {name: stages[0] for name, stages in found.items() if len(stages) == 1 and stages[0]}
+    lines = [*counts(new, new), "", *sentences(new, "on new surfaces")]
+    for name, stages in found.items():
+        if len(stages) > 1 and stages[0]:
+            headings = ["before", *(f"after wear update {k}" for k in range(1, len(stages)))]
+            worn = dict(zip(headings, stages, strict=True))
+            lines += ["", f"`{name}`, worn in steps:", ""]
+            lines += [*counts(worn, [name] * len(worn)), "", *sentences(worn, "on worn surfaces")]
+    return "\n".join(lines)
+
+
+def fill(folder: Path) -> None:
+    """Write the tables between their marks."""
+    marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
+    results = results_of(folder)
+    text = PAGE.read_text(encoding="utf-8")
+    text = re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
+    PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    fill(Path(sys.argv[1]))
