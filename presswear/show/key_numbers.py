@@ -22,6 +22,7 @@ from presswear.tools.user_function import UserFunction
 ENOUGH = 20  # sampled strokes from which the intervals of peak forces are trusted
 _MADE = 0.02  # energy that contacts make, relative to what they dissipate
 _FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
+UNKNOWN = "interval unknown"
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
 # Linkages to which a run is compared
@@ -48,7 +49,7 @@ def measured(
     factor, shown = numbers.unit_scale(unit, abs(mean))
     if low is None or high is None:
         value = f"{numbers.readable(factor * mean, 2)} {shown}"
-        return KeyNumber(name, value, "interval unknown", meaning, note=note or "scatters too much")
+        return KeyNumber(name, value, UNKNOWN, meaning, note=note or "scatters too much")
     digits = 3 if high - low < 0.2 * abs(mean) else 2
     texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
     interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
@@ -62,7 +63,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     if not stages:
         return life
     scene, last = result.scene, stages[-1]
-    return [
+    items = [
         *life,
         *_joint_numbers(scene, stages),
         *([] if life else _wear_depth(scene, stages)),
@@ -70,6 +71,18 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         *_drive_numbers(scene, stages),
         *_improvement(scene, last, result.life),
     ]
+    reason = _reason_without_interval(last)
+    if not reason:
+        return items
+    return [one._replace(note=reason) if one.interval == UNKNOWN else one for one in items]
+
+
+def _reason_without_interval(stage: StageResult) -> str:
+    """Return why peak values of a stage have no interval, or nothing."""
+    settling = stage.statistics.settling
+    if settling and settling.is_mixture:
+        return f"{len(settling.motions)} motions"
+    return "bumps, see the warning" if stage.statistics.high_bumps else ""
 
 
 def _life(scene: Scene, life: LifeResult) -> KeyNumber:
@@ -99,7 +112,7 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     for name, joint in stage.statistics.joints.items():
         bearing = scene.bearing(name)
         per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.width)
-        loads["pressure_limit"][name] = joint.peak_force_per_cycle.scaled(per_area)
+        loads["pressure_limit"][name] = _largest_force(stage, name).scaled(per_area)
         if scene.conventions.slip == "sliding" and bearing.materials.wear_coefficient > 0.0:
             rate = per_area / scene.mechanism.period
             loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
@@ -130,7 +143,7 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         text += f" {sentence_of(settling)}."
     peak = measured("Peak joint force", forces[at], "N", text)
     if settling and settling.is_mixture:
-        note = f"{len(settling.motions)} motions"
+        note = _reason_without_interval(last)
         peak = peak._replace(value=_forces_of_motions(last, at), interval="", note=note)
     if press.penetrations(scene, stages)[at] > press.SMALL_CONTACT:
         peak = _with_laws(peak, press.forces_by_law(scene, at, forces[at].mean))
@@ -142,9 +155,19 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         bearing, (title, unit, words) = scene.bearing(at), _LOADS[key]
         size = f"{_mm(2.0 * bearing.bearing_radius)} × {_mm(bearing.width)} mm"
         limit = numbers.quantity_text(limits[at], unit) if limits[at] else f"not given ({key})"
+        if key == "pressure_limit" and settling and settling.is_mixture:
+            words += ", of the motion with the largest force,"
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
         result.append(measured(title, loads[at], unit, text))
     return result
+
+
+def _largest_force(stage: StageResult, joint: str) -> Estimate:
+    """Return the mean peak force at a joint; of replicates with different motions the largest."""
+    settling = stage.statistics.settling
+    if settling and settling.is_mixture:
+        return max((one.peak_force[joint] for one in settling.motions), key=lambda one: one.mean)
+    return stage.statistics.joints[joint].peak_force_per_cycle
 
 
 def _forces_of_motions(stage: StageResult, joint: str) -> str:
@@ -344,6 +367,8 @@ def warnings(result: Result) -> list[str]:
         # The status of the run names stages of which some replicates have settled.
         if settling and needs_warning(settling) and settling.verdict != "mixed":
             lines.append(f"{stage.name.capitalize()}: {sentence_of(settling)}. {SETTLE_ADVICE}.")
+            if (settling.starts[0] or 0) > STARTUP_CYCLES:
+                lines[-1] += " Figures over time show the first run before it came to rest."
     for stage in stages:
         made = stage.statistics.energy_made_fraction
         if made > _MADE:

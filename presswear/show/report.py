@@ -142,7 +142,7 @@ def _status(result: Result) -> str:
     total = result.scene.wear_updates + 1
     return {
         "completed": f"Completed: {f'all {count} stages' if count > 1 else 'the stage'} ran.",
-        "unconverged": f"Not converged: {message}. {count} stages ran.",
+        "unconverged": f"Not converged: {message}. {numbers.counted(count, 'stage')} ran.",
         "failed": f"Failed: {message or 'no reason was stored'}",
         "running": f"Unfinished: {count} of {total} stages are stored; "
         "the run goes on or was stopped.",
