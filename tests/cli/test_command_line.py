@@ -374,14 +374,10 @@ def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -
 
 
 def test_final_motions_of_a_scene_over_a_parameter(tmp_path: Path, command: Command) -> None:
-    line = f"dynamics settle slider-crank --starts 2 --cycles 12 --jobs 1 --out {tmp_path / 's'}"
+    line = f"dynamics settle slider-crank --starts 2 --cycles 20 --jobs 1 --out {tmp_path / 's'}"
     output = command(f"{line} --over 'speed=100:200:2 rad/s'")
-    for words in (
-        "speed = 100 rad/s: none of 2",
-        "speed = 200 rad/s: none of 2",
-        "half-life longer",
-    ):
-        assert words in output
+    for speed in (100, 200):
+        assert f"speed = {speed} rad/s: none of 2 starts settled in 20 cycles: half-life" in output
     lines = (tmp_path / "s" / "half-life.csv").read_text().splitlines()
     assert lines[0].startswith("speed (rad/s),starts,settled,irregular,failed,half_life (cycles)")
     assert [line.split(",")[:5] for line in lines[1:]] == [
