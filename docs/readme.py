@@ -12,9 +12,9 @@ from presswear.tools.numbers import readable
 README = Path(__file__).parents[1] / "README.md"
 
 
-def result_table() -> str:
+def result_table(cycles: int = 20) -> str:
     """Compute the table: the command above it in README, in memory."""
-    result = pw.run(pw.scenes.press_blanking(cycles=20))
+    result = pw.run(pw.scenes.press_blanking(cycles=cycles))
     new, worn = (stage.statistics for stage in result.stages)
     rows: list[tuple[str, pw.Estimate]] = []
     for name in ("A", "C"):

@@ -332,8 +332,9 @@ def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
 
 
 def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "lives"
-    line = "life wear-times --engine dae --cycles 1 --jobs 1 --until A.depth>8um --tolerance 1"
+    file, out = tmp_path / "four-bar.toml", tmp_path / "lives"
+    command(f"new four-bar {file}")
+    line = f"life {file} --engine dae --cycles 1 --jobs 1 --until B.depth>4um --tolerance 1"
     line += " --set life.max_cycles=40 --set replicates=2 --compare wear_coefficient=9e-13/Pa"
     first = command(f"{line} --out {out}")
     names = {path.parent.name for path in out.glob("*/result.json")}
@@ -350,7 +351,8 @@ def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> Non
 
 
 def test_a_quick_life_has_two_rates(tmp_path: Path, command: Command) -> None:
-    line = "life wear-times --quick --engine dae --cycles 3 --jobs 1 --until A.depth>8um"
+    command(f"new four-bar {tmp_path / 'four-bar.toml'}")
+    line = f"life {tmp_path / 'four-bar.toml'} --quick --cycles 3 --jobs 1 --until B.depth>8um"
     output = command(f"{line} --set replicates=2 --no-report --out {tmp_path / 'life'}")
     assert "quick life: " in output
     assert "no error of steps: wear rates of the new surfaces" in output

@@ -25,6 +25,7 @@ from presswear.recording.observer import COMPILING, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.stage import JointStatistics, StageResult, StageStatistics
 from presswear.scene.catalog import wear_times
+from presswear.scene.files import example_file
 
 SCENE = replace(wear_times(), engine="dae", wear_updates=2)
 
@@ -115,7 +116,8 @@ def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> N
 
 def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(tmp_path: Path) -> None:
     """The cursor never goes up, as it would to repaint a second line, and the share never falls."""
-    line = "life wear-times --engine dae --cycles 1 --until A.depth>8um --tolerance 1 --no-report"
+    (tmp_path / "four-bar.toml").write_text(example_file("four-bar"))
+    line = "life four-bar.toml --cycles 1 --until B.depth>4um --tolerance 1 --no-report"
     line += " --jobs 1 --set life.max_cycles=40 --set replicates=2 --out out"
     text = in_terminal(["-m", "presswear", *line.split()], tmp_path)
     assert "life, refinement 1, " in text
