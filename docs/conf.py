@@ -17,7 +17,6 @@ import draw  # noqa: E402
 import formulas  # noqa: E402
 import lines  # noqa: E402
 import outputs  # noqa: E402
-import readme  # noqa: E402
 
 from presswear.results.folder import program_digest  # noqa: E402
 
@@ -83,13 +82,12 @@ _FAILURES: list[Future[list[str]]] = []
 
 
 def _run_commands(app: Sphinx) -> None:
-    """Start the command lines of pages without cells, and compute the table of README."""
+    """Start the command lines of pages without cells."""
     if app.config.nb_execution_mode == "off":
         return
     threads = ThreadPoolExecutor(1)
     _FAILURES.append(threads.submit(lines.failures, lines.all_lines()))
     threads.shutdown(wait=False)
-    readme.fill()
 
 
 def _show_outputs(app: Sphinx) -> None:

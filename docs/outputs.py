@@ -3,8 +3,8 @@
     sphinx-build docs site && python docs/outputs.py
     sphinx-build -D nb_execution_mode=off docs site
 
-The first line executes the pages and stores the cells with their outputs in ``docs/outputs``; the
-second one shows them.
+The first line executes the pages, stores the cells with their outputs in ``docs/outputs``, and
+writes the table of README.md; the second one shows the cells.
 """
 
 import base64
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
+import readme
 from myst_nb.core.read import read_myst_markdown_notebook
 from PIL import Image
 from sphinx.errors import SphinxError
@@ -87,3 +88,4 @@ def store(page: str) -> None:
 if __name__ == "__main__":
     for name in pages():
         store(name)
+    readme.fill()

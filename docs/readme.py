@@ -1,6 +1,6 @@
 """Write the table of results in README.md:  python docs/readme.py
 
-The build of the site calls this.
+``docs/outputs.py`` calls this.
 """
 
 import re

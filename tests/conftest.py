@@ -17,6 +17,22 @@ settings.load_profile("repeatable")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# Files of more than 10 s of CPU time. They begin first, so that all processes end together.
+LONGEST = """
+test_scenarios test_command_line test_pages test_friction_without_clearance test_figures test_loads
+test_cases test_settled_motions test_laws_in_scenes test_soundness test_rounds test_report
+test_replay_command test_runner test_export test_sensitivity test_growth test_press_analysis
+test_worn_bush test_terminal test_untrusted_laws test_browser test_initial_surfaces test_ensemble
+test_sweep test_benchmark test_processes test_campaign test_heavy_press
+"""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest files."""
+    rank = {name: k for k, name in enumerate(LONGEST.split())}
+    items.sort(key=lambda item: rank.get(item.path.stem, len(rank)))
+
+
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
     """Return a function that runs a command line and returns its output; a refusal is one line."""
