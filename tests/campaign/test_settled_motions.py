@@ -157,6 +157,7 @@ def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene) -> None:
     assert peak.note == "2 motions"
     pressure = next(key for key in key_numbers(result) if key.name == "Pin pressure p")
     assert "of the motion with the largest force, at joint B" in pressure.meaning
+    assert statistics.settling is not None
     force = statistics.settling.motions[-1].peak_force["B"].mean  # on 30 mm x 20 mm
     assert float(pressure.value.removesuffix(" MPa")) == pytest.approx(
         1e-6 * force / 6e-4, rel=0.05
