@@ -111,6 +111,10 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     grid[2, 0].set_yscale("log", subs=style.SUBTICKS)
     grid[2, 0].set_ylabel("peak force of the\nfinal motions (N)")
     grid[2, 0].set_xlabel(f"{parameter.key} ({unit})" if unit else parameter.key)
+    grid[0, 0].plot([], [], "^", color=colour, fillstyle="none", label="lower limit, 95 %")
+    grid[2, 0].plot([], [], "x", color=colour, label="irregular motion")
+    for axes in grid[0, 0], grid[2, 0]:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0))
     sheet.align_ylabels()
     content: dict[str, Any] = {"parameter": parameter, "watch": result.watch}
     return style.finished("half-life", sheet, **content)[0]
