@@ -16,6 +16,7 @@ from intervals.coverage import SUBJECTS, Coverage, table  # noqa: E402
 
 PAGE = DOCS / "validation" / "intervals.md"
 RANGE = 0.9, 0.99  # of the intervals, which should hold
+WEAR = "worn volume", "deepest wear"  # first words of quantities of a wear update
 Columns = Mapping[str, list[Coverage]]  # by the heading of a column
 
 
@@ -98,8 +99,10 @@ def results_of(folder: Path) -> str:
     lines = [*counts(new, new), "", *sentences(new, "on new surfaces")]
     for name, stages in found.items():
         if len(stages) > 1 and stages[0]:
-            headings = ["before", *(f"after wear update {k}" for k in range(1, len(stages)))]
-            worn = dict(zip(headings, stages, strict=True))
+            # The other quantities before the wear are those of the same runs on new surfaces.
+            wear = [row for row in stages[0] if row.quantity.startswith(WEAR)]
+            headings = ["wear update", *(f"after wear update {k}" for k in range(1, len(stages)))]
+            worn = dict(zip(headings, [wear, *stages[1:]], strict=True))
             lines += ["", f"`{name}`, worn in steps:", ""]
             lines += [*counts(worn, [name] * len(worn)), "", *sentences(worn, "on worn surfaces")]
     return "\n".join(lines)
