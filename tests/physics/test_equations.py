@@ -284,6 +284,24 @@ def test_equations_run_in_plain_python(name: str) -> None:
     near(subject.run(is_compiled=False), expected, 1e-10)
 
 
+def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A pin 1e-19 m deep in a worn bearing moves as one that does not touch."""
+    subject, found = subject_of("worn foundation"), list[Array]()
+    names = function_of(subject.equations.text).py_func.__globals__
+    for penetration in (-1e-19, 1e-19):
+
+        def barely(joint: Any, surfaces: Array, contact: Any, depth: float = penetration) -> None:
+            contact["penetration"] = depth
+            contact["elastic"] = contact["couple"] = contact["energy"] = 0.0
+
+        monkeypatch.setitem(names, "note_foundation", barely)
+        found.append(subject.run(is_compiled=False).copy())
+    assert np.isfinite(found[0]).all()
+    np.testing.assert_array_equal(*found)
+
+
 def test_equations_run_without_compilation(tmp_path: Path) -> None:
     """With NUMBA_DISABLE_JIT=1, so that a debugger steps into every kernel."""
     script = tmp_path / "plain.py"

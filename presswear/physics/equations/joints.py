@@ -294,8 +294,10 @@ class JointText:
         place = self.vector("eccentricity")
         couple = ZERO
         if self.is_worn and self.record["foundation"] > 0.0:
-            couple = f"{size} / {self.value('elastic')} * {self.value('couple')}"
-            couple = self.let("couple_moment", couple)
+            # A penetration of 1e-19 m is closed, and its force rounds to zero.
+            elastic = self.value("elastic")
+            couple = f"{size} / {elastic} * {self.value('couple')}"
+            couple = self.let("couple_moment", f"{couple} if {elastic} > {ZERO} else {ZERO}")
         if self.pin.place >= 0:
             point = self.text.let_vector(self.name("pin_point"), self.pin_arm.plus(reach))
             self.text.write(f"{self.name('pin_moment')} = {total(point.cross(force), couple)}")
