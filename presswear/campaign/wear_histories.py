@@ -131,7 +131,10 @@ class WearHistories:
             label="life, does the motion settle?",
         )
         watched = self.state.watched or EnsembleState()
-        ensemble = self.runner.run(self.initial, spec, watched, lambda s: self.store(watched=s))
+        runner = self.runner
+        runner.later = fewest_cycles_of(scene) / scene.replicate_count
+        runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, ())
+        ensemble = runner.run(self.initial, spec, watched, lambda s: self.store(watched=s))
         if ensemble.failure:
             raise RunFailed(ensemble.failure, ensemble.finding)
         self.store(watched=ensemble.state)

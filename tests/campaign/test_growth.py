@@ -477,6 +477,14 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(campaign: Campai
     assert second.step == pytest.approx(first.step, rel=1e-9, abs=0.0)
 
 
+def test_the_watched_motion_before_a_life_is_a_small_part_of_it(campaign: Campaign) -> None:
+    """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
+    progress = campaign(LIFE, FakeEngine(exponential)).progress
+    watched = [each.whole for each in progress if "does the motion settle" in each.word]
+    assert watched
+    assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)
+
+
 def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path: Path) -> None:
     """It is stored with its state, and reported, while the next refinement runs."""
     path = tmp_path / "life"
