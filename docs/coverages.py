@@ -16,7 +16,6 @@ from intervals.coverage import SUBJECTS, Coverage, table  # noqa: E402
 
 PAGE = DOCS / "validation" / "intervals.md"
 RANGE = 0.9, 0.99  # of the intervals, which should hold
-WEAR = "worn volume", "deepest wear"  # first words of quantities of a wear update
 Columns = Mapping[str, list[Coverage]]  # by the heading of a column
 
 
@@ -72,11 +71,11 @@ def sentences(columns: Columns, where: str) -> list[str]:
         f"largest bias is that of {_cell(*bias)}, {bias[1].bias:+.2f} half widths.",
     ]
     below = [_cell(*item) for item in every if item[1].share < RANGE[0]]
-    above = [_cell(*item) for item in every if item[1].share > RANGE[1]]
+    above = sum(row.share > RANGE[1] for _, row in every)
     if below:
         lines.append(f"- Below {100.0 * RANGE[0]:.0f} %: {'; '.join(below)}.")
     if above:
-        lines.append(f"- Above {100.0 * RANGE[1]:.0f} %: {'; '.join(above)}.")
+        lines.append(f"- Above {100.0 * RANGE[1]:.0f} %: {above}, where every interval holds.")
     for name, rows in columns.items():
         mixed = int(rows[0].says_mixed.sum()) if rows else 0
         if mixed:
@@ -99,12 +98,12 @@ def results_of(folder: Path) -> str:
     lines = [*counts(new, new), "", *sentences(new, "on new surfaces")]
     for name, stages in found.items():
         if len(stages) > 1 and stages[0]:
-            # The other quantities before the wear are those of the same runs on new surfaces.
-            wear = [row for row in stages[0] if row.quantity.startswith(WEAR)]
-            headings = ["wear update", *(f"after wear update {k}" for k in range(1, len(stages)))]
-            worn = dict(zip(headings, [wear, *stages[1:]], strict=True))
+            headings = ["before the wear", *(f"after wear {k}" for k in range(1, len(stages)))]
+            worn = dict(zip(headings, stages, strict=True))
             lines += ["", f"`{name}`, worn in steps:", ""]
-            lines += [*counts(worn, [name] * len(worn)), "", *sentences(worn, "on worn surfaces")]
+            lines += [*counts(worn, [name] * len(worn)), ""]
+            lines += sentences(dict([*worn.items()][:1]), "before the wear")
+            lines += sentences(dict([*worn.items()][1:]), "after it")
     return "\n".join(lines)
 
 
