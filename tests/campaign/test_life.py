@@ -156,16 +156,16 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
     ids=["depth", "wild", "drift", "exact"],
 )
 def test_intervals_cover_the_life(limit: Limit, noise: float) -> None:
-    """At least 90 of 100 intervals hold the exact life."""
+    """At least 45 of 50 intervals hold the exact life."""
     covered, errors = 0, []
-    for seed in range(100):
+    for seed in range(50):
         draw = np.random.default_rng(seed)
         rate, fresh = 10.0 ** draw.uniform(-13, -9), draw.uniform(0.0, 10.0)
         wear = KnownWear(seed, rate, fresh, 10.0 ** draw.uniform(-5.5, -4.5), noise)
         life, _ = life_of(problem(limit), wear)
         covered += abs(math.log(life.strokes / wear.life_until(5e-5))) <= life.error
         errors.append(life.error)
-    assert covered >= 90
+    assert covered >= 45
     assert np.median(errors) < 0.1
 
 

@@ -142,7 +142,6 @@ ideal | servo=dwel | servo = 'dwel': .*did you mean dwell
 ideal | servo.part=0.1 | servo\.part: servo = none; it needs servo = dwell, forming, pend
 ideal | servo=dwell servo.stroke=80 | servo\.stroke = '80' has no unit
 ideal | servo=dwell servo.part=0.6 | servo\.part = 0\.6: allowed is above 0 up to 0\.5
-ideal | servo=dwell servo.stroke=0.2m | servo\.stroke = 200 mm: .* allowed is 3\d mm to 10\d mm$
 ideal | servo=forming servo.speed=1mm/s | servo\.speed = 1 mm/s: .* allowed is 32\.66
 ideal | servo=forming servo.end=7mm | servo\.height = 6 mm: .* end = 7 mm and stroke
 ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d = 5 N m: the ideal
