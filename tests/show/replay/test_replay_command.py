@@ -90,15 +90,14 @@ def test_bad_input_is_refused_in_one_line(
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="displays of Linux")
-@pytest.mark.parametrize("name", ["", ":987"])
-def test_without_a_display_one_line_names_alternatives(folder: Path, name: str) -> None:
-    environment = {**os.environ, "DISPLAY": name}
-    for command in ([*REPLAY, str(folder)], [*REPLAY[:3], "run", "wear-times", "--live"]):
-        done = subprocess.run(
-            command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
-        )
-        assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-        assert all(word in done.stderr for word in ("no window can", "--movie", "--still"))
+@pytest.mark.parametrize(("name", "line"), [("", "replay ."), (":987", "run wear-times --live")])
+def test_without_a_display_one_line_names_alternatives(folder: Path, name: str, line: str) -> None:
+    environment, command = {**os.environ, "DISPLAY": name}, [*REPLAY[:3], *line.split()]
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
+    )
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert all(word in done.stderr for word in ("no window can", "--movie", "--still"))
 
 
 @needs_xdotool
