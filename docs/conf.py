@@ -3,6 +3,7 @@
 import os
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
+from fnmatch import fnmatch
 from importlib.metadata import version as version_of
 from pathlib import Path
 
@@ -58,6 +59,8 @@ nb_execution_mode = "cache"
 nb_execution_cache_path = str(DOCS / "_build" / f"outputs-{program_digest()}")
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
+# Patterns of pages that are shown with their stored outputs instead of being executed
+nb_execution_excludepatterns = os.environ.get("STORED_PAGES", "").split()
 nb_execution_timeout = 900
 nb_merge_streams = True
 nb_render_markdown_format = "myst"
@@ -91,10 +94,13 @@ def _run_commands(app: Sphinx) -> None:
 
 
 def _show_outputs(app: Sphinx) -> None:
-    """Show the stored outputs of the pages with code in a build that does not execute them."""
+    """Show the stored outputs of the pages with code that this build does not execute."""
+    patterns = app.config.nb_execution_excludepatterns
     if app.config.nb_execution_mode == "off":
-        readers = {page: ("outputs.read", {"page": page}) for page in outputs.pages()}
-        app.env.mystnb_config = app.env.mystnb_config.copy(custom_formats=readers)
+        patterns = ["*"]
+    pages = [page for page in outputs.pages() if any(fnmatch(page, one) for one in patterns)]
+    readers = {page: ("outputs.read", {"page": page}) for page in pages}
+    app.env.mystnb_config = app.env.mystnb_config.copy(custom_formats=readers)
 
 
 def _check_lines(app: Sphinx, error: Exception | None) -> None:
