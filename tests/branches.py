@@ -3,9 +3,14 @@
 import numpy as np
 
 import presswear as pw
-from presswear.physics.prescribed import Tree, place_prescribed, tree_of
-from presswear.physics.tree import place_links
+from presswear.physics.contact import CONTACT
+from presswear.physics.equations.chain import Chain, open_chain
+from presswear.physics.equations.function import END, function_of, model_of
+from presswear.physics.equations.text import Text
+from presswear.physics.equations.writer import Equations, write_equations
+from presswear.physics.packed import pack
 from presswear.tools.arrays import Array
+from presswear.tools.compile import pack_arguments
 
 
 def branching() -> pw.Linkage:
@@ -35,20 +40,23 @@ def branching() -> pw.Linkage:
     )
 
 
-def placed(
-    tree: Tree, bodies: int, t: float, x: Array, u: Array
-) -> tuple[Array, Array, Array, Array]:
-    """q, v, a of the prescribed bodies, and axes, with all free bodies placed."""
-    q, v, a, axes = np.zeros((4, 3 * bodies))
-    place_prescribed(tree.prescribed, t, q, v, a, axes)
-    place_links(tree.links, x, u, q, v, axes)
-    return q, v, a, axes
-
-
-def tree(linkage: pw.Linkage) -> Tree:
-    result = tree_of(linkage)
-    assert isinstance(result, Tree), result
+def open_tree(linkage: pw.Linkage) -> Chain:
+    result = open_chain(linkage, Text())
+    assert isinstance(result, Chain), result
     return result
+
+
+def placed(linkage: pw.Linkage, x: Array, u: Array) -> tuple[Array, Array]:
+    """Coordinates and rates of all bodies at t = 0 in a state of the open tree."""
+    packed = pack(linkage)
+    equations = write_equations(linkage, packed)
+    assert isinstance(equations, Equations), equations
+    joints = len(packed.joints)
+    model = model_of(linkage, equations, packed, np.zeros(joints), np.zeros(joints, CONTACT))
+    y = np.zeros(equations.size)
+    y[: 2 * x.size] = np.concatenate([x, u])
+    function_of(equations.text)(pack_arguments(model), 0.0, y, np.zeros(y.size), END)
+    return model.bodies[0], model.bodies[1]
 
 
 def without(linkage: pw.Linkage, *names: str) -> pw.Linkage:

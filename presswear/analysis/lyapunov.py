@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, recorder_of
-from presswear.engines.dae.dynamics import bristle_place
 from presswear.engines.dae.engine import prepare
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
+from presswear.physics.equations.chain import open_chain
+from presswear.physics.equations.integrals import bristle_place
+from presswear.physics.equations.text import Text
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
-from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.statistics import Estimate, half_width_of_runs
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
@@ -111,8 +112,8 @@ class Flow:
     """
 
     def __init__(self, linkage: Linkage, start: Start, period: float, per_cycle: int) -> None:
-        tree = tree_of(linkage)
-        if not isinstance(tree, Tree):
+        tree = open_chain(linkage, Text())
+        if isinstance(tree, str):
             raise InputError(f"an exponent needs a linkage without free loops, but {tree}")
         plan = Plan(period, 1, 1, torques=False)
         recorder = recorder_of(linkage, start, plan)

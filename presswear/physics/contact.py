@@ -13,8 +13,8 @@ import numpy as np
 from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
+from presswear.physics.rotation import cos_sin
 from presswear.physics.segment import turned
-from presswear.physics.tree import cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
@@ -67,7 +67,7 @@ def joint_end(
     """Return place and motion of a point of a body; a body of -1 is the frame.
 
     ``axes`` holds cosine and sine of each body's angle where they are computed; see
-    ``place_links``.
+    ``place_parts``.
     """
     if body < 0:
         return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

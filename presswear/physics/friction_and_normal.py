@@ -25,7 +25,6 @@ from presswear.tools.compile import (
     floats,
     inlined,
 )
-from presswear.tools.lanes import where
 from presswear.tools.user_function import compile_function
 
 # Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp, too
@@ -254,8 +253,7 @@ def ramp_friction(
     The dynamic correction c_d rises from 0 at the lower speed to 1 at the upper.
     """
     speed = abs(sliding)
-    ramp = max((speed - lower) / (upper - lower), 0.0)
-    ramp = where(speed < upper, ramp, 1.0)
+    ramp = max((speed - lower) / (upper - lower), 0.0) if speed < upper else 1.0
     return -math.copysign(coefficient * ramp * normal, sliding)
 
 

@@ -108,20 +108,6 @@ anywhere = cast(Callable[[bool], bool], _anywhere)
 """In a kernel: whether a condition holds in any lane."""
 
 
-@intrinsic_with(np.rint)
-def _rounded(typing: Any, x: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kind = ir.FunctionType(_DOUBLE, [_DOUBLE])
-        rint = cgutils.get_or_insert_function(builder.module, kind, "llvm.rint.f64")
-        return builder.call(rint, values)
-
-    return types.float64(types.float64), generate
-
-
-rounded = cast(Callable[[float], float], _rounded)
-"""In a kernel: the nearest whole number, of two the even one."""
-
-
 @intrinsic_with(lambda array, row, column: array[row, column : column + COUNT])
 def _lanes_at(typing: Any, array: Any, row: Any, column: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:

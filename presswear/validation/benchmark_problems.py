@@ -26,10 +26,9 @@ from presswear.engines.settings import (
 )
 from presswear.linkage.elements import Guide
 from presswear.linkage.laws import delivered_restitution
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.linkage import Linkage, branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import Motion, followed
-from presswear.physics.prescribed import Tree, tree_of
 from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
@@ -171,7 +170,8 @@ def contact_methods(
         methods.append(Method(ExudynJoints(1, 1, free_step=step), EQUAL, STEP, step))
     tree = numerics.tree.for_cycle(period)
     tolerances = {*extent.tree_tolerances, tree.tolerance}
-    for value in sorted(tolerances, reverse=True) if isinstance(tree_of(linkage), Tree) else ():
+    has_tree = not isinstance(branches_of(linkage), str)
+    for value in sorted(tolerances, reverse=True) if has_tree else ():
         engine = replace(tree, tree_tolerance=value)
         methods.append(Method(engine, "DOPRI5", TOLERANCE, value, engine == tree))
     dae = replace(numerics.dae, free_step=longest)
@@ -287,7 +287,7 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     end = crosscheck.horizon(scene, TIGHT, extent.longest, report)
     plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
     second: Engine = InHouse("dopri5", 1e-13)
-    if isinstance(tree_of(linkage), Tree):
+    if not isinstance(branches_of(linkage), str):
         second = ExudynTree(1e-12)
     exact, check = (
         cases.finished(engine.for_cycle(period).simulate(linkage, start, plan))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from branches import branching, placed, tree, without
+from branches import branching, open_tree, placed, without
 from runs import run_scene
 
 from presswear.campaign.replicates import start_of
@@ -124,9 +124,9 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(opened
         ),
         loads=(Load("pendulum", 1.0, -2.0, 0.3), Load("crank", 0.5, 0.5, 0.1)),
     )
-    found = tree(linkage)
-    x, u = np.linspace(-0.5, 0.4, found.size), np.linspace(-9.0, 6.0, found.size)
-    q, v, _, _ = placed(found, 5, 0.0, x, u)
+    size = open_tree(linkage).size
+    x, u = np.linspace(-0.5, 0.4, size), np.linspace(-9.0, 6.0, size)
+    q, v = placed(linkage, x, u)
     start, plan = Start(q, v), Plan(0.2, 1)
     ours = accuracy(1e-11).simulate(linkage, start, plan)
     reference = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(

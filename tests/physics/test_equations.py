@@ -82,7 +82,8 @@ class Subject:
         has_bristles = self.packed.joints["friction"]["bristle_stiffness"] > 0.0
         bristles[:] = has_bristles * 1e-6 * generator.standard_normal(bristles.size)
         self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
-        self.model = model_of(linkage, self.equations, self.packed, self.onset)
+        contacts = np.zeros(len(self.packed.joints), CONTACT)
+        self.model = model_of(linkage, self.equations, self.packed, self.onset, contacts)
         begin_motion(self.model.prescribed, TIME, motion.position[0])
         if self.packed.loads is not None:
             place_loads(self.packed.loads, motion.position[0], motion.velocity[0])

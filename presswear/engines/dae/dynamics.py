@@ -24,24 +24,27 @@ from presswear.physics.constraints import (
 )
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.drive_motion import drive_motion
-from presswear.physics.equations.function import END, Model, function_of
+from presswear.physics.equations.function import Model, Written, fill, written
+from presswear.physics.equations.integrals import (
+    DRIVE_INTEGRALS,
+    POWER,
+    POWER_SQUARE,
+    TORQUE,
+    TORQUE_INTEGRALS,
+    TORQUE_SQUARE,
+    bristle_place,
+)
 from presswear.physics.equations.writer import Equations
-from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
+from presswear.physics.forces import JOINT_RATES, add_contacts
 from presswear.physics.packed import Packed, applied_forces, has_work
 from presswear.physics.rubbing import add_friction, friction_power
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     Records,
-    call_entry,
     compiled,
     copy_to,
-    entry_of,
     inlined,
-    pack_arguments,
 )
-
-DRIVE_INTEGRALS = 2  # integrals before those of the joints: drive work and its absolute value, J
-TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)  # per drive, their number
 
 
 class System(NamedTuple):
@@ -49,8 +52,7 @@ class System(NamedTuple):
 
     packed: Packed
     held: Held | None  # constraints, in all coordinates; None where equations are written
-    entry: int  # of the written equations, see ``tools.compile.call_entry``
-    model: int  # address of their arrays
+    equations: Written  # not called where there are constraints
     size: int  # number of coordinates
     # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3 bodies)
     state: Array
@@ -67,14 +69,11 @@ class System(NamedTuple):
 
 def written_system(packed: Packed, equations: Equations, model: Model) -> System:
     """Return the written equations of a linkage; ``model`` holds the arrays that they fill."""
-    size, y = equations.chain.size, np.zeros(equations.size)
-    packed_model = pack_arguments(model)
-    entry = entry_of(function_of(equations.text), packed_model, 0.0, y, y, END)
+    size = equations.chain.size
     return System(
         packed=packed,
         held=None,
-        entry=entry,
-        model=packed_model,
+        equations=written(equations, model),
         size=size,
         state=model.bodies,
         felt=_felt(packed, size),
@@ -101,8 +100,7 @@ def held_system(
     return System(
         packed=packed,
         held=constraints.held(packed.mass),
-        entry=0,
-        model=0,
+        equations=Written(0, 0),
         size=size,
         state=np.zeros((5, size)),
         felt=_felt(packed, size),
@@ -142,19 +140,13 @@ def load_work_place(system: System) -> int:
 
 
 @inlined
-def bristle_place(coordinates: int, k: int) -> int:
-    """Return the place in the state of the deflection of the bristles of joint ``k``."""
-    return coordinates + DRIVE_INTEGRALS + JOINT_RATES * k + BRISTLE
-
-
-@inlined
 def evaluate(system: System, held: Held | None, t: float, y: Array, out: Array, level: int) -> None:
     """Fill dy/dt, and at level END the motion and the contacts; leaves multipliers behind.
 
     ``held`` is that of the system, so that the compiler sees whether it is None.
     """
     if held is None:
-        call_entry(system.entry, (system.model, t, y, out, level))
+        fill(system.equations, t, y, out, level)
     else:
         evaluate_held(system, held, t, y, out)
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import (
-    DRIVE_INTEGRALS,
     held_system,
     load_work_place,
     state_size,
@@ -21,7 +20,9 @@ from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
+from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
+from presswear.physics.equations.integrals import DRIVE_INTEGRALS
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.forces import (
     CONTACT_LOSS,
@@ -122,7 +123,8 @@ def prepare(
     packed, onset = records.packed, records.onset
     tree = None if settings.takes_all_coordinates else write_equations(linkage, packed)
     if isinstance(tree, Equations):
-        model = model_of(linkage, tree, packed, onset)
+        contacts = np.zeros(len(packed.joints), CONTACT)
+        model = model_of(linkage, tree, packed, onset, contacts)
         begin_motion(model.prescribed, 0.0, start.position)
         system = written_system(packed, tree, model)
         coordinates = tree.chain.coordinates(start.position, start.velocity)

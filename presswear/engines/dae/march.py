@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from presswear.engines.dae.dynamics import (
+from presswear.engines.dae.dynamics import place_held
+from presswear.engines.dae.runge_kutta import SPARE, START, classical_step, embedded_step, rates
+from presswear.engines.dormand_prince import Tableau
+from presswear.physics.constraints import Held, project
+from presswear.physics.drive_motion import step_to_break
+from presswear.physics.equations.integrals import (
     DRIVE_INTEGRALS,
     POWER,
     POWER_SQUARE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
-    place_held,
 )
-from presswear.engines.dae.runge_kutta import SPARE, START, classical_step, embedded_step, rates
-from presswear.engines.dormand_prince import Tableau
-from presswear.physics.constraints import Held, project
-from presswear.physics.drive_motion import step_to_break
 from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK
 from presswear.physics.friction_and_normal import corner_ahead
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value

@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from presswear.engines.dae.dynamics import System, bristle_place, evaluate
+from presswear.engines.dae.dynamics import System, evaluate
 from presswear.engines.dormand_prince import DOP853, Tableau
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES
+from presswear.physics.equations.integrals import bristle_place
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS
 from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.closed_loops import drive_torques, place_prescribed
 from presswear.physics.constraints import (
     Held,
     evaluate_constraints,
@@ -26,12 +27,7 @@ from presswear.physics.loads import (
     work_beyond_trapezoid,
 )
 from presswear.physics.packed import applied_forces
-from presswear.physics.prescribed import (
-    Prescribed,
-    drive_torques,
-    place_prescribed,
-    subtract_inertia,
-)
+from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
 from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, settle

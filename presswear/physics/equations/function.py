@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.physics.closed_loops import drive_torques, place_prescribed
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.drive_motion import motions_of, uneven_motion
 from presswear.physics.equations.writer import Equations
@@ -24,17 +25,20 @@ from presswear.physics.friction_and_normal import (
 )
 from presswear.physics.loads import Loads, load_size, spring_pull
 from presswear.physics.packed import Packed
-from presswear.physics.prescribed import (
-    Prescribed,
-    drive_torques,
-    pack_prescribed,
-    place_prescribed,
-    subtract_inertia,
-)
-from presswear.physics.tree import cos_sin
+from presswear.physics.prescribed import Prescribed, pack_prescribed, subtract_inertia
+from presswear.physics.rotation import cos_sin
 from presswear.physics.wear import contact_area
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Kernel, Records, call, unpack
+from presswear.tools.compile import (
+    Kernel,
+    Records,
+    call,
+    call_entry,
+    entry_of,
+    inlined,
+    pack_arguments,
+    unpack,
+)
 from presswear.tools.files import digest
 
 ACCELERATIONS, RATES, END = range(3)
@@ -58,6 +62,13 @@ class Model(NamedTuple):
     loads: Loads | None
     prescribed: Prescribed
     torque: Array  # (drives,)
+
+
+class Written(NamedTuple):
+    """Equations as kernels call them."""
+
+    entry: int  # see ``tools.compile.call_entry``
+    model: int  # address of the arrays that they read and fill
 
 
 _NAMES = {
@@ -97,13 +108,14 @@ def function_of(text: str) -> Kernel:
     return Kernel(function, file=__file__, text=text, fastmath={"contract"})
 
 
-def model_of(linkage: Linkage, equations: Equations, packed: Packed, onset: Array) -> Model:
+def model_of(
+    linkage: Linkage, equations: Equations, packed: Packed, onset: Array, contacts: Records
+) -> Model:
     """Return the arrays that the equations of a linkage read and fill.
 
-    Closed loops of prescribed bodies go on from the motion that ``begin_motion`` notes in
-    ``prescribed``.
+    ``contacts`` are records of CONTACT. Closed loops of prescribed bodies go on from the motion
+    that ``begin_motion`` notes in ``prescribed``.
     """
-    contacts = np.zeros(len(packed.joints), CONTACT)
     return Model(
         parameters=equations.parameters,
         onset=onset,
@@ -117,3 +129,15 @@ def model_of(linkage: Linkage, equations: Equations, packed: Packed, onset: Arra
         prescribed=pack_prescribed(linkage, prescribed_of(linkage)),
         torque=np.zeros(packed.driven.size),
     )
+
+
+def written(equations: Equations, model: Model) -> Written:
+    """Return equations for ``fill``."""
+    packed, y = pack_arguments(model), np.zeros(equations.size)
+    return Written(entry_of(function_of(equations.text), packed, 0.0, y, y, END), packed)
+
+
+@inlined
+def fill(equations: Written, t: float, y: Array, out: Array, level: int) -> None:
+    """Call equations in a kernel."""
+    call_entry(equations.entry, (equations.model, t, y, out, level))

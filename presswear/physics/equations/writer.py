@@ -1,9 +1,8 @@
 """The equations of motion of a linkage as text, with the numbers that they take.
 
 The text is a Python function that fills the rates of a state y = (x, x', integrals): coordinates
-and rates of the open tree, then work and exchange of the drives, six integrals of each clearance
-joint (``forces.JOINT_RATES``), four of each drive, and the work of loads and dampers. Topology
-stands in the text; numbers are in one array, so that another clearance needs no other text.
+and rates of the open tree, then those of ``integrals``. Topology stands in the text; numbers are in
+one array, so that another clearance needs no other text.
 """
 
 import re
@@ -16,14 +15,14 @@ from presswear.physics.equations.articulated import solve_tree
 from presswear.physics.equations.bodies import place_bodies
 from presswear.physics.equations.chain import Chain, Link, open_chain
 from presswear.physics.equations.drives import write_drives
+from presswear.physics.equations.generalized_forces import write_generalized_forces
+from presswear.physics.equations.integrals import DRIVE_INTEGRALS, TORQUE_INTEGRALS
 from presswear.physics.equations.joints import JointText
 from presswear.physics.equations.loads import write_loads, write_springs, write_weights
 from presswear.physics.equations.text import Text, total
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.packed import Packed, has_work
 from presswear.tools.arrays import Array
-
-DRIVE_RATES = 4  # of each drive: torque, power and their squares
 
 
 @dataclass(frozen=True)
@@ -63,27 +62,34 @@ class Equations:
         return "\n".join(lines)
 
 
-def write_equations(linkage: Linkage, packed: Packed) -> Equations | str:
+def write_equations(
+    linkage: Linkage, packed: Packed, *, with_forces: bool = False
+) -> Equations | str:
     """Return the equations of a linkage, or the reason why none can be written.
 
-    ``packed`` is the linkage for kernels, which tells whether its surfaces are round.
+    ``packed`` is the linkage for kernels, which tells whether its surfaces are round. With forces,
+    those on the coordinates follow in ``out`` behind the rates; no drive may turn a free body then.
     """
     text = Text()
     chain = open_chain(linkage, text)
     if isinstance(chain, str):
         return chain
     work = 2 * chain.size
-    first_torque = work + 2 + JOINT_RATES * len(packed.joints)
-    load_work = first_torque + DRIVE_RATES * len(linkage.drives)
+    first_joint = work + DRIVE_INTEGRALS
+    first_torque = first_joint + JOINT_RATES * len(packed.joints)
+    load_work = first_torque + TORQUE_INTEGRALS * len(linkage.drives)
+    size = load_work + has_work(packed)
     place_bodies(text, chain)
     write_weights(text, chain, packed)
     powers = [*write_springs(text, chain), *write_loads(text, chain, packed)]
     joints = [
-        JointText(text, chain, k, packed.joints[k], work + 2 + JOINT_RATES * k)
+        JointText(text, chain, k, packed.joints[k], first_joint + JOINT_RATES * k)
         for k in range(len(packed.joints))
     ]
     for joint in joints:
         joint.write()
+    if with_forces:
+        write_generalized_forces(text, chain, size)
     bodies = solve_tree(text, chain)
     text.write("")
     with text.block("if level >= RATES:"):
@@ -97,7 +103,6 @@ def write_equations(linkage: Linkage, packed: Packed) -> Equations | str:
         text.write("q, v, a, force, axes = data.bodies")
         for link in chain.links:
             _record(text, chain, link)
-    size = load_work + has_work(packed)
     return Equations(_function(linkage, text), text.numbers, chain, size)
 
 

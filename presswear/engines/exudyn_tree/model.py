@@ -1,0 +1,99 @@
+"""Exudyn's kinematic tree of a linkage without free loops."""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from presswear.engines.base import Start
+from presswear.engines.exudyn import add
+from presswear.linkage.elements import Body, Guide
+from presswear.physics.equations.chain import Chain, Link
+from presswear.tools.arrays import Array
+from presswear.tools.exudyn import exudyn_module
+
+exu = exudyn_module()
+
+
+class TreeLink(NamedTuple):
+    """Link of Exudyn's kinematic tree; its frame sits in its joint, along the body or the guide."""
+
+    joint: Any  # exudyn.JointType
+    parent: int = -1  # link from which it hangs; -1: the frame, or a prescribed body
+    turn: float = 0.0  # of its joint in the frame of the parent, rad
+    offset: tuple[float, float] = (0.0, 0.0)  # m
+    centre: tuple[float, float] = (0.0, 0.0)  # mass centre in its own frame, m
+    body: Body | None = None  # None: without mass
+
+    @property
+    def inertia(self) -> float:
+        """Inertia about the mass centre, kg m^2."""
+        return self.body.effective_inertia if self.body else 0.0
+
+
+def _rotation(angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def tree_links(chain: Chain) -> list[TreeLink]:
+    """Return the links of an open tree for Exudyn, parents before children."""
+    links, numbers = list[TreeLink](), dict[str, int]()
+    for link in chain.free:
+        joint, end, parent = link.branch.joint, link.branch.end, -1
+        turned = TreeLink(exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body)
+        if link.is_loose:
+            # Two links without mass carry it across the plane.
+            links.append(TreeLink(exu.JointType.PrismaticX))
+            links.append(TreeLink(exu.JointType.PrismaticY, len(links) - 1))
+            links.append(turned._replace(parent=len(links) - 1))
+        elif isinstance(joint, Guide):
+            slid = TreeLink(exu.JointType.PrismaticX, turn=joint.direction, body=link.body)
+            links.append(slid)
+        elif link.parent is not None and (parent := numbers.get(link.parent.prefix, -1)) >= 0:
+            links.append(_hinged(link, link.parent, turned._replace(parent=parent)))
+        else:
+            links.append(turned)
+        numbers[link.prefix] = len(links) - 1
+    return links
+
+
+def _hinged(link: Link, parent: Link, turned: TreeLink) -> TreeLink:
+    """Return a link that turns on another one, with the place of its joint there."""
+    x = link.branch.before.x - parent.branch.end.x
+    y = link.branch.before.y - parent.branch.end.y
+    turn, guide = 0.0, parent.branch.joint
+    if isinstance(guide, Guide):
+        turn = guide.angle - guide.direction
+        x, y = _rotation(turn)[:2, :2] @ (x, y)
+    return turned._replace(turn=turn, offset=(x, y))
+
+
+def add_tree(system: Any, chain: Chain, start: Start, forces: Callable[..., Any]) -> None:
+    """Add a kinematic tree to a system, with a user function for the forces on its coordinates."""
+    x, u = chain.coordinates(start.position, start.velocity)
+    node = add(
+        system,
+        "Node",
+        "GenericODE2",
+        referenceCoordinates=[0.0] * chain.size,
+        initialCoordinates=list(x),
+        initialCoordinates_t=list(u),
+        numberOfODE2Coordinates=chain.size,
+    )
+    links = tree_links(chain)
+    add(
+        system,
+        "Object",
+        "KinematicTree",
+        nodeNumber=node,
+        jointTypes=[link.joint for link in links],
+        linkParents=[link.parent for link in links],
+        jointTransformations=exu.Matrix3DList([_rotation(link.turn) for link in links]),
+        jointOffsets=exu.Vector3DList([[*link.offset, 0.0] for link in links]),
+        linkInertiasCOM=exu.Matrix3DList([np.diag([0.0, 0.0, link.inertia]) for link in links]),
+        linkCOMs=exu.Vector3DList([[*link.centre, 0.0] for link in links]),
+        linkMasses=[link.body.mass if link.body else 0.0 for link in links],
+        forceUserFunction=forces,
+    )

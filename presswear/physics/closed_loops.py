@@ -1,0 +1,235 @@
+"""Motion of prescribed bodies whose loops are closed by pins, and the torques of their drives.
+
+Coordinates that no drive prescribes follow by Newton's method from the last position; rates and
+accelerations by linear equations. The torques of the drives follow from the forces on the bodies by
+virtual work.
+"""
+
+import math
+
+from presswear.physics.drive_motion import drive_motion
+from presswear.physics.prescribed import (
+    ACCELERATION,
+    COORDINATE,
+    DETERMINANT,
+    FORCE,
+    HEAD,
+    LAST,
+    RATE,
+    RATIO,
+    RIGHT,
+    TIME,
+    Prescribed,
+    place_parts,
+)
+from presswear.physics.rotation import arm
+from presswear.tools.arrays import Array
+from presswear.tools.compile import compiled
+
+MOST_NEWTON = 30  # newton steps after which loops do not close; two are usual
+# Newton's way from where bodies are expected to where links could be on other sides, rad or m
+JUMP = 0.05
+CLOSED = 1e-12  # newton step behind which the rows are those of the place found, rad or m
+
+
+@compiled
+def place_prescribed(
+    prescribed: Prescribed, t: float, q: Array, v: Array, a: Array, axes: Array
+) -> None:
+    """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
+
+    Not finite where their loops do not close near where they are expected, on the same side.
+    ``axes`` are those of ``place_parts``.
+    """
+    parts, closings, motions, work = prescribed
+    ahead = t - work[LAST, TIME]
+    work[LAST, TIME] = t
+    for i in range(parts.shape[0]):
+        if parts[i].drive >= 0:
+            motion = motions[parts[i].drive]
+            turned, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
+            work[COORDINATE, i] = motion.angle + turned
+        else:
+            work[COORDINATE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[ACCELERATION, i])
+    place_parts(prescribed, q, v, a, axes)
+    if closings.shape[0] > 0 and not _close_loops(prescribed, q, v, a, axes):
+        for i in range(parts.shape[0]):
+            work[COORDINATE, i] = q[parts[i].body] = math.nan
+
+
+@compiled
+def _close_loops(prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array) -> bool:
+    """Find the motion that closes the loops of prescribed bodies; return whether there is one."""
+    work = prescribed.work
+    before = work[LAST, DETERMINANT]
+    last = math.inf
+    moved = 0.0
+    for _ in range(MOST_NEWTON):
+        step = _newton_step(prescribed, q, axes)
+        # Near a dead point round-off does not shrink to that.
+        is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
+        last = step
+        moved += step
+        if not moved < JUMP:
+            return False
+        if is_closed:
+            if before * work[LAST, DETERMINANT] < 0.0:
+                return False
+            _follow(prescribed)
+        place_parts(prescribed, q, v, a, axes)
+        if is_closed:
+            return True
+    return False
+
+
+@compiled
+def _solve(prescribed: Prescribed, row: int) -> float:
+    """Solve for the right-hand side by Gauss elimination, and subtract it from a row of ``work``.
+
+    Returns the greatest change; leaves the determinant.
+    """
+    parts, closings, _, work = prescribed
+    count = 2 * closings.shape[0]
+    matrix, right, target = work[HEAD + count :], work[RIGHT], work[row]
+    column = 0
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            for r in range(count):
+                matrix[r, column] = work[HEAD + r, i]
+            column += 1
+    determinant = 1.0
+    for c in range(count):
+        best = c
+        for r in range(c + 1, count):
+            best = r if abs(matrix[r, c]) > abs(matrix[best, c]) else best
+        if best != c:
+            determinant = -determinant
+            right[c], right[best] = right[best], right[c]
+            for k in range(c, count):
+                matrix[c, k], matrix[best, k] = matrix[best, k], matrix[c, k]
+        determinant *= matrix[c, c]
+        for r in range(c + 1, count):
+            factor = matrix[r, c] / matrix[c, c]
+            right[r] -= factor * right[c]
+            for k in range(c + 1, count):
+                matrix[r, k] -= factor * matrix[c, k]
+    work[LAST, DETERMINANT] = determinant
+    greatest = 0.0
+    for c in range(count - 1, -1, -1):
+        for k in range(c + 1, count):
+            right[c] -= matrix[c, k] * right[k]
+        right[c] /= matrix[c, c]
+        greatest = max(greatest, abs(right[c]))
+    column = 0
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            target[i] -= right[column]
+            column += 1
+    return greatest
+
+
+@compiled
+def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
+    """Make a step towards closed loops; returns its size, leaves the rows."""
+    parts, closings, _, work = prescribed
+    work[RIGHT] = 0.0
+    work[HEAD : HEAD + 2 * closings.shape[0]] = 0.0
+    for row in range(0, 2 * closings.shape[0], 2):
+        pin = closings[row // 2]
+        across, up = work[HEAD + row], work[HEAD + row + 1]
+        ends = ((pin.first, pin.x1, pin.y1, 1.0), (pin.second, pin.x2, pin.y2, -1.0))
+        for end, x, y, sign in ends:
+            i, px, py = end, x, y
+            if i >= 0:
+                b = parts[i].body
+                px, py = arm(x, y, axes, b)
+                px += q[b]
+                py += q[b + 1]
+            work[RIGHT, row] += sign * px
+            work[RIGHT, row + 1] += sign * py
+            # The rows by the coordinates of all parts down to the frame
+            while i >= 0:
+                part = parts[i]
+                if part.is_guided:
+                    across[i] += sign * part.cosine
+                    up[i] += sign * part.sine
+                    break
+                hx, hy = arm(part.own_x, part.own_y, axes, part.body)
+                hx += q[part.body]
+                hy += q[part.body + 1]
+                across[i] -= sign * (py - hy)
+                up[i] += sign * (px - hx)
+                px, py = hx, hy
+                i = part.parent
+    return _solve(prescribed, COORDINATE)
+
+
+@compiled
+def _follow(prescribed: Prescribed) -> None:
+    """Fill the rates and accelerations sought, in a place where all loops are closed."""
+    parts, closings, _, work = prescribed
+    right = work[RIGHT]
+    for level in (RATE, ACCELERATION):
+        for i in range(parts.shape[0]):
+            if parts[i].drive < 0:
+                work[level, i] = 0.0
+        for c in range(closings.shape[0]):
+            across, up = work[HEAD + 2 * c], work[HEAD + 2 * c + 1]
+            gap_x = gap_y = 0.0
+            for i in range(parts.shape[0]):
+                gap_x += across[i] * work[level, i]
+                gap_y += up[i] * work[level, i]
+                if level == ACCELERATION and not parts[i].is_guided:
+                    square = work[RATE, i] * work[RATE, i]
+                    gap_x -= square * up[i]
+                    gap_y += square * across[i]
+            right[2 * c], right[2 * c + 1] = gap_x, gap_y
+        _solve(prescribed, level)
+
+
+@compiled
+def drive_torques(
+    prescribed: Prescribed, q: Array, axes: Array, force: Array, torque: Array
+) -> None:
+    """Fill the torques, N m, that drives must give against the generalized forces on all parts.
+
+    Those of inertia are among the forces, which are passed down to what the parts hang from. By
+    virtual work: the force on the coordinate of each part, times its rate per rate of the drive.
+    Torques of drives of other bodies stay.
+    """
+    parts, _, _, work = prescribed
+    for i in range(parts.shape[0] - 1, -1, -1):
+        part = parts[i]
+        b = part.body
+        if part.is_guided:
+            work[FORCE, i] = force[b] * part.cosine + force[b + 1] * part.sine
+            continue
+        hx, hy = part.before_x, part.before_y
+        p = part.before
+        if p >= 0:
+            lx, ly = arm(hx, hy, axes, p)
+            force[p] += force[b]
+            force[p + 1] += force[b + 1]
+            force[p + 2] += lx * force[b + 1] - ly * force[b]
+            hx, hy = q[p] + lx, q[p + 1] + ly
+        moment = (q[b] - hx) * force[b + 1] - (q[b + 1] - hy) * force[b]
+        work[FORCE, i] = force[b + 2] + moment
+    for i in range(parts.shape[0]):
+        if parts[i].drive >= 0:
+            torque[parts[i].drive] = -work[FORCE, i] - _force_of_others(prescribed, i)
+
+
+@compiled
+def _force_of_others(prescribed: Prescribed, i: int) -> float:
+    """Return the moment, N m, at the drive of a part of the forces on parts without a drive."""
+    parts, closings, _, work = prescribed
+    if closings.shape[0] == 0:
+        return 0.0
+    for r in range(2 * closings.shape[0]):
+        work[RIGHT, r] = work[HEAD + r, i]
+    work[RATIO] = 0.0
+    _solve(prescribed, RATIO)
+    moment = 0.0
+    for k in range(parts.shape[0]):
+        moment += work[FORCE, k] * work[RATIO, k]
+    return moment
