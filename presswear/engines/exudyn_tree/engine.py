@@ -47,6 +47,7 @@ FIRST_STEP = 1e-7  # s
 # Calls for forces without an accepted step after which there is no way on: a thousand steps sent
 # back, where thirty reach the shortest.  Exudyn would repeat that one for ever.
 MOST_CALLS = 7000
+_GIVEN = ("ODE2Coordinates", "ODE2Coordinates_t")  # state that a solve begins from
 
 
 def prepare(
@@ -101,41 +102,50 @@ class _Tree:
         if self.is_bristly:
             _add_bristles(self.system, joints, self.stage_bristles)
         self.system.Assemble()
-        data = self.system.systemData
-        names = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "ODE1Coordinates")
-        live = {name: getattr(data, f"Get{name}")(copy=False) for name in names}
-        deflections = live["ODE1Coordinates"] if self.is_bristly else np.zeros(joints)
-        x, u, u_t, _ = live.values()
         self.model = model_of(linkage, equations, packed, np.zeros(joints), self.records.contacts)
         begin_motion(self.model.prescribed, 0.0, start.position)
-        force = np.frombuffer(self.force)
-        self.tree = _tree_system(equations, self.model, (x, u, u_t, deflections, force))
-        # What Exudyn is given before a solve; the accelerations it finds itself.
-        kept = ("ODE2Coordinates", "ODE2Coordinates_t", *(("ODE1Coordinates",) * self.is_bristly))
-        self.live = {name: live[name] for name in kept}
-        longest = settings.longest(plan.cycle)
-        self.tree.pace["longest"] = longest
+        self.live, live = self._live_arrays(joints)
+        self.tree = _tree_system(equations, self.model, live)
+        self.tree.pace["longest"] = settings.longest(plan.cycle)
         self.tree.pace["parts"] = settings.impact_steps
+        self.tree.start[:] = live[:2]
         self._stage = bind(stage_forces, self.tree, self.records)
-        self._bristles = bind(stage_bristles, self.tree, self.bristle_rates)
         self._place_start = bind(place_start, self.tree, self.records)
-        self.solver = Solver(
-            recorder,
-            plan,
-            bind(accept_tree_step, self.tree, self.records),
-            exu.DynamicSolverType.DOPRI5,
-            _solver_settings(settings, longest),
-            longest,
-            _remedy(settings),
-            {"sent_back": "rejectedAutomaticStepSizeSteps"},
-        )
-        self.solver.sums["proposed"] = FIRST_STEP
-        self.solver.install(self.system)
-        self.tree.start[:] = x, u
+        if self.is_bristly:
+            self._bristles = bind(stage_bristles, self.tree, self.bristle_rates)
+        self.solver = self._prepare_solver(plan, recorder)
         self._place_start(0.0)
         self.records.memory["energy"] = self.records.contacts["energy"]  # of pins pressed in
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
+
+    def _live_arrays(self, joints: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
+        """Return Exudyn's live arrays: by name what it is given before a solve; all for kernels."""
+        data = self.system.systemData
+        given = {name: getattr(data, f"Get{name}")(copy=False) for name in _GIVEN}
+        accelerations = data.GetODE2Coordinates_tt(copy=False)
+        deflections = np.zeros(joints)
+        if self.is_bristly:
+            deflections = given["ODE1Coordinates"] = data.GetODE1Coordinates(copy=False)
+        x, u = (given[name] for name in _GIVEN)
+        return given, (x, u, accelerations, deflections, np.frombuffer(self.force))
+
+    def _prepare_solver(self, plan: Plan, recorder: Recorder) -> Solver:
+        """Return Exudyn's solver, which calls the kernel of accepted steps."""
+        longest = self.settings.longest(plan.cycle)
+        solver = Solver(
+            recorder,
+            plan,
+            bind(accept_tree_step, self.tree, self.records),
+            exu.DynamicSolverType.DOPRI5,
+            _solver_settings(self.settings, longest),
+            longest,
+            _remedy(self.settings),
+            {"sent_back": "rejectedAutomaticStepSizeSteps"},
+        )
+        solver.sums["proposed"] = FIRST_STEP
+        solver.install(self.system)
+        return solver
 
     def stage_forces(self, system: Any, t: float, item: int, q: Any, q_t: Any) -> Any:
         """Return the forces on the coordinates in a stage."""
@@ -210,9 +220,7 @@ def _add_bristles(system: Any, joints: int, rates: Callable[..., Any]) -> None:
     add(system, "Object", "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
 
 
-def _tree_system(
-    equations: Equations, model: Model, live: tuple[Array, Array, Array, Array, Array]
-) -> TreeSystem:
+def _tree_system(equations: Equations, model: Model, live: tuple[Array, ...]) -> TreeSystem:
     """Pack a tree for the kernels.
 
     ``live`` are Exudyn's coordinates, rates, accelerations and deflections of bristles, and the
@@ -222,9 +230,10 @@ def _tree_system(
     pace = np.zeros(1, PACE)
     pace["shortest"] = SHORTEST_STEP
     pace["reach"] = pace["limit"] = FIRST_STEP
+    x, u, u_t, deflections, force = live
     return TreeSystem(
         written(equations, model),
-        *live,
+        *(x, u, u_t, deflections, force),
         expected=model.onset,
         pace=pace,
         state=model.bodies,
