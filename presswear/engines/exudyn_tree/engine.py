@@ -47,7 +47,7 @@ FIRST_STEP = 1e-7  # s
 # Calls for forces without an accepted step after which there is no way on: a thousand steps sent
 # back, where thirty reach the shortest.  Exudyn would repeat that one for ever.
 MOST_CALLS = 7000
-_GIVEN = ("ODE2Coordinates", "ODE2Coordinates_t")  # state that a solve begins from
+_INITIAL = ("ODE2Coordinates", "ODE2Coordinates_t")  # state that a solve begins from
 
 
 def prepare(
@@ -122,13 +122,13 @@ class _Tree:
     def _live_arrays(self, joints: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
         """Return Exudyn's live arrays: by name what it is given before a solve; all for kernels."""
         data = self.system.systemData
-        given = {name: getattr(data, f"Get{name}")(copy=False) for name in _GIVEN}
+        initial = {name: getattr(data, f"Get{name}")(copy=False) for name in _INITIAL}
         accelerations = data.GetODE2Coordinates_tt(copy=False)
         deflections = np.zeros(joints)
         if self.is_bristly:
-            deflections = given["ODE1Coordinates"] = data.GetODE1Coordinates(copy=False)
-        x, u = (given[name] for name in _GIVEN)
-        return given, (x, u, accelerations, deflections, np.frombuffer(self.force))
+            deflections = initial["ODE1Coordinates"] = data.GetODE1Coordinates(copy=False)
+        x, u = (initial[name] for name in _INITIAL)
+        return initial, (x, u, accelerations, deflections, np.frombuffer(self.force))
 
     def _prepare_solver(self, plan: Plan, recorder: Recorder) -> Solver:
         """Return Exudyn's solver, which calls the kernel of accepted steps."""
