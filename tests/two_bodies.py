@@ -67,8 +67,8 @@ class Pair:
 
     @property
     def surfaces(self) -> Array:
-        """Rows of both surfaces, a column for each bin."""
-        return self.packed.surfaces[0, :, : self.packed.joints[0]["surface_bins"]]
+        """Rows of both surfaces."""
+        return self.packed.surfaces[0]
 
     def contact(self) -> Records:
         contacts = np.zeros(1, CONTACT)

@@ -10,11 +10,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.physics.foundation import BEARING, PIN, SURFACES, press, profile
+from presswear.physics.foundation import (
+    BEARING,
+    PIN,
+    SURFACES,
+    cell_of,
+    derivatives_at,
+    integrate_overlap,
+    node_of_peak,
+    place_of,
+    profile,
+)
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT, Packed
 from presswear.physics.rotation import cos_sin
-from presswear.physics.segment import turned
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
@@ -164,7 +173,7 @@ def note_radial(joint: Records, surfaces: Array | None, contact: Records) -> Non
     approach = contact.velocity_x * nx + contact.velocity_y * ny
     rate = approach
     pin_radius, bearing_radius = joint.pin_radius, joint.bearing_radius
-    count, turns, turning = joint.surface_bins, joint.map_turns, contact.turning
+    count, turns, turning = joint.surface_nodes, joint.map_turns, contact.turning
     if surfaces is not None and count > 0:
         direction = math.atan2(ny, nx)
         place = direction - turns * contact.bearing_angle
@@ -192,48 +201,48 @@ def note_radial(joint: Records, surfaces: Array | None, contact: Records) -> Non
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 
-    Force and couples are the gradient of the elastic energy in e and in both bodies' angles. The
-    pin's couple follows from the bearing's: turned together, nothing changes. Damping multiplies
-    all of them, with the rate at which they are worked against.
+    Force and couples are the gradient of the elastic energy in e and in both bodies' angles,
+    equations W4 and W5. The bearing's couple follows from the pin's: if both turn together, nothing
+    changes. Damping multiplies all of them, with the rate at which they are worked against.
     """
-    eccentricity = contact.eccentricity
-    ex, ey = contact.eccentricity_x, contact.eccentricity_y
-    vx, vy = contact.velocity_x, contact.velocity_y
-    bearing_spin, pin_spin = contact.bearing_spin, contact.pin_spin
-    turns, count, direction = joint.map_turns, joint.surface_bins, direction_of(contact)
-    cosine = ex / eccentricity if eccentricity > 0.0 else 1.0
-    sine = ey / eccentricity if eccentricity > 0.0 else 0.0
-    at_bearing, at_pin = turns * contact.bearing_angle, turns * contact.pin_angle
-    places, nowhere = (direction - at_bearing, direction - at_pin), surfaces[:2, :0]
-    bed = press(surfaces, count, eccentricity, joint.clearance, joint.least_depth, *places, nowhere)
-    place = direction + bed.place
-    along, across = turned(bed.place)
-    nx, ny = cosine * along - sine * across, sine * along + cosine * across
-    _, bearing_slope, _ = profile(surfaces, BEARING, count, place - at_bearing)
-    pin_depth, pin_slope, _ = profile(surfaces, PIN, count, place - at_pin)
-    rate = vx * nx + vy * ny
-    rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
+    dx, dy = contact.eccentricity_x, contact.eccentricity_y
+    turns = joint.map_turns
+    zero = turns * contact.bearing_angle
+    c, s = cos_sin(zero)
+    relative_angle = turns * (contact.bearing_angle - contact.pin_angle)
+    place = place_of(joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle)
+    overlap, cell, arc = integrate_overlap(surfaces, joint, place, contact.place - zero)
+    peak, pin_depth = node_of_peak(surfaces, place, cell)
+    nx = c * peak.nx - s * peak.ny
+    ny = s * peak.nx + c * peak.ny
+    pin_slope = peak.pin_slope / place.width
+    # Where the overlap is greatest its derivative by the angle is zero.
+    bearing_slope = dy * nx - dx * ny - pin_slope
+    rate = contact.velocity_x * nx + contact.velocity_y * ny
+    rate += turns * (bearing_slope * contact.bearing_spin + pin_slope * contact.pin_spin)
     elastic = couple = 0.0
     closing = approach = rate
-    size = math.sqrt(bed.along * bed.along + bed.across * bed.across)
-    if bed.overlap > 0.0 and size > 0.0:
-        k = joint.foundation
-        elastic = k * size
-        nx = (cosine * bed.along - sine * bed.across) / size
-        ny = (sine * bed.along + cosine * bed.across) / size
-        on_bearing = -k * turns * bed.slope
-        couple = elastic * (ex * ny - ey * nx) - on_bearing
-        by_turning = (couple * pin_spin + on_bearing * bearing_spin) / elastic
-        approach = vx * nx + vy * ny - by_turning
+    size = math.sqrt(arc.x * arc.x + arc.y * arc.y)
+    if size == 0.0:
+        overlap = min(overlap, 0.0)  # what has no arc is round-off
+    if overlap > 0.0:
+        elastic = joint.foundation * size
+        nx = (c * arc.x - s * arc.y) / size
+        ny = (s * arc.x + c * arc.y) / size
+        moment = elastic * (dx * ny - dy * nx)
+        couple = -joint.foundation * arc.pin_slope / place.width if turns > 0.0 else moment
+        on_bearing = moment - couple
+        power = couple * contact.pin_spin + on_bearing * contact.bearing_spin
+        approach = contact.velocity_x * nx + contact.velocity_y * ny - power / elastic
         # Maps fixed in direction store no energy when the bodies turn.
-        closing = approach if turns > 0.0 else approach + by_turning
-    pin_arm = joint.pin_radius - pin_depth - 0.5 * max(bed.overlap, 0.0)
-    contact.penetration, contact.rate = bed.overlap, rate
+        closing = approach if turns > 0.0 else approach + power / elastic
+    pin_arm = joint.pin_radius - pin_depth - 0.5 * max(overlap, 0.0)
+    contact.penetration, contact.rate = overlap, rate
     contact.normal_x, contact.normal_y = nx, ny
-    contact.pin_arm, contact.bearing_arm = pin_arm, pin_arm + ex * nx + ey * ny
+    contact.pin_arm, contact.bearing_arm = pin_arm, pin_arm + dx * nx + dy * ny
     contact.approach, contact.closing = approach, closing
-    contact.elastic, contact.energy = elastic, 0.5 * joint.foundation * bed.square
-    contact.place, contact.couple = place, couple
+    contact.elastic, contact.energy = elastic, 0.5 * joint.foundation * arc.square
+    contact.place, contact.couple = zero + (cell + 0.5) * place.width, couple
 
 
 @compiled
@@ -246,6 +255,44 @@ def end_acceleration(
     spin_t, square = a[body + 2], spin * spin
     ax = a[body] - spin_t * lever_y - square * lever_x
     return ax, a[body + 1] + spin_t * lever_x - square * lever_y, spin_t
+
+
+@compiled
+def deepest_acceleration(
+    joint: Records,
+    surfaces: Array,
+    contact: Records,
+    ax: float,
+    ay: float,
+    bearing_spin_t: float,
+    pin_spin_t: float,
+) -> float:
+    """Return the second time derivative of the greatest overlap of a foundation, m/s^2.
+
+    ``ax`` and ``ay`` are the acceleration of the eccentricity. The greatest overlap follows its
+    place: p_tt - p_ts^2 / p_ss, in the frame of the bearing's map.
+    """
+    turns = joint.map_turns
+    dx, dy = contact.eccentricity_x, contact.eccentricity_y
+    zero = turns * contact.bearing_angle
+    c, s = cos_sin(zero)
+    relative_angle = turns * (contact.bearing_angle - contact.pin_angle)
+    place = place_of(joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle)
+    spin, spin_t = turns * contact.bearing_spin, turns * bearing_spin_t
+    turning = (spin - turns * contact.pin_spin) / place.width
+    turning_t = (spin_t - turns * pin_spin_t) / place.width
+    vx = c * contact.velocity_x + s * contact.velocity_y
+    vy = c * contact.velocity_y - s * contact.velocity_x
+    # Velocity and acceleration of the eccentricity in the turning frame
+    ux, uy = vx + spin * place.dy, vy - spin * place.dx
+    bx = c * ax + s * ay + 2.0 * spin * vy + spin_t * place.dy - spin * spin * place.dx
+    by = c * ay - s * ax - 2.0 * spin * vx - spin_t * place.dx - spin * spin * place.dy
+    node, x = cell_of(contact.place - zero, joint.surface_nodes)
+    node += joint.surface_nodes
+    nx, ny, curvature, slope, slope_x, slope_t = derivatives_at(surfaces, place, node, x)
+    second = bx * nx + by * ny - slope * turning_t - slope_t * turning * turning
+    mixed = place.width * (uy * nx - ux * ny) - slope_x * turning
+    return second - mixed * mixed / curvature if curvature < 0.0 else second
 
 
 @compiled
@@ -272,19 +319,9 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         (BEARING, c.bearing_angle, c.bearing_spin, bearing_spin_t),
         (PIN, c.pin_angle, c.pin_spin, pin_spin_t),
     )
-    count, turns = joint.surface_bins, joint.map_turns
+    count, turns = joint.surface_nodes, joint.map_turns
     if joint.foundation > 0.0 and count > 0:
-        # The greatest overlap follows its place: p_tt - p_ts^2 / p_ss.
-        nx, ny = math.cos(c.place), math.sin(c.place)
-        second = ax * nx + ay * ny
-        mixed = vy * nx - vx * ny
-        across = -(ex * nx + ey * ny)
-        for row, angle, spin, spin_t in ends:
-            _, slope, bend = profile(surfaces, row, count, c.place - turns * angle)
-            second += turns * (slope * spin_t - bend * spin * spin)
-            mixed += turns * bend * spin
-            across -= bend
-        return second - mixed * mixed / across if across < 0.0 else second
+        return deepest_acceleration(joint, surfaces, c, ax, ay, bearing_spin_t, pin_spin_t)
     nx, ny = ex / eccentricity, ey / eccentricity
     turning = (vy * nx - vx * ny) / eccentricity
     result = ax * nx + ay * ny + turning * turning * eccentricity
@@ -293,8 +330,8 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
         direction = math.atan2(ny, nx)
         for row, angle, spin, spin_t in ends:
-            _, slope, bend = profile(surfaces, row, count, direction - turns * angle)
+            _, slope, curvature = profile(surfaces, row, count, direction - turns * angle)
             sweep = turning - turns * spin
-            result -= bend * sweep * sweep
+            result -= curvature * sweep * sweep
             result -= slope * (turning_t - turns * spin_t)
     return result

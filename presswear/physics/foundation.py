@@ -1,14 +1,12 @@
-"""Worn surfaces and the elastic foundation between a round pin and its worn bearing.
+"""Elastic foundation between a round pin and its worn bearing.
 
-The overlap at an angle s from the direction of the eccentricity e is
-p(s) = e cos(s) - c - h_bearing - h_pin, the pressure k_w p where p > 0. The elastic energy is the
-integral of k_w b R p^2 / 2 over the angle; force and couples are its gradient. A pin cannot enter
-a groove narrower than itself: grooves are bridged, and two patches need no case of their own.
+The overlap at an angle theta is p = e . n(theta) - c - h_i - h_j, and the pressure is k_w p where
+p > 0. The elastic energy is the integral of k_w b R p^2 / 2 over the angle; force and couples are
+its gradient. A pin cannot enter a groove narrower than itself: grooves are bridged.
 
-The arc is integrated segment by segment between neighbouring nodes of the two maps. Over a
-segment of a few hundredths of a radian the values and slopes of the overlap at both ends give it
-to round-off: the cubic through them, and of the cosine a term of fourth order that vanishes at
-both ends (``segment.py``).
+The nodes of the bearing's map, its bin centres, divide the turn into cells. In a cell the overlap
+is the polynomial through its values and derivatives at both nodes. Force, couples and energy are
+sums of closed formulas over the cells (docs/theory/contact.md, equations W1 to W5).
 """
 
 import math
@@ -17,60 +15,76 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.surface import Surface
-from presswear.physics.segment import (
-    C3,
-    C4,
-    C5,
-    C7,
-    C9,
-    C11,
-    NOWHERE,
-    THIRD,
-    ArcIntegrals,
-    Place,
-    add_pressed,
-    add_whole,
-    cell_of,
-    onward,
-    segment_between,
-    share_out,
-    turned,
-    with_peak,
-)
 from presswear.tools.arrays import Array
-from presswear.tools.compile import compiled, fused, fused_inlined
-from presswear.tools.lanes import anywhere, lane_of, lanes_at, where
+from presswear.tools.compile import Records, compiled, fused, fused_inlined
 
-# Rows of each surface, of the bearing from 0 and of the pin from 5: depth, m, and slope, m/rad, at
-# the bin centres; coefficients of x^2 and x^3 of the cubic after each, m/rad^2 and m/rad^3; bound
-# on the distance of this cubic and the next from a chord over one bin, m. Then cosine and sine of
-# the angles of the bins from the first. The first columns follow the last once more.
-BEARING, PIN, COSINE, SINE, ROWS = 0, 5, 10, 11, 12
-SLOPE, SQUARE, CUBE, BULGE, SIDE_ROWS = 1, 2, 3, 4, 5
-TOGETHER = 4  # cells that are tried at once
+# Rows of each surface, of the bearing from 0 and of the pin from 4: depth at the nodes, and the
+# coefficients of x, x^2 and x^3 of the cubic after each, with x from 0 to 1 over a cell, m. Cosine
+# and sine of the angles of the nodes. As working space, the places where arcs of overlap start and
+# end, in cells, and the place of the pin for which they are and their number. The columns are the
+# nodes of three turns, so that no search crosses a seam.
+BEARING, PIN, COSINE, SINE, ARC_START, ARC_END, ARC_PLACE, ROWS = 0, 4, 8, 9, 10, 11, 12, 13
+SLOPE, SQUARE, CUBE, SIDE_ROWS = 1, 2, 3, 4
+TURNS = 3
 SURFACES = np.zeros((ROWS, 1))  # example of the type of packed surfaces, contiguous
 
-MAX_SEGMENT = 0.02  # rad; longer segments would show the terms that are left out
+MAX_SPACING = 0.02  # rad, of nodes; over wider cells neglected terms of the cosine would show
+MARGIN = 0.01  # of a cell, by which a direction may be off
+NEAR = 0.1  # tangent of an angle that is computed from its series
+NEWTON_TOL = 1e-3  # part of a cell; the next Newton step would be about its square
+ROOT_TOL = 1e-8  # part of a cell; integrals change with the square of it
+MAX_ROOT_STEPS = 60  # Newton's method needs two; bisection helps where it strays
 
 
-def pack_rows(bearing: Surface, pin: Surface, count: int) -> Array:
-    """Return the rows of both maps of ``count`` bins, shape (ROWS, count + TOGETHER)."""
-    rows = np.zeros((ROWS, count))
-    width = 2.0 * math.pi / count
+def parts_of(bins: int) -> int:
+    """Return into how many cells a map divides its bins; odd, so that bin centres are nodes."""
+    return 1 + 2 * math.ceil(0.5 * (2.0 * math.pi / (MAX_SPACING * bins) - 1.0))
+
+
+def pack_rows(bearing: Surface, pin: Surface, bins: int) -> Array:
+    """Return the rows of both maps, shape (ROWS, 3 nodes + 2), of ``bins parts_of(bins)`` nodes."""
+    parts = parts_of(bins)
+    nodes = bins * parts
+    width = 2.0 * math.pi / nodes
+    angles = width * (np.arange(nodes) + 0.5)
+    rows = np.zeros((ROWS, TURNS * nodes + 2))
+    rows[COSINE] = np.resize(np.cos(angles), rows.shape[1])
+    rows[SINE] = np.resize(np.sin(angles), rows.shape[1])
     for side, surface in ((BEARING, bearing), (PIN, pin)):
         if surface.is_worn:
-            part = rows[side : side + SIDE_ROWS]
-            depth, slope = surface.depth, surface.slope
-            following, following_slope = np.roll(depth, -1), np.roll(slope, -1)
-            secant = (following - depth) / width
-            part[0], part[SLOPE] = depth, slope
-            part[SQUARE] = (3.0 * secant - 2.0 * slope - following_slope) / width
-            part[CUBE] = (slope + following_slope - 2.0 * secant) / width**2
-            bend = np.maximum(abs(part[SQUARE]), abs(part[SQUARE] + 3.0 * width * part[CUBE]))
-            part[BULGE] = 0.25 * width**2 * np.maximum(bend, np.roll(bend, -1))
-    angles = width * np.arange(count)
-    rows[COSINE], rows[SINE] = np.cos(angles), np.sin(angles)
-    return np.pad(rows, ((0, 0), (0, TOGETHER)), "wrap")
+            cubics = _cubics(surface, parts)
+            rows[side : side + SIDE_ROWS] = np.pad(cubics, ((0, 0), (0, 2 * nodes + 2)), "wrap")
+    return rows
+
+
+def _cubics(surface: Surface, parts: int) -> Array:
+    """Return the coefficients of the cubic after each node, m, shape (4, nodes)."""
+    depth = surface.depth
+    slope = surface.slope * (2.0 * math.pi / depth.size)
+    following = np.roll(slope, -1)
+    rise = np.roll(depth, -1) - depth
+    square = 3.0 * rise - 2.0 * slope - following
+    cube = slope + following - 2.0 * rise
+    x = np.arange(parts) / parts
+    d, s, q, c = (values[:, np.newaxis] for values in (depth, slope, square, cube))
+    coefficients = (
+        d + x * (s + x * (q + x * c)),
+        (s + x * (2.0 * q + 3.0 * x * c)) / parts,
+        (q + 3.0 * x * c) / parts**2,
+        (c + 0.0 * x) / parts**3,
+    )
+    return np.roll(np.reshape(coefficients, (4, -1)), parts // 2, axis=1)
+
+
+def steepest_of(rows: Array) -> float:
+    """Return a bound on the slope of the depths of both surfaces together, m per cell."""
+    bound = 0.0
+    for side in (BEARING, PIN):
+        slope, square, cube = rows[side + SLOPE : side + SIDE_ROWS]
+        # A slope differs from that of the nearer node by half of the curvature at most.
+        curvature = 2.0 * np.maximum(abs(square), abs(square + 3.0 * cube))
+        bound += float((abs(slope) + 0.5 * curvature).max())
+    return bound
 
 
 def foundation_stiffness(stiffness: float, clearance: float) -> float:
@@ -89,217 +103,489 @@ def bin_of(angle: float, count: int) -> int:
 
 
 @fused_inlined
-def depth_at(surfaces: Array, row: int, k: int, x: float) -> tuple[float, float]:
-    """Return depth, m, and slope, m/rad, of a map x rad after its node ``k``."""
-    c1, c2, c3 = surfaces[row + SLOPE, k], surfaces[row + SQUARE, k], surfaces[row + CUBE, k]
-    return surfaces[row, k] + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + x * 3.0 * c3)
+def cell_of(angle: float, nodes: int) -> tuple[int, float]:
+    """Return the node at or before an angle, rad, and the way from there, in cells."""
+    turn = angle * (0.5 / math.pi)
+    position = (turn - np.floor(turn)) * nodes - 0.5
+    before = np.floor(position)
+    node = int(before)
+    if node < 0:
+        node += nodes
+    # In a trial state the angle may be so large that round-off leaves no place in a cell.
+    if not 0 <= node < nodes:
+        return 0, 0.0
+    return node, min(max(position - before, 0.0), 1.0)
 
 
 @fused_inlined
-def profile(surfaces: Array, row: int, count: int, angle: float) -> tuple[float, float, float]:
-    """Return depth, m, slope, m/rad, and second derivative of a map of ``count`` bins at an angle.
+def depth_at(surfaces: Array, row: int, node: int, x: float) -> tuple[float, float, float]:
+    """Return depth, m, slope, m per cell, and second derivative of a map x cells after a node."""
+    slope, square = surfaces[row + SLOPE, node], surfaces[row + SQUARE, node]
+    cube = surfaces[row + CUBE, node]
+    depth = surfaces[row, node] + x * (slope + x * (square + x * cube))
+    return depth, slope + x * (2.0 * square + x * 3.0 * cube), 2.0 * square + x * 6.0 * cube
+
+
+@fused_inlined
+def profile(surfaces: Array, row: int, nodes: int, angle: float) -> tuple[float, float, float]:
+    """Return depth, m, slope, m/rad, and second derivative of a map at an angle.
 
     The second derivative, m/rad^2, jumps at the bin centres.
     """
-    if count == 0:
+    if nodes == 0:
         return 0.0, 0.0, 0.0
-    k, x = cell_of(angle, count, 0.5)
-    depth, slope = depth_at(surfaces, row, k, x)
-    return depth, slope, 2.0 * surfaces[row + SQUARE, k] + 6.0 * x * surfaces[row + CUBE, k]
+    node, x = cell_of(angle, nodes)
+    depth, slope, curvature = depth_at(surfaces, row, node, x)
+    per_radian = nodes * (0.5 / math.pi)
+    return depth, per_radian * slope, per_radian * per_radian * curvature
 
 
-class Fit(NamedTuple):
-    """Pin in its bearing; see ``press``."""
+class Place(NamedTuple):
+    """Pin in the map of its bearing."""
 
-    eccentricity: float
-    clearance: float
-    bearing_place: float
-    pin_place: float
+    dx: float  # eccentricity in the frame of the map, m
+    dy: float
+    eccentricity: float  # m
+    clearance: float  # m
+    width: float  # of a cell, rad
+    lag: int  # node of the pin's map at or before a node of the bearing's, less the latter
+    offset: float  # way between the two, in cells
 
 
 @fused_inlined
-def place_at(
-    fit: Fit, surfaces: Array, bearing: int, pin: int, bearing_x: float, pin_x: float, angle: float
+def place_of(
+    joint: Records, dx: float, dy: float, eccentricity: float, relative_angle: float
 ) -> Place:
-    """Return the overlap at an angle, rad, and at ways into cells of both maps, rad."""
-    depth, slope = depth_at(surfaces, BEARING, bearing, bearing_x)
-    pin_depth, pin_slope = depth_at(surfaces, PIN, pin, pin_x)
-    cosine, sine = turned(angle)
-    overlap = fit.eccentricity * cosine - fit.clearance - depth - pin_depth
-    return Place(overlap, -fit.eccentricity * sine - slope - pin_slope, slope, cosine, sine)
+    """Return the place of a pin whose map is turned by a relative angle, rad, from the bearing's.
+
+    ``dx`` and ``dy`` are the eccentricity in the frame of the bearing's map, m.
+    """
+    nodes = joint.surface_nodes
+    turns = relative_angle * (0.5 / math.pi)
+    position = (turns - np.floor(turns + 0.5)) * nodes
+    before = np.floor(position)
+    # In a trial state the angle may be so large that round-off leaves no place in a cell.
+    if not abs(before) <= nodes:
+        position = before = 0.0
+    width = 2.0 * math.pi / nodes
+    return Place(dx, dy, eccentricity, joint.clearance, width, int(before), position - before)
+
+
+class Node(NamedTuple):
+    """Overlap at a node of the bearing's map or at an end of an arc; derivatives are per cell."""
+
+    nx: float  # cosine of its angle
+    ny: float  # and sine
+    along: float  # eccentricity in its direction, m
+    overlap: float  # m
+    rise: float  # derivative of the overlap, m
+    pin_slope: float  # derivatives of the depth of the pin, m
+    pin_curvature: float
 
 
 @fused_inlined
-def overlap_at_nodes(
-    surfaces: Array, b: int, p: int, i: int, pin_x: float, along: float, across: float
-) -> float:
-    """Return overlap plus clearance at some nodes of the bearing, from ``b``, in lanes, m.
+def node_at(surfaces: Array, place: Place, node: int) -> Node:
+    """Return the overlap at a node of the bearing's map; equation W1."""
+    nx, ny = surfaces[COSINE, node], surfaces[SINE, node]
+    depth, slope, curvature = depth_at(surfaces, PIN, node + place.lag, place.offset)
+    along = place.dx * nx + place.dy * ny
+    overlap = along - place.clearance - surfaces[BEARING, node] - depth
+    rise = place.width * (place.dy * nx - place.dx * ny) - surfaces[BEARING + SLOPE, node] - slope
+    return Node(nx, ny, along, overlap, rise, slope, curvature)
 
-    The pin's cells from ``p`` hold them ``pin_x`` rad from their nodes. ``along`` and ``across``
-    are parts of the eccentricity, m, from which node ``i`` of a turn is that of ``b``.
-    """
-    depth = lanes_at(surfaces, BEARING, b) + lanes_at(surfaces, PIN, p)
-    c1, c2 = lanes_at(surfaces, PIN + SLOPE, p), lanes_at(surfaces, PIN + SQUARE, p)
-    depth += pin_x * (c1 + pin_x * (c2 + pin_x * lanes_at(surfaces, PIN + CUBE, p)))
-    return along * lanes_at(surfaces, COSINE, i) - across * lanes_at(surfaces, SINE, i) - depth
+
+class Cubic(NamedTuple):
+    """Polynomial a_0 + a_1 x + ... + a_4 x^4 over a cell, x from 0 to 1."""
+
+    a0: float
+    a1: float
+    a2: float
+    a3: float
+    a4: float
 
 
 @fused_inlined
-def add_part(
-    fit: Fit,
-    surfaces: Array,
-    b: int,
-    p: int,
-    cell: float,
-    offset: float,
-    pin_x: float,
-    half: float,
-    pieces: int,
-    left: Place,
-    sums: ArcIntegrals,
-    shares: Array,
-) -> tuple[Place, ArcIntegrals]:
-    """Return the end of a part of a cell, and the sums with it; see ``press``.
+def cubic_between(p0: float, d0: float, p1: float, d1: float, a4: float) -> Cubic:
+    """Return the cubic through values and derivatives at both ends, plus a_4 x^2 (1 - x)^2."""
+    rise = p1 - p0
+    a2 = 3.0 * rise - 2.0 * d0 - d1
+    a3 = d0 + d1 - 2.0 * rise
+    return Cubic(p0, d0, a2 + a4, a3 - 2.0 * a4, a4)
 
-    The part begins ``offset`` rad from the start of the cell, which is ``cell`` rad from the
-    eccentricity, and has ``pieces`` segments; its nodes of the pin are ``pin_x`` rad further on.
+
+@fused_inlined
+def overlap_between(left: Node, right: Node, width: float) -> Cubic:
+    """Return the overlap in a cell, ``width`` rad wide, from that at its nodes; equation W2."""
+    square = width * width
+    a4 = (1 / 48) * square * square * (left.along + right.along)
+    return cubic_between(left.overlap, left.rise, right.overlap, right.rise, a4)
+
+
+@fused_inlined
+def value_at(p: Cubic, x: float) -> float:
+    """Return the value of a polynomial."""
+    return p.a0 + x * (p.a1 + x * (p.a2 + x * (p.a3 + x * p.a4)))
+
+
+@fused_inlined
+def slope_at(p: Cubic, x: float) -> float:
+    """Return the derivative of a polynomial."""
+    return p.a1 + x * (2.0 * p.a2 + x * (3.0 * p.a3 + x * 4.0 * p.a4))
+
+
+@fused_inlined
+def root_between(p: Cubic, low: float, high: float) -> float:
+    """Return the root of a polynomial that is monotone between two places of different signs."""
+    at_low, at_high = value_at(p, low), value_at(p, high)
+    rises = at_high > 0.0
+    # Start from the root of a parabola through both ends.
+    first = (high - low) * slope_at(p, low)
+    square = at_high - at_low - first
+    size = math.sqrt(max(first * first - 4.0 * at_low * square, 0.0))
+    divisor = first + size if rises else first - size
+    x = low - 2.0 * at_low * (high - low) / divisor if divisor != 0.0 else low
+    if not low <= x <= high:
+        x = 0.5 * (low + high)
+    for _ in range(MAX_ROOT_STEPS):
+        value, slope = value_at(p, x), slope_at(p, x)
+        if (value > 0.0) == rises:
+            high = x
+        else:
+            low = x
+        following = x - value / slope if slope != 0.0 else low
+        tolerance = NEWTON_TOL
+        if not low <= following <= high:
+            following, tolerance = 0.5 * (low + high), ROOT_TOL
+        if abs(following - x) < tolerance:
+            return following
+        x = following
+    return x
+
+
+@fused_inlined
+def turning_points(p: Cubic) -> tuple[float, float]:
+    """Return where a cubic has its maximum and its minimum; 2 where there is none."""
+    square = p.a2 * p.a2 - 3.0 * p.a1 * p.a3
+    if square <= 0.0:
+        return 2.0, 2.0
+    root = math.sqrt(square)
+    maximum = p.a1 / (root - p.a2) if root != p.a2 else 2.0
+    minimum = -p.a1 / (root + p.a2) if root != -p.a2 else 2.0
+    return maximum, minimum
+
+
+class ArcIntegrals(NamedTuple):
+    """Integrals over the arc where surfaces overlap, in the frame of the bearing's map."""
+
+    x: float  # of p cos(theta), m rad
+    y: float  # of p sin(theta), m rad
+    pin_slope: float  # of p times the slope of the pin's map, m^2
+    square: float  # of p^2, m^2 rad
+    arcs: int  # of overlap; see ARC_START
+
+
+@fused_inlined
+def with_part(
+    left: Node, right: Node, length: float, width: float, a4: float, sums: ArcIntegrals
+) -> ArcIntegrals:
+    """Return the integrals with a part of a cell that overlaps throughout; equations W4 and W5.
+
+    ``length`` is its part of the cell, of ``width`` rad, whose polynomial has the coefficient a_4.
     """
-    cube = surfaces[BEARING + CUBE, b]
-    quartic = C4 * fit.eccentricity * half * half * half * half
-    for j in range(pieces):
-        since = offset + 2.0 * j * half
-        end = since + 2.0 * half
-        right = place_at(fit, surfaces, b, p, end, end + pin_x, cell + end)
-        # A cubic lies within its Bezier points.
-        second = left.overlap + 2.0 * THIRD * half * left.rise
-        third = right.overlap - 2.0 * THIRD * half * right.rise
-        low = min(min(left.overlap, right.overlap), min(second, third)) - quartic
-        high = max(max(left.overlap, right.overlap), max(second, third)) + quartic
-        if high > 0.0 or high > sums.overlap:
-            g = segment_between(left, right, half, quartic, cube)
-            if high > sums.overlap:
-                sums = with_peak(g, cell + since, sums)
-            places = fit.bearing_place + cell + since, fit.pin_place + cell + since
-            if low <= 0.0 < high:
-                sums = add_pressed(g, sums, *places, shares)
-            elif low > 0.0:
-                sums = add_whole(g, sums)
-                if shares.shape[1] > 0:
-                    share_out(g, -1.0, 1.0, *places, shares)
-        left = right
-    return left, sums
+    p0, d0 = left.overlap, length * left.rise
+    p1, d1 = right.overlap, length * right.rise
+    q = a4 * length * length * length * length
+    l0 = 156.0 * p0 + 22.0 * d0 + 54.0 * p1 - 13.0 * d1 + 7.0 * q
+    l1 = 22.0 * p0 + 4.0 * d0 + 13.0 * p1 - 3.0 * d1 + 1.5 * q
+    l2 = 54.0 * p0 + 13.0 * d0 + 156.0 * p1 - 22.0 * d1 + 7.0 * q
+    l3 = -13.0 * p0 - 3.0 * d0 - 22.0 * p1 + 4.0 * d1 - 1.5 * q
+    middle = 7.0 * (p0 + p1) + 1.5 * (d0 - d1) + (2 / 3) * q
+    turn = length * width
+    scale = (1 / 420) * turn
+    x = l0 * left.nx + l2 * right.nx - turn * (l1 * left.ny + l3 * right.ny)
+    y = l0 * left.ny + l2 * right.ny + turn * (l1 * left.nx + l3 * right.nx)
+    slope = l0 * left.pin_slope + l2 * right.pin_slope
+    slope += length * (l1 * left.pin_curvature + l3 * right.pin_curvature)
+    square = l0 * p0 + l1 * d0 + l2 * p1 + l3 * d1 + q * middle
+    return ArcIntegrals(
+        sums.x + scale * x,
+        sums.y + scale * y,
+        sums.pin_slope + scale * slope,
+        sums.square + scale * square,
+        sums.arcs,
+    )
+
+
+@fused_inlined
+def node_within(left: Node, right: Node, p: Cubic, width: float, x: float) -> Node:
+    """Return the overlap at a place of a cell, ``width`` rad wide, between its nodes."""
+    angle = width * x
+    y = angle * angle
+    cosine = 1.0 - y * (1 / 2 - y * (1 / 24 - y * (1 / 720)))
+    sine = angle * (1.0 - y * (1 / 6 - y * (1 / 120 - y * (1 / 5040))))
+    pin = cubic_between(
+        left.pin_slope, left.pin_curvature, right.pin_slope, right.pin_curvature, 0.0
+    )
+    return Node(
+        left.nx * cosine - left.ny * sine,
+        left.ny * cosine + left.nx * sine,
+        left.along,
+        value_at(p, x),
+        slope_at(p, x),
+        value_at(pin, x),
+        slope_at(pin, x),
+    )
+
+
+@fused_inlined
+def is_monotone(left: Node, right: Node) -> bool:
+    """Return whether the Bezier points of the overlap between two nodes only rise or only fall."""
+    middle = 3.0 * (right.overlap - left.overlap) - left.rise - right.rise
+    if left.rise > 0.0:
+        return right.rise >= 0.0 and middle >= 0.0
+    return right.rise <= 0.0 and middle <= 0.0
 
 
 @fused
-def press(
+def add_parts(
     surfaces: Array,
-    count: int,
-    eccentricity: float,
-    clearance: float,
-    least_depth: float,
-    bearing_place: float,
-    pin_place: float,
-    shares: Array,
+    place: Place,
+    node: int,
+    left: Node,
+    right: Node,
+    sums: ArcIntegrals,
 ) -> ArcIntegrals:
-    """Return the sums of a pin in its bearing, and spread the overlap over bins.
+    """Return the integrals with those parts of a cell where the overlap is positive."""
+    p = overlap_between(left, right, place.width)
+    first = second = 2.0
+    if not is_monotone(left, right):
+        maximum, minimum = turning_points(p)
+        first, second = min(maximum, minimum), max(maximum, minimum)
+    start, arcs = 0.0, sums.arcs
+    for end in (first, second, 1.0):
+        if not start < end <= 1.0:
+            continue
+        low, high = start, end
+        start = end
+        at_low, at_high = value_at(p, low), value_at(p, high)
+        if at_low <= 0.0 and at_high <= 0.0:
+            continue
+        if at_low <= 0.0:
+            low = root_between(p, low, high)
+            surfaces[ARC_START, arcs] = node + low
+        elif at_high <= 0.0:
+            high = root_between(p, low, high)
+            surfaces[ARC_END, arcs] = node + high
+            arcs += 1
+        before = node_within(left, right, p, place.width, low) if low > 0.0 else left
+        after = node_within(left, right, p, place.width, high) if high < 1.0 else right
+        sums = with_part(before, after, high - low, place.width, p.a4, sums)
+    return ArcIntegrals(sums.x, sums.y, sums.pin_slope, sums.square, arcs)
+
+
+@fused_inlined
+def cell_of_eccentricity(surfaces: Array, nodes: int, place: Place, angle: float) -> float:
+    """Return the direction of the eccentricity, in cells of the second turn.
+
+    It is computed from an angle, rad, if that is near it.
+    """
+    node, _ = cell_of(angle, nodes)
+    nx, ny = surfaces[COSINE, node], surfaces[SINE, node]
+    along = place.dx * nx + place.dy * ny
+    across = place.dy * nx - place.dx * ny
+    if abs(across) < NEAR * along:
+        t = across / along
+        return nodes + node + t * (1.0 - t * t * (1 / 3 - t * t * (1 / 5))) / place.width
+    node, x = cell_of(math.atan2(place.dy, place.dx), nodes)
+    return nodes + node + x
+
+
+@fused_inlined
+def reach_of_peaks(joint: Records, place: Place) -> float:
+    """Return how far from the eccentricity a maximum can be, in cells; equation W3."""
+    least = place.width * place.eccentricity
+    if not least > joint.steepest:
+        return 0.5 * joint.surface_nodes
+    sine = joint.steepest / least
+    # Above the arc sine, and by as much as the series of a tangent is off
+    return sine * (1.0 + (0.5 * math.pi - 1.0) * sine * sine) / place.width + MARGIN
+
+
+@fused
+def integrate_overlap(
+    surfaces: Array, joint: Records, place: Place, angle: float
+) -> tuple[float, float, ArcIntegrals]:
+    """Return the greatest overlap of a pin and its bearing, its place, and the integrals.
 
     Parameters
     ----------
     surfaces : ndarray, shape (ROWS, m)
-    count : int
-        Bins of both maps.
-    least_depth : float
-        Sum of the least depths of both, m.
-    bearing_place, pin_place : float
-        Direction of the eccentricity in the maps of bearing and pin, rad.
-    shares : ndarray, shape (2, n)
-        The integrals of the overlap over n bins of bearing and pin, m rad, are added; n may be 0.
+    joint : record of JOINT
+    place : Place
+    angle : float
+        Angle of the bearing's map, rad, near which the overlap was greatest before.
     """
-    fit = Fit(eccentricity, clearance, bearing_place, pin_place)
-    width = 2.0 * math.pi / count
-    b, into = cell_of(bearing_place, count, 0.5)
-    p, p_x = cell_of(pin_place, count, 0.5)
-    here = depth_at(surfaces, BEARING, b, into)[0] + depth_at(surfaces, PIN, p, p_x)[0]
-    # Beyond ``end`` the overlap is negative and less than here: 1 - cos(s) = rise / e.
-    rise = max(here, eccentricity - clearance) - least_depth
-    part = min(max(0.5 * rise / eccentricity, 0.0), 1.0) if eccentricity > 0.0 else 1.0
-    sine = math.sqrt(part)
-    end = 2.0 * sine * (1.0 + (0.5 * math.pi - 1.0) * sine * sine) + 1e-9  # above 2 asin(sine)
-    ahead = max(math.ceil((end - into) / width), 0)
-    cells = min(ahead + math.ceil((end + into) / width), count)
-    # Every cell of the bearing holds a node of the pin at the same place.
-    node = width - p_x + into
-    if node > width:
-        node -= width
-        p -= 1
-    rest = width - node
-    before, behind = max(math.ceil(node / MAX_SEGMENT), 1), max(math.ceil(rest / MAX_SEGMENT), 1)
-    half_before, half_behind = 0.5 * node / before, 0.5 * rest / behind
-    b, p = (b - ahead + 2 * count) % count, (p - ahead + 2 * count) % count
-    start = -ahead * width - into
-    cosine, sine = turned(start)
-    parts = rest, eccentricity * cosine, eccentricity * sine
-    # Overlap plus clearance at the ends of a cell that touches; e width^2 / 8 is the bulge of the
-    # cosine, the rest more than round-off
-    needed = clearance - 0.126 * eccentricity * width * width
-    sums = ArcIntegrals(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    left, left_cell = NOWHERE, -1
-    for first in range(0, cells, TOGETHER):
-        # Most cells are passed over: overlap at both ends and bulges bound it from above.
-        bounds = overlap_at_nodes(surfaces, b, p, first, *parts)
-        following = overlap_at_nodes(surfaces, b + 1, p + 1, first + 1, *parts)
-        bounds = where(following > bounds, following, bounds)
-        bounds += lanes_at(surfaces, BEARING + BULGE, b) + lanes_at(surfaces, PIN + BULGE, p)
-        if anywhere(bounds > needed + min(sums.overlap, 0.0)):
-            for i in range(first, min(first + TOGETHER, cells)):
-                if lane_of(bounds, i - first) <= needed + min(sums.overlap, 0.0):
-                    continue
-                k, m, cell = (b + i - first) % count, (p + i - first) % count, start + i * width
-                if left_cell != i:
-                    left = place_at(fit, surfaces, k, m, 0.0, rest, cell)
-                left, sums = add_part(
-                    *(fit, surfaces, k, m, cell, 0.0, rest, half_before, before, left, sums, shares)
-                )
-                m = m + 1 if m + 1 < count else 0
-                left, sums = add_part(
-                    *(fit, surfaces, k, m, cell, node, -node, half_behind, behind),
-                    *(left, sums, shares),
-                )
-                left_cell = i + 1
-        b, p = b + TOGETHER, p + TOGETHER
-        b, p = b - count if b >= count else b, p - count if p >= count else p
-    return sums
+    half_turn = joint.surface_nodes // 2
+    direction = cell_of_eccentricity(surfaces, joint.surface_nodes, place, angle)
+    reach = reach_of_peaks(joint, place)
+    centre = int(direction)
+    node = max(int(direction - reach), centre - half_turn)
+    last = min(int(direction + reach), centre + half_turn)
+    left = node_at(surfaces, place, node)
+    while left.overlap > 0.0 and node > centre - half_turn:
+        node -= 1
+        left = node_at(surfaces, place, node)
+    greatest, peak = left.overlap, float(node)
+    sums = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
+    while (node <= last or left.overlap > 0.0) and node <= centre + half_turn:
+        right = node_at(surfaces, place, node + 1)
+        p = overlap_between(left, right, place.width)
+        # A cubic lies within its Bezier points.
+        second = left.overlap + (1 / 3) * left.rise
+        third = right.overlap - (1 / 3) * right.rise
+        highest = max(max(left.overlap, right.overlap), max(second, third)) + abs(p.a4)
+        lowest = min(min(left.overlap, right.overlap), min(second, third))
+        if lowest > 0.0:
+            sums = with_part(left, right, 1.0, place.width, p.a4, sums)
+        elif highest > 0.0:
+            sums = add_parts(surfaces, place, node, left, right, sums)
+        if highest > greatest and not is_monotone(left, right):
+            x, _ = turning_points(p)
+            x -= slope_at(p, x) / (2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4))
+            if 0.0 < x < 1.0 and value_at(p, x) > greatest:
+                greatest, peak = value_at(p, x), node + x
+        node += 1
+        if right.overlap > greatest:
+            greatest, peak = right.overlap, float(node)
+        left = right
+    surfaces[ARC_PLACE, 0] = place.dx
+    surfaces[ARC_PLACE, 1] = place.dy
+    surfaces[ARC_PLACE, 2] = place.lag + place.offset
+    surfaces[ARC_PLACE, 3] = sums.arcs
+    # Mean of cosine and sine over a cell, over that of their cubics
+    scale = 1.0 + (1 / 720) * place.width**4
+    sums = ArcIntegrals(scale * sums.x, scale * sums.y, sums.pin_slope, sums.square, sums.arcs)
+    return greatest, peak, sums
+
+
+@fused_inlined
+def node_of_peak(surfaces: Array, place: Place, cell: float) -> tuple[Node, float]:
+    """Return the overlap at its maximum, a place in cells, and the depth of the pin there."""
+    node = int(cell)
+    x = cell - node
+    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    p = overlap_between(left, right, place.width)
+    peak = node_within(left, right, p, place.width, x)
+    gap = place.dx * peak.nx + place.dy * peak.ny - place.clearance
+    return peak, gap - peak.overlap - depth_at(surfaces, BEARING, node, x)[0]
+
+
+@fused_inlined
+def derivatives_at(
+    surfaces: Array, place: Place, node: int, x: float
+) -> tuple[float, float, float, float, float, float]:
+    """Return derivatives of the overlap at a place of a cell, for ``deepest_acceleration``.
+
+    Cosine and sine of its angle, the second derivative of the overlap, m, the slope of the pin's
+    map, m, and the derivatives of the slope by x and by the relative angle, in cells.
+    """
+    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    p = overlap_between(left, right, place.width)
+    here = node_within(left, right, p, place.width, x)
+    third = 6.0 * surfaces[PIN + CUBE, node + place.lag]
+    following = 6.0 * surfaces[PIN + CUBE, node + 1 + place.lag]
+    by_turning = cubic_between(left.pin_curvature, third, right.pin_curvature, following, 0.0)
+    curvature = 2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4)
+    return here.nx, here.ny, curvature, here.pin_slope, here.pin_curvature, value_at(by_turning, x)
+
+
+@fused_inlined
+def count_arcs(surfaces: Array, joint: Records, place: Place, angle: float) -> int:
+    """Return the number of arcs of overlap, whose ends are in the surfaces.
+
+    The integrals are computed, as by ``integrate_overlap``, if those before had another place.
+    """
+    last = surfaces[ARC_PLACE]
+    is_same = last[0] == place.dx and last[1] == place.dy and last[2] == place.lag + place.offset
+    if not is_same:
+        integrate_overlap(surfaces, joint, place, angle)
+    return int(last[3])
+
+
+@fused_inlined
+def area_at(p: Cubic, x: float) -> float:
+    """Return the integral of a polynomial from 0."""
+    rest = (1 / 3) * p.a2 + x * ((1 / 4) * p.a3 + x * (1 / 5) * p.a4)
+    return x * (p.a0 + x * ((1 / 2) * p.a1 + x * rest))
+
+
+@fused_inlined
+def share_cell(
+    p: Cubic, node: int, low: float, high: float, shift: float, ratio: float, shares: Array
+) -> None:
+    """Add the integral of the overlap in a cell, between two places, to the bins of a map, (n,).
+
+    A cell is ``ratio`` bins wide; the bins begin ``shift`` cells before the nodes.
+    """
+    count = shares.shape[0]
+    k = int(np.floor((node + low + shift) * ratio))
+    x = low
+    before = area_at(p, low)
+    while x < high:
+        x = min(max((k + 1) / ratio - shift - node, x), high)
+        area = area_at(p, x)
+        # At an end of the arc the overlap is nothing but round-off.
+        shares[k % count] += max(area - before, 0.0)
+        before = area
+        k += 1
+
+
+@fused
+def share_arc(surfaces: Array, joint: Records, place: Place, arc: int, shares: Array) -> None:
+    """Add the integrals of the overlap over an arc to the bins of bearing and pin, shape (2, n)."""
+    start, end = surfaces[ARC_START, arc], surfaces[ARC_END, arc]
+    ratio = shares.shape[1] / joint.surface_nodes
+    pin_shift = 0.5 + place.lag + place.offset
+    left = node_at(surfaces, place, int(start))
+    for node in range(int(start), int(np.ceil(end))):
+        right = node_at(surfaces, place, node + 1)
+        p = overlap_between(left, right, place.width)
+        low = max(start - node, 0.0)
+        high = min(end - node, 1.0)
+        share_cell(p, node, low, high, 0.5, ratio, shares[0])
+        share_cell(p, node, low, high, pin_shift, ratio, shares[1])
+        left = right
 
 
 @fused_inlined
 def round_area(eccentricity: float, clearance: float, x: float) -> float:
     """Return the integral of the overlap of a round pin from the direction of e to x, m rad."""
     y = x * x
-    short = math.sin(x) - x
-    if y < 0.25:  # the difference cancels
-        short = x * y * (C3 + y * (C5 + y * (C7 + y * (C9 + y * C11))))
+    if y < 0.25:  # the difference of sine and x would cancel
+        series = 1 / 5040 - y * (1 / 362880 - y * (1 / 39916800))
+        short = -x * y * (1 / 6 - y * (1 / 120 - y * series))
+    else:
+        short = math.sin(x) - x
     return (eccentricity - clearance) * x + eccentricity * short
 
 
 @fused
-def spread_round(
-    eccentricity: float, clearance: float, bearing_place: float, pin_place: float, shares: Array
+def share_round(
+    eccentricity: float, clearance: float, direction: float, half: float, shares: Array
 ) -> None:
-    """Spread the overlap over bins as ``press``, of surfaces without wear."""
-    if eccentricity <= clearance:
-        return
-    bins = shares.shape[1]
-    width = 2.0 * math.pi / bins
-    end = 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - clearance) / eccentricity))
-    b_bin, b_way = cell_of(bearing_place - end, bins, 0.0)
-    p_bin, p_way = cell_of(pin_place - end, bins, 0.0)
-    left, until = -end, round_area(eccentricity, clearance, -end)
-    while left < end:
-        length = min(min(width - b_way, width - p_way), end - left)
-        left += length
-        before, until = until, round_area(eccentricity, clearance, left)
-        share = max(until - before, 0.0)  # at its end it is nothing but round-off
-        shares[0, b_bin] += share
-        shares[1, p_bin] += share
-        b_bin, b_way = onward(b_bin, b_way, length, width, bins)
-        p_bin, p_way = onward(p_bin, p_way, length, width, bins)
+    """Add the integrals of the overlap of round surfaces to the bins of a map, shape (n,).
+
+    The arc reaches ``half`` rad to both sides of the direction of e in the map.
+    """
+    count = shares.shape[0]
+    width = 2.0 * math.pi / count
+    k = int(np.floor((direction - half) / width))
+    x = -half
+    before = round_area(eccentricity, clearance, x)
+    while x < half:
+        x = min(max((k + 1) * width - direction, x), half)
+        area = round_area(eccentricity, clearance, x)
+        # At the end of the arc the overlap is nothing but round-off.
+        shares[k % count] += max(area - before, 0.0)
+        before = area
+        k += 1

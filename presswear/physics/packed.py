@@ -14,9 +14,11 @@ from presswear.physics.foundation import (
     BEARING,
     PIN,
     ROWS,
-    TOGETHER,
+    TURNS,
     foundation_stiffness,
     pack_rows,
+    parts_of,
+    steepest_of,
 )
 from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
 from presswear.physics.loads import Loads, load_forces, pack_loads, pack_springs, spring_forces
@@ -37,7 +39,8 @@ JOINT = np.dtype(
         ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
         ("map_bins", np.int64),  # of the wear maps of a cycle
         ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
-        ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
+        ("surface_nodes", np.int64),  # of the same maps, as ``foundation.pack_rows`` divides them
+        ("steepest", np.float64),  # bound on the slopes of both surfaces together, m per cell
         ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
         ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
         ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
@@ -98,14 +101,16 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         pair = joint.bearing_surface, joint.pin_surface
         sizes = (surface.depth.size for surface in pair if surface.is_worn)
         later = joint.bins if wearing and joint.wear else 0
-        record["surface_bins"] = max(sizes, default=later)
+        bins = max(sizes, default=later)
+        record["surface_bins"] = bins
+        record["surface_nodes"] = bins * parts_of(bins) if bins else 0
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
     for load in linkage.dead_loads:
         i = offset[load.body]
         weight[i : i + 3] += load.x, load.y, load.moment
-    most = int(joints["surface_bins"].max(initial=0))
-    surfaces = np.zeros((len(joints), ROWS, most + TOGETHER if most else 0))
+    most = int(joints["surface_nodes"].max(initial=0))
+    surfaces = np.zeros((len(joints), ROWS, TURNS * most + 2 if most else 0))
     turned = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
     springs, loads = pack_springs(linkage), pack_loads(linkage)
     rubbing = _pack_rubbing(linkage, offset)
@@ -166,7 +171,14 @@ def mass_of(linkage: Linkage) -> Array:
 
 def depths_of(packed: Packed) -> Array:
     """Return depths of bearings and pins, m, shape (joints, 2, n); n = 0 while all are round."""
-    return packed.surfaces[:, (BEARING, PIN), :-TOGETHER]
+    most = int(packed.joints["surface_bins"].max(initial=0))
+    depths = np.zeros((len(packed.joints), 2, most))
+    for depth, joint, rows in zip(depths, packed.joints, packed.surfaces, strict=True):
+        if bins := int(joint["surface_bins"]):
+            parts = parts_of(bins)
+            centres = slice(parts // 2, bins * parts, parts)
+            depth[:, :bins] = rows[BEARING, centres], rows[PIN, centres]
+    return depths
 
 
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
@@ -177,7 +189,7 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     rows = pack_rows(*surfaces, count)
     packed.surfaces[k, :, : rows.shape[1]] = rows
     depths = [surface.depth for surface in surfaces if surface.is_worn]
-    packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
+    packed.joints[k]["steepest"] = steepest_of(rows)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)
 
 

@@ -189,9 +189,7 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
     for k in range(records.memory.shape[0]):
         joint, last, is_closed = packed.joints[k], records.memory[k], records.onset[k] > 0.0
         depth, rate = last.penetration, last.rate
-        acceleration = penetration_acceleration(
-            joint, packed.surfaces[k, :, : joint.surface_bins], records.contacts[k], a
-        )
+        acceleration = penetration_acceleration(joint, packed.surfaces[k], records.contacts[k], a)
         wanted = math.inf
         if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.

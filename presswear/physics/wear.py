@@ -12,12 +12,22 @@ from collections.abc import Sequence
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import CONTACT, direction_of
-from presswear.physics.foundation import SURFACES, bin_of, press, spread_round
+from presswear.physics.foundation import (
+    ARC_END,
+    ARC_START,
+    SURFACES,
+    bin_of,
+    count_arcs,
+    place_of,
+    share_arc,
+    share_round,
+)
 from presswear.physics.packed import JOINT
+from presswear.physics.rotation import cos_sin
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
+from presswear.tools.compile import Records, compiled, fused, inlined, lazily_compiled
 
-ARC_MARGIN = 1e-6  # rad; the ends of a contact arc are known to 5e-8
+ARC_MARGIN = 1e-9  # rad, round-off of the ends of an arc
 
 
 @inlined
@@ -105,52 +115,72 @@ def deposit_over_arc(
 
     ``depth`` and ``shares``, a working space that is zero and left so, have the shape (2, n).
     """
-    count = depth.shape[1]
-    bearing_zero = joint.map_turns * contact.bearing_angle
-    pin_zero = joint.map_turns * contact.pin_angle
-    direction = direction_of(contact)
-    bearing_place, pin_place = direction - bearing_zero, direction - pin_zero
-    eccentricity, clearance, least = contact.eccentricity, joint.clearance, joint.least_depth
-    if joint.surface_bins == 0:
-        spread_round(eccentricity, clearance, bearing_place, pin_place, shares)
+    zero = joint.map_turns * contact.bearing_angle
+    relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
+    if joint.surface_nodes == 0:
+        start, end = share_round_arc(joint, contact, zero, relative_angle, shares)
     else:
-        places = bearing_place, pin_place
-        press(surfaces, joint.surface_bins, eccentricity, clearance, least, *places, shares)
-    # Only bins within half the widest arc of the direction of e can have a share.
-    width = 2.0 * math.pi / count
-    half = largest_half_arc(eccentricity, clearance + least) + ARC_MARGIN
-    first_bins = bin_of(bearing_place - half, count), bin_of(pin_place - half, count)
-    touched = min(int(2.0 * half / width) + 2, count)
-    total = 0.0
-    for i in range(touched):
-        total += shares[0, (first_bins[0] + i) % count]
-    if total == 0.0:
-        # A step that ends with the separation leaves its wear where the pin last was, and so
-        # does an overlap so slight that round-off hides it.
-        place = math.atan2(contact.normal_y, contact.normal_x)
-        first_bins = bin_of(place - bearing_zero, count), bin_of(place - pin_zero, count)
-        touched = 1
-        total = shares[0, first_bins[0]] = shares[1, first_bins[1]] = 1.0
+        start, end = share_worn_arc(joint, surfaces, contact, zero, relative_angle, shares)
     volume = joint.wear_coefficient * load_distance
-    scale = volume / (joint.width * joint.bearing_radius * width * total)
+    bins = depth.shape[1]
+    bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for side in range(2):
         part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
-        k = first_bins[side]
-        for _ in range(touched):
-            depth[side, k] += part * scale * shares[side, k]
+        first = bin_of(start + side * relative_angle, bins)
+        count = min(int((end - start) * bins / (2.0 * math.pi)) + 2, bins)
+        total = 0.0
+        k = first
+        for _ in range(count):
+            total += shares[side, k]
+            k = k + 1 if k + 1 < bins else 0
+        if total == 0.0:
+            # A step that ends with the separation leaves its wear where the pin last was, and so
+            # does an overlap so slight that round-off hides it.
+            place = math.atan2(contact.normal_y, contact.normal_x) - zero + side * relative_angle
+            depth[side, bin_of(place, bins)] += part * volume / bin_area
+            continue
+        scale = part * volume / (bin_area * total)
+        k = first
+        for _ in range(count):
+            depth[side, k] += scale * shares[side, k]
             shares[side, k] = 0.0
-            k = k + 1 if k + 1 < count else 0
+            k = k + 1 if k + 1 < bins else 0
 
 
 @compiled
-def largest_half_arc(eccentricity: float, gap: float) -> float:
-    """Return half the arc over which a pin can overlap a bearing, rad.
+def share_round_arc(
+    joint: Records, contact: Records, zero: float, relative_angle: float, shares: Array
+) -> tuple[float, float]:
+    """Add the integrals of the overlap to the bins of both maps; return the arc, rad."""
+    eccentricity, clearance = contact.eccentricity, joint.clearance
+    direction = direction_of(contact) - zero
+    half = 0.0
+    if eccentricity > clearance:  # cos(half) = c / e
+        half = 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - clearance) / eccentricity))
+    share_round(eccentricity, clearance, direction, half, shares[0])
+    share_round(eccentricity, clearance, direction + relative_angle, half, shares[1])
+    return direction - half - ARC_MARGIN, direction + half + ARC_MARGIN
 
-    The overlap e cos(s) - c - h is positive only where cos(s) > gap / e, with the least gap c + h.
-    """
-    if eccentricity <= gap:
-        return 0.0
-    return 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - gap) / eccentricity))
+
+@fused
+def share_worn_arc(
+    joint: Records,
+    surfaces: Array,
+    contact: Records,
+    zero: float,
+    relative_angle: float,
+    shares: Array,
+) -> tuple[float, float]:
+    """Add the integrals of the overlap to the bins of both maps; return the arc, rad."""
+    dx, dy = contact.eccentricity_x, contact.eccentricity_y
+    c, s = cos_sin(zero)
+    place = place_of(joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle)
+    arcs = count_arcs(surfaces, joint, place, contact.place - zero)
+    for i in range(arcs):
+        share_arc(surfaces, joint, place, i, shares)
+    start, end = surfaces[ARC_START, 0], surfaces[ARC_END, max(arcs - 1, 0)]
+    width = place.width
+    return (start + 0.5) * width - ARC_MARGIN, (end + 0.5) * width + ARC_MARGIN
 
 
 def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
-from presswear.physics.foundation import BEARING, bin_of, pack_rows
+from presswear.physics.foundation import BEARING, bin_of, pack_rows, parts_of
 from presswear.physics.foundation import profile as packed_profile
 from presswear.tools.arrays import Array
 
@@ -23,8 +23,9 @@ depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=dep
 
 def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
     """Depth, slope and second derivative as the kernels have them."""
-    count = surface.depth.size
-    return packed_profile(pack_rows(surface, Surface(), max(count, 1)), BEARING, count, angle)
+    bins = surface.depth.size
+    nodes = bins * parts_of(bins) if bins else 0
+    return packed_profile(pack_rows(surface, Surface(), max(bins, 1)), BEARING, nodes, angle)
 
 
 @given(depths)

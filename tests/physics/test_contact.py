@@ -125,7 +125,7 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
 
 def _knot_is_near(pair: Pair, span: float) -> bool:
     """Whether the contact crosses the centre of a bin within so many radians."""
-    width = 2.0 * math.pi / max(pair.surfaces.shape[1], 1)
+    width = 2.0 * math.pi / max(int(pair.packed.joints[0]["surface_bins"]), 1)
     places = direction_of(pair.contact()) - (pair.joint.map_frame == "body") * pair.q[2::3]
     positions = places / width - 0.5
     return bool(np.any(np.abs(positions - np.round(positions)) * width <= span))

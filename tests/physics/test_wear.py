@@ -10,11 +10,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from two_bodies import JOINT, Pair, placed, worn_joint
+from worn_depths import depths
 
 from presswear.linkage.elements import ClearanceJoint, MapFrame, SurfaceContact, WearLaw
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import direction_of
-from presswear.physics.foundation import bin_of, press
+from presswear.physics.foundation import bin_of, integrate_overlap, place_of
 from presswear.physics.wear import (
     contact_area,
     deposit_in_bins,
@@ -167,10 +168,12 @@ def _fine(pair: Pair, count: int) -> Array:
     fine = (np.arange(400 * count) + 0.5) * TURN / (400 * count)
     parts = np.zeros((2, count))
     for side, zero in enumerate(zeros):
-        angle = fine + zero
-        gap = joint.clearance + joint.bearing_surface(angle - zeros[0])
-        gap += joint.pin_surface(angle - zeros[1])
-        overlap = contact.eccentricity * np.cos(angle - direction_of(contact)) - gap
+        direction = direction_of(contact)
+        angle = np.remainder(fine + zero - direction + math.pi, TURN) - math.pi
+        places = direction - np.array(zeros)
+        bearing, pin = depths(joint.bearing_surface, joint.pin_surface, *places)
+        gap = joint.clearance + bearing(angle) + pin(angle)
+        overlap = contact.eccentricity * np.cos(angle) - gap
         parts[side] = np.maximum(overlap, 0.0).reshape(count, 400).sum(axis=1)
     return np.asarray(parts / parts.sum(axis=1, keepdims=True))
 
@@ -229,6 +232,8 @@ def test_wear_of_a_step_that_ends_open_is_not_lost(
 def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
     """Error control looks at such states before it shortens a step."""
     pair = placed(WORN, 0.0, 0.0)
-    state = eccentricity, 8e-4, 0.0, 4.1e17, -1.9e15
-    for shares in np.zeros((2, 0)), np.zeros((2, 360)):
-        press(pair.packed.surfaces[0], 360, *state, shares)
+    joint, surfaces = pair.packed.joints[0], pair.packed.surfaces[0]
+    for angle in 0.0, 4.1e17, math.nan:
+        for dx, dy in (eccentricity, 0.0), (0.6 * eccentricity, -0.8 * eccentricity):
+            place = place_of(joint, dx, dy, eccentricity, angle)
+            integrate_overlap(surfaces, joint, place, angle)

@@ -174,7 +174,7 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         last = records.memory[k]
         closed = records.onset[k] > 0.0
         acceleration = penetration_acceleration(
-            joint, records.packed.surfaces[k, :, : joint.surface_bins], records.contacts[k], a
+            joint, records.packed.surfaces[k], records.contacts[k], a
         )
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
