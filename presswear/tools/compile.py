@@ -33,8 +33,8 @@ from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, 
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import digest
+from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
-from presswear.tools.lanes import intrinsic_with
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
