@@ -47,7 +47,7 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     answer, sections = headline(evidence, claims), page_sections(evidence, claims)
     figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures, is_open=True))
-    write_bytes(path, page.render_page(TITLE, sections, answer=[answer]).encode())
+    write_bytes(path, page.render_page(TITLE, page.FirstScreen(), sections, [answer]).encode())
     return answer, path
 
 

@@ -174,23 +174,29 @@ class KeyNumber(NamedTuple):
     note: str = ""
 
 
+@dataclass(frozen=True)
+class FirstScreen:
+    """Top of a page: the status, the key numbers beside a picture, and the warnings."""
+
+    status: str = ""
+    style: str = "completed"
+    key_numbers: Sequence[KeyNumber] = ()
+    warnings: Sequence[str] = ()
+    picture: Illustration | None = None
+
+
 def render_page(
     title: str,
+    first_screen: FirstScreen,
     sections: Sequence[Section] = (),
-    template: str = "page.html",
-    *,
-    status: str = "",
-    style: str = "completed",
-    key_numbers: Sequence[KeyNumber] = (),
-    warnings: Sequence[str] = (),
-    picture: Illustration | None = None,
     answer: Sequence[str] = (),
+    template: str = "page.html",
     **content: Any,
 ) -> str:
     """Return a page as HTML; everything in it is escaped.
 
-    The first screen holds the status, the key numbers beside a picture, and the warnings. The
-    answer and the sections, which fold, are below; another template has parts of its own.
+    The answer and the sections, which fold, are below the first screen; another template has parts
+    of its own.
     """
     environment = Environment(
         loader=PackageLoader("presswear.show"),
@@ -205,9 +211,8 @@ def render_page(
         "match": lambda text, pattern: re.match(pattern, text) is not None,
         "search": lambda text, pattern: re.search(pattern, text) is not None,
     }
-    content |= {"title": title, "sections": sections, "status": status, "style": style}
-    content |= {"key_numbers": key_numbers, "warnings": warnings, "picture": picture}
-    return environment.get_template(template).render(answer=answer, **content)
+    content |= {"title": title, "sections": sections, "answer": answer}
+    return environment.get_template(template).render(**vars(first_screen), **content)
 
 
 def _without_breaks(value: Any) -> Any:

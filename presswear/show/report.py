@@ -125,12 +125,14 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
     }
     return page.render_page(
         title_of(scene),
+        page.FirstScreen(
+            status=_status(result),
+            style=result.status if result.status in FINISHED else "unfinished",
+            key_numbers=key_numbers(result),
+            warnings=warnings(result),
+            picture=next((figure for figure in figures if figure.file == "mechanism.png"), None),
+        ),
         template="report.html",
-        status=_status(result),
-        style=result.status if result.status in FINISHED else "unfinished",
-        key_numbers=key_numbers(result),
-        warnings=warnings(result),
-        picture=next((figure for figure in figures if figure.file == "mechanism.png"), None),
         figures=figures,
         **content,
     )

@@ -127,12 +127,14 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
     status = f"{count} runs at {whole(len(plan.points))} points"
     html = page.render_page(
         f"Sweep: {title_of(plan.scene)}",
+        page.FirstScreen(
+            status=status + (f", {whole(failed)} without values." if failed else "."),
+            style="unfinished" if failed else "completed",
+            key_numbers=numbers[:MAX_NUMBERS],
+            picture=figures[0] if figures else None,
+        ),
         [*sections, *_table_sections(table, plan)],
-        status=status + (f", {whole(failed)} without values." if failed else "."),
-        style="unfinished" if failed else "completed",
-        key_numbers=numbers[:MAX_NUMBERS],
-        picture=figures[0] if figures else None,
-        answer=answers,
+        answers,
     )
     write_bytes(folder / REPORT, html.encode())
     return folder / REPORT

@@ -17,13 +17,13 @@ from presswear.paper.figures import drawings
 from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.verdicts import judge
-from presswear.show.page import render_page
+from presswear.show.page import FirstScreen, render_page
 from presswear.tools.numbers import readable
 
 
 def text_of(evidence: Evidence) -> str:
     sections = report.page_sections(evidence, judge(evidence))
-    page = html.unescape(re.sub(r"<[^>]*>", " ", render_page("", sections)))
+    page = html.unescape(re.sub(r"<[^>]*>", " ", render_page("", FirstScreen(), sections)))
     return re.sub(r"\s+", " ", page)
 
 

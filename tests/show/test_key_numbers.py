@@ -10,7 +10,7 @@ import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.results.press_analysis import ideal_drives, rubbing_drives
 from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, measured, warnings
-from presswear.show.page import render_page
+from presswear.show.page import FirstScreen, render_page
 from presswear.show.report import render_report
 from presswear.tools.numbers import quantity_text
 
@@ -32,7 +32,7 @@ def test_a_number_of_few_strokes_is_shown_with_their_count(
 ) -> None:
     number = measured("force", estimate, "N", "")
     assert (number.value, number.interval, number.note) == (value, interval, note)
-    text = render_page("a title", key_numbers=[number])
+    text = render_page("a title", FirstScreen(key_numbers=[number]))
     assert ('class="value few"' in text) == bool(note)
     assert value in text
     assert note in text

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -122,9 +121,8 @@ def test_a_page_of_sections_escapes_everything() -> None:
     figure = page.Illustration("a.png", hostile, hostile, "AAAA")
     section = page.Section(hostile, [hostile], [(hostile, table)], [figure], [hostile])
     number = page.KeyNumber(hostile, hostile, hostile, hostile)
-    texts: Any = {"status": hostile, "answer": [hostile], "warnings": [hostile]}
-    texts |= {"key_numbers": [number], "picture": figure}
-    shown = Page(page.render_page(hostile, [section], **texts))
+    screen = page.FirstScreen(hostile, "completed", [number], [hostile], figure)
+    shown = Page(page.render_page(hostile, screen, [section], [hostile]))
     assert "script" not in shown.tags
     assert shown.words.count(hostile) == 16
     assert shown.links == ["data:image/png;base64,AAAA", "#part-1", "data:image/png;base64,AAAA"]

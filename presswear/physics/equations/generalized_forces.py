@@ -13,7 +13,7 @@ from presswear.physics.equations.text import Text, Vector, difference, total
 
 
 @dataclass
-class _Borne:
+class _Transmitted:
     """Forces that a body and all that hangs from it bear, about its mass centre."""
 
     forces: list[Vector]
@@ -24,15 +24,15 @@ def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
     """Write the forces on the coordinates of a tree, from a place in ``out``."""
     text.comment("forces on the coordinates")
     carried: dict[str, Vector] = {}  # accelerations of the hinges of whole branches, by body
-    borne: dict[str, _Borne] = {}
+    transmitted: dict[str, _Transmitted] = {}
     for link in chain.free:
         acceleration = carried[link.prefix] = _branch_acceleration(text, link, carried)
-        borne[link.prefix] = _Borne([*link.forces], [*link.moments])
+        transmitted[link.prefix] = _Transmitted([*link.forces], [*link.moments])
         if acceleration != Vector():
             mass = text.parameter(f"{link.prefix}_mass", link.body.mass)
-            borne[link.prefix].forces.append(acceleration.times(f"-{mass}"))
+            transmitted[link.prefix].forces.append(acceleration.times(f"-{mass}"))
     for link in reversed(chain.free):
-        _write_force(text, link, borne, first + link.coordinate)
+        _write_force(text, link, transmitted, first + link.coordinate)
 
 
 def _branch_acceleration(text: Text, link: Link, carried: dict[str, Vector]) -> Vector:
@@ -45,11 +45,11 @@ def _branch_acceleration(text: Text, link: Link, carried: dict[str, Vector]) -> 
     return hinge_acceleration(text, link)
 
 
-def _write_force(text: Text, link: Link, borne: dict[str, _Borne], place: int) -> None:
+def _write_force(text: Text, link: Link, transmitted: dict[str, _Transmitted], place: int) -> None:
     """Write the forces on the coordinates of a body, and pass them on to what it hangs from."""
     prefix, parent = link.prefix, link.parent
-    force = text.let_vector(f"{prefix}_borne", Vector().plus(*borne[prefix].forces))
-    moment = text.let(f"{prefix}_borne_moment", total(*borne[prefix].moments))
+    force = text.let_vector(f"{prefix}_transmitted", Vector().plus(*transmitted[prefix].forces))
+    moment = text.let(f"{prefix}_transmitted_moment", total(*transmitted[prefix].moments))
     if link.is_guided:
         text.write(f"out[{place}] = {link.guide.dot(force)}")
         return
@@ -61,8 +61,8 @@ def _write_force(text: Text, link: Link, borne: dict[str, _Borne], place: int) -
     arm = link.arm(text, link.branch.end, link.joint)
     about_hinge = text.let(f"{prefix}_about_{link.joint}", difference(moment, arm.cross(force)))
     text.write(f"out[{place}] = {about_hinge}")
-    if parent is not None and parent.prefix in borne:
+    if parent is not None and parent.prefix in transmitted:
         hinge = parent.arm(text, link.branch.before, link.joint)
-        borne[parent.prefix].forces.append(force)
+        transmitted[parent.prefix].forces.append(force)
         # The angle counts from that of the parent, which turns the body, too.
-        borne[parent.prefix].moments += hinge.cross(force), about_hinge
+        transmitted[parent.prefix].moments += hinge.cross(force), about_hinge
