@@ -333,8 +333,8 @@ def peak_within(
     if not (onset_speed > 0.0 and h > 0.0 and start > 0.0 and end > 0.0):
         return 0.0
     # In a very short step round-off of the penetrations bends the cubic more than the motion does.
-    bend = end - start - 0.5 * h * (last.rate + contact.rate)
-    if abs(bend) > h * abs(contact.rate - last.rate):
+    deviation = end - start - 0.5 * h * (last.rate + contact.rate)
+    if abs(deviation) > h * abs(contact.rate - last.rate):
         return 0.0
     # A power that holds near a state says little about a penetration far from it.
     if is_foundation and max(start, end) > 2.0 * min(start, end):

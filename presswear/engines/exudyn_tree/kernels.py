@@ -122,10 +122,12 @@ def stage_forces(address: PackedArguments, t: float) -> int:
     """
     system, _ = unpack(address)
     pace = system.pace[0]
-    row = system.stages[pace.evaluations % STAGES]
+    stage = pace.evaluations % STAGES
+    row = system.stages[stage]
+    level = RATES if WEIGHTS[stage] != 0.0 else ACCELERATIONS
     pace.evaluations += 1
     fill_state(system.y, system.x, system.u, system.deflections)
-    fill(system.equations, t, system.y, row, RATES)
+    fill(system.equations, t, system.y, row, level)
     copy_to(system.force, row[system.y.shape[0] :])
     return pace.evaluations - pace.accepted
 

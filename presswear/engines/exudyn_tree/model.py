@@ -41,25 +41,26 @@ def tree_links(chain: Chain) -> list[TreeLink]:
     """Return the links of an open tree for Exudyn, parents before children."""
     links, numbers = list[TreeLink](), dict[str, int]()
     for link in chain.free:
-        joint, end, parent = link.branch.joint, link.branch.end, -1
-        turned = TreeLink(exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body)
+        joint = link.branch.joint
+        end = link.branch.end
+        revolute = TreeLink(exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body)
         if link.is_loose:
             # Two links without mass carry it across the plane.
             links.append(TreeLink(exu.JointType.PrismaticX))
             links.append(TreeLink(exu.JointType.PrismaticY, len(links) - 1))
-            links.append(turned._replace(parent=len(links) - 1))
+            links.append(revolute._replace(parent=len(links) - 1))
         elif isinstance(joint, Guide):
-            slid = TreeLink(exu.JointType.PrismaticX, turn=joint.direction, body=link.body)
-            links.append(slid)
-        elif link.parent is not None and (parent := numbers.get(link.parent.prefix, -1)) >= 0:
-            links.append(_hinged(link, link.parent, turned._replace(parent=parent)))
+            links.append(TreeLink(exu.JointType.PrismaticX, turn=joint.direction, body=link.body))
+        elif link.parent is not None and link.parent.prefix in numbers:
+            revolute = revolute._replace(parent=numbers[link.parent.prefix])
+            links.append(_hinged(link, link.parent, revolute))
         else:
-            links.append(turned)
+            links.append(revolute)
         numbers[link.prefix] = len(links) - 1
     return links
 
 
-def _hinged(link: Link, parent: Link, turned: TreeLink) -> TreeLink:
+def _hinged(link: Link, parent: Link, revolute: TreeLink) -> TreeLink:
     """Return a link that turns on another one, with the place of its joint there."""
     x = link.branch.before.x - parent.branch.end.x
     y = link.branch.before.y - parent.branch.end.y
@@ -67,7 +68,7 @@ def _hinged(link: Link, parent: Link, turned: TreeLink) -> TreeLink:
     if isinstance(guide, Guide):
         turn = guide.angle - guide.direction
         x, y = _rotation(turn)[:2, :2] @ (x, y)
-    return turned._replace(turn=turn, offset=(x, y))
+    return revolute._replace(turn=turn, offset=(x, y))
 
 
 def add_tree(system: Any, chain: Chain, start: Start, forces: Callable[..., Any]) -> None:
