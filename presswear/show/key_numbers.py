@@ -63,18 +63,23 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     if not stages:
         return life
     scene, last = result.scene, stages[-1]
-    items = [
+    reason = _reason_without_interval(last)
+
+    def explained(peaks: list[KeyNumber]) -> list[KeyNumber]:
+        """Say why peak values have no interval; that of wear and of strokes has others."""
+        return [
+            one._replace(note=reason or one.note) if one.interval == UNKNOWN else one
+            for one in peaks
+        ]
+
+    return [
         *life,
-        *_joint_numbers(scene, stages),
+        *explained(_joint_numbers(scene, stages)),
         *([] if life else _wear_depth(scene, stages)),
         *_stroke_numbers(scene, last),
-        *_drive_numbers(scene, stages),
+        *explained(_drive_numbers(scene, stages)),
         *_improvement(scene, last, result.life),
     ]
-    reason = _reason_without_interval(last)
-    if not reason:
-        return items
-    return [one._replace(note=reason) if one.interval == UNKNOWN else one for one in items]
 
 
 def _reason_without_interval(stage: StageResult) -> str:
