@@ -570,22 +570,31 @@ def round_area(eccentricity: float, clearance: float, x: float) -> float:
 
 
 @fused
-def share_round(
-    eccentricity: float, clearance: float, direction: float, half: float, shares: Array
+def deposit_round(
+    eccentricity: float, clearance: float, direction: float, half: float, added: float, depth: Array
 ) -> None:
-    """Add the integrals of the overlap of round surfaces to the bins of a map, shape (n,).
+    """Add depths in proportion to the overlap of round surfaces to the bins of a map, shape (n,).
 
-    The arc reaches ``half`` rad to both sides of the direction of e in the map.
+    The arc reaches ``half`` rad to both sides of the direction of e in the map. ``added`` is the
+    sum of the depths, m.
     """
-    count = shares.shape[0]
+    count = depth.shape[0]
+    overlap = round_area(eccentricity, clearance, half)
+    if not overlap > 0.0:
+        depth[bin_of(direction, count)] += added
+        return
+    # The area is odd in x, so that the whole arc has twice that up to its end.
+    scale = 0.5 * added / overlap
     width = 2.0 * math.pi / count
     k = int(np.floor((direction - half) / width))
+    place = k % count
     x = -half
-    before = round_area(eccentricity, clearance, x)
+    before = -overlap
     while x < half:
-        x = min(max((k + 1) * width - direction, x), half)
+        k += 1
+        x = min(max(k * width - direction, x), half)
         area = round_area(eccentricity, clearance, x)
         # At the end of the arc the overlap is nothing but round-off.
-        shares[k % count] += max(area - before, 0.0)
+        depth[place] += scale * max(area - before, 0.0)
         before = area
-        k += 1
+        place = place + 1 if place + 1 < count else 0

@@ -18,9 +18,9 @@ from presswear.physics.foundation import (
     SURFACES,
     bin_of,
     count_arcs,
+    deposit_round,
     place_of,
     share_arc,
-    share_round,
 )
 from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
@@ -117,13 +117,49 @@ def deposit_over_arc(
     """
     zero = joint.map_turns * contact.bearing_angle
     relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
+    bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
+    added = joint.wear_coefficient * load_distance / bin_area
     if joint.surface_nodes == 0:
-        start, end = share_round_arc(joint, contact, zero, relative_angle, shares)
+        deposit_round_arc(depth, joint, contact, zero, relative_angle, added)
     else:
-        start, end = share_worn_arc(joint, surfaces, contact, zero, relative_angle, shares)
-    volume = joint.wear_coefficient * load_distance
+        deposit_worn_arc(depth, joint, surfaces, contact, zero, relative_angle, added, shares)
+
+
+@compiled
+def deposit_round_arc(
+    depth: Array,
+    joint: Records,
+    contact: Records,
+    zero: float,
+    relative_angle: float,
+    added: float,
+) -> None:
+    """Add a sum of depths, m, to both maps, shape (2, n), over the arc of round surfaces."""
+    eccentricity, clearance = contact.eccentricity, joint.clearance
+    direction = direction_of(contact) - zero
+    half = 0.0
+    if eccentricity > clearance:  # cos(half) = c / e
+        half = 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - clearance) / eccentricity))
+    for side in range(2):
+        part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
+        place = direction + side * relative_angle
+        deposit_round(eccentricity, clearance, place, half, part * added, depth[side])
+
+
+@compiled
+def deposit_worn_arc(
+    depth: Array,
+    joint: Records,
+    surfaces: Array,
+    contact: Records,
+    zero: float,
+    relative_angle: float,
+    added: float,
+    shares: Array,
+) -> None:
+    """Add a sum of depths, m, to both maps, shape (2, n), over the arcs of worn surfaces."""
+    start, end = share_worn_arc(joint, surfaces, contact, zero, relative_angle, shares)
     bins = depth.shape[1]
-    bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for side in range(2):
         part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         first = bin_of(start + side * relative_angle, bins)
@@ -137,29 +173,14 @@ def deposit_over_arc(
             # A step that ends with the separation leaves its wear where the pin last was, and so
             # does an overlap so slight that round-off hides it.
             place = math.atan2(contact.normal_y, contact.normal_x) - zero + side * relative_angle
-            depth[side, bin_of(place, bins)] += part * volume / bin_area
+            depth[side, bin_of(place, bins)] += part * added
             continue
-        scale = part * volume / (bin_area * total)
+        scale = part * added / total
         k = first
         for _ in range(count):
             depth[side, k] += scale * shares[side, k]
             shares[side, k] = 0.0
             k = k + 1 if k + 1 < bins else 0
-
-
-@compiled
-def share_round_arc(
-    joint: Records, contact: Records, zero: float, relative_angle: float, shares: Array
-) -> tuple[float, float]:
-    """Add the integrals of the overlap to the bins of both maps; return the arc, rad."""
-    eccentricity, clearance = contact.eccentricity, joint.clearance
-    direction = direction_of(contact) - zero
-    half = 0.0
-    if eccentricity > clearance:  # cos(half) = c / e
-        half = 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - clearance) / eccentricity))
-    share_round(eccentricity, clearance, direction, half, shares[0])
-    share_round(eccentricity, clearance, direction + relative_angle, half, shares[1])
-    return direction - half - ARC_MARGIN, direction + half + ARC_MARGIN
 
 
 @fused

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled
+from presswear.tools.compile import Records, compiled, copy_to
 
 FRAMES_PER_CYCLE = 500  # one every 0.72 degrees of the crank
 FILM_CYCLES = 20  # that are kept
@@ -35,33 +35,37 @@ def empty_film(bodies: int, joints: int, cycle: float) -> tuple[Array, Records]:
 def take_frame(
     film: Array, samplers: Records, contacts: Records, memory: Records, t: float, q: Array
 ) -> None:
-    """Sample a frame of an accepted state if one is due; peaks count between frames as well."""
+    """Note the peaks of a step in the present frame, and complete the frame if it is due."""
     sampler = samplers[0]
     frame = film[sampler.frames]
-    first = 1 + q.size
     for k in range(contacts.shape[0]):
-        peak = first + FILM_JOINT_COUNT * k + _PEAK
+        peak = 1 + q.size + FILM_JOINT_COUNT * k + _PEAK
         frame[peak] = max(frame[peak], contacts[k].normal, memory[k].step_peak)
-    if t < sampler.next:
-        return
+    if t >= sampler.next:
+        complete_frame(film, samplers, contacts, t, q)
+
+
+@compiled
+def complete_frame(film: Array, samplers: Records, contacts: Records, t: float, q: Array) -> None:
+    """Fill the present frame from an accepted state and begin the next."""
+    sampler = samplers[0]
+    frame = film[sampler.frames]
     frame[0] = t
-    for i in range(q.size):
-        frame[1 + i] = q[i]
+    copy_to(frame[1 : 1 + q.size], q)
     for k in range(contacts.shape[0]):
-        contact = contacts[k]
-        base = first + FILM_JOINT_COUNT * k
-        frame[base] = contact.normal
-        frame[base + 1] = contact.tangential
-        frame[base + 2] = contact.normal_x
-        frame[base + 3] = contact.normal_y
-        frame[base + 4] = contact.penetration
+        contact, joint = contacts[k], frame[1 + q.size + FILM_JOINT_COUNT * k :]
+        joint[0] = contact.normal
+        joint[1] = contact.tangential
+        joint[2] = contact.normal_x
+        joint[3] = contact.normal_y
+        joint[4] = contact.penetration
     while sampler.next <= t:
         sampler.next += sampler.interval
     if sampler.frames < film.shape[0] - 1:
         sampler.frames += 1
         return
     for k in range(contacts.shape[0]):  # the row is sampled again
-        frame[first + FILM_JOINT_COUNT * k + _PEAK] = 0.0
+        frame[1 + q.size + FILM_JOINT_COUNT * k + _PEAK] = 0.0
 
 
 @dataclass(frozen=True)

@@ -273,68 +273,103 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
 
 
 @inlined
-def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
-    """Record one accepted step of length ``h``, s, whose contacts and loads are settled."""
-    memory, counters, series = records.memory, records.counters, records.series
-    cycle = records.cycle
-    state = records.output[0]
-    count = memory.shape[0]
-    place, velocity, acceleration = output_motion(state, q, v, a)
-    displacement = place - state.start
+def note_output(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+    """Add the motion of the output point in a step of length ``h``, s, to the cycle."""
+    cycle, state = records.cycle, records.output[0]
+    motion = output_motion(state, q, v, a)
+    _, velocity, acceleration = motion
     cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
     cycle[VELOCITY_MAX] = max(cycle[VELOCITY_MAX], velocity)
     cycle[ACCELERATION_MAX] = max(cycle[ACCELERATION_MAX], abs(acceleration))
     cycle[STEPS] += 1
-    note_top(state, cycle, h, (place, velocity, acceleration))
-    note_bottom(state, cycle, t, h, (place, velocity, acceleration))
-    note_drives(records, h, v)
+    note_top(state, cycle, h, motion)
+    note_bottom(state, cycle, t, h, motion)
     state.now = t
-    row = state.rows
-    has_room = row < min(state.room, series.shape[0])
-    is_due = row == 0 or t - state.last_time >= state.interval
-    for k in range(count):
-        contact = records.contacts[k]
-        counts = counters[k]
-        base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
-        peak = max(contact.normal, memory[k].step_peak)
-        if peak > 0.0:
-            counts.peak_force = max(counts.peak_force, peak)
-            memory[k].peak_force = max(memory[k].peak_force, peak)
-            cycle[base + FORCE_MAX] = max(cycle[base + FORCE_MAX], peak)
-        if contact.normal > 0.0:
-            counts.closed_time += min(h, t - memory[k].touchdown_time)
-            counts.deepest = max(counts.deepest, contact.penetration)
-        integrals, joint = records.wear_integrals[k], records.packed.joints[k]
-        cycle[base + LOAD_DISTANCE] += integrals.work
-        if integrals.work > 0.0:
-            depth = records.depth[k, :, : joint.map_bins]
-            if joint.over_arc:
-                shares = records.shares[:, : joint.map_bins]
-                surfaces = records.packed.surfaces[k]
-                deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
-            else:
-                deposit_in_bins(depth, joint, contact, integrals.pressure, h)
-        cycle[base + CONTACTS] = counts.contacts - counts.contacts_before
-        if has_room:
-            column = SERIES_FIXED + SERIES_JOINT * k
-            series[row, column + ECCENTRICITY_X] = contact.eccentricity_x
-            series[row, column + ECCENTRICITY_Y] = contact.eccentricity_y
-            series[row, column + PENETRATION] = contact.penetration
-            series[row, column + NORMAL] = contact.normal
-            series[row, column + TANGENTIAL] = contact.tangential
-            series[row, column + SLIDING] = contact.sliding
-            if row > 0:
-                change = abs(contact.normal - series[row - 1, column + NORMAL])
-                is_due = is_due or change > state.force_step * counts.peak_force
-    is_due = is_due or last_change(records.packed.loads) == t
-    take_frame(records.film, records.sampler, records.contacts, memory, t, q)
-    if has_room and is_due:
-        series[row, TIME] = t
-        series[row, DISPLACEMENT] = displacement
-        series[row, VELOCITY] = velocity
-        series[row, ACCELERATION] = acceleration
-        first = SERIES_FIXED + SERIES_JOINT * count
-        for column in range(first, series.shape[1]):
-            series[row, column] = records.torque[column - first]
-        state.rows += 1
-        state.last_time = t
+
+
+@inlined
+def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
+    """Add the force, the load distance and the contacts of a joint in a step to the cycle."""
+    contact, counts, last = records.contacts[k], records.counters[k], records.memory[k]
+    row = records.cycle[CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k :]
+    peak = max(contact.normal, last.step_peak)
+    if peak > 0.0:
+        counts.peak_force = max(counts.peak_force, peak)
+        last.peak_force = max(last.peak_force, peak)
+        row[FORCE_MAX] = max(row[FORCE_MAX], peak)
+    if contact.normal > 0.0:
+        counts.closed_time += min(h, t - last.touchdown_time)
+        counts.deepest = max(counts.deepest, contact.penetration)
+    row[LOAD_DISTANCE] += records.wear_integrals[k].work
+    row[CONTACTS] = counts.contacts - counts.contacts_before
+
+
+@inlined
+def note_wear(records: RecorderState, k: int, h: float) -> None:
+    """Add the wear of a joint in a step to the maps of the cycle."""
+    integrals, joint = records.wear_integrals[k], records.packed.joints[k]
+    if not integrals.work > 0.0:
+        return
+    depth = records.depth[k, :, : joint.map_bins]
+    if joint.over_arc:
+        surfaces, shares = records.packed.surfaces[k], records.shares[:, : joint.map_bins]
+        deposit_over_arc(depth, joint, surfaces, records.contacts[k], integrals.work, shares)
+    else:
+        deposit_in_bins(depth, joint, records.contacts[k], integrals.pressure, h)
+
+
+@inlined
+def is_row_due(records: RecorderState, t: float) -> bool:
+    """Return whether the present state is a row of the series.
+
+    It is one after the longest time between two rows, where a force has changed since the last
+    row, and where a load changes its law.
+    """
+    state, series, row = records.output[0], records.series, records.output[0].rows
+    if row >= min(state.room, series.shape[0]):
+        return False
+    if row == 0 or t - state.last_time >= state.interval:
+        return True
+    for k in range(records.contacts.shape[0]):
+        written = series[row - 1, SERIES_FIXED + SERIES_JOINT * k + NORMAL]
+        change = abs(records.contacts[k].normal - written)
+        if change > state.force_step * records.counters[k].peak_force:
+            return True
+    return last_change(records.packed.loads) == t
+
+
+@compiled
+def write_row(output: Records, series: Array, contacts: Records, torque: Array) -> None:
+    """Write the present state as a row of the series."""
+    state = output[0]
+    row = series[state.rows]
+    row[TIME] = state.now
+    row[DISPLACEMENT] = state.place - state.start
+    row[VELOCITY] = state.velocity
+    row[ACCELERATION] = state.acceleration
+    for k in range(contacts.shape[0]):
+        contact, joint = contacts[k], row[SERIES_FIXED + SERIES_JOINT * k :]
+        joint[ECCENTRICITY_X] = contact.eccentricity_x
+        joint[ECCENTRICITY_Y] = contact.eccentricity_y
+        joint[PENETRATION] = contact.penetration
+        joint[NORMAL] = contact.normal
+        joint[TANGENTIAL] = contact.tangential
+        joint[SLIDING] = contact.sliding
+    first = SERIES_FIXED + SERIES_JOINT * contacts.shape[0]
+    for column in range(first, series.shape[1]):
+        row[column] = torque[column - first]
+    state.rows += 1
+    state.last_time = state.now
+
+
+@inlined
+def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+    """Record one accepted step of length ``h``, s, whose contacts and loads are settled."""
+    note_output(records, t, h, q, v, a)
+    note_drives(records, h, v)
+    for k in range(records.contacts.shape[0]):
+        note_joint(records, k, t, h)
+        note_wear(records, k, h)
+    take_frame(records.film, records.sampler, records.contacts, records.memory, t, q)
+    if is_row_due(records, t):
+        write_row(records.output, records.series, records.contacts, records.torque)
