@@ -16,7 +16,7 @@ import numpy as np
 
 from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, fused, fused_inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 # Rows of each surface, of the bearing from 0 and of the pin from 4: depth at the nodes, and the
 # coefficients of x, x^2 and x^3 of the cubic after each, with x from 0 to 1 over a cell, m. Cosine
@@ -102,7 +102,7 @@ def bin_of(angle: float, count: int) -> int:
     return math.floor(angle * count / (2.0 * math.pi)) % count
 
 
-@fused_inlined
+@inlined
 def cell_of(angle: float, nodes: int) -> tuple[int, float]:
     """Return the node at or before an angle, rad, and the way from there, in cells."""
     turn = angle * (0.5 / math.pi)
@@ -117,7 +117,7 @@ def cell_of(angle: float, nodes: int) -> tuple[int, float]:
     return node, min(max(position - before, 0.0), 1.0)
 
 
-@fused_inlined
+@inlined
 def depth_at(surfaces: Array, row: int, node: int, x: float) -> tuple[float, float, float]:
     """Return depth, m, slope, m per cell, and second derivative of a map x cells after a node."""
     slope, square = surfaces[row + SLOPE, node], surfaces[row + SQUARE, node]
@@ -126,7 +126,7 @@ def depth_at(surfaces: Array, row: int, node: int, x: float) -> tuple[float, flo
     return depth, slope + x * (2.0 * square + x * 3.0 * cube), 2.0 * square + x * 6.0 * cube
 
 
-@fused_inlined
+@inlined
 def profile(surfaces: Array, row: int, nodes: int, angle: float) -> tuple[float, float, float]:
     """Return depth, m, slope, m/rad, and second derivative of a map at an angle.
 
@@ -152,7 +152,7 @@ class Place(NamedTuple):
     offset: float  # way between the two, in cells
 
 
-@fused_inlined
+@inlined
 def place_of(
     joint: Records, dx: float, dy: float, eccentricity: float, relative_angle: float
 ) -> Place:
@@ -183,7 +183,7 @@ class Node(NamedTuple):
     pin_curvature: float
 
 
-@fused_inlined
+@inlined
 def node_at(surfaces: Array, place: Place, node: int) -> Node:
     """Return the overlap at a node of the bearing's map; equation W1."""
     nx, ny = surfaces[COSINE, node], surfaces[SINE, node]
@@ -204,7 +204,7 @@ class Cubic(NamedTuple):
     a4: float
 
 
-@fused_inlined
+@inlined
 def cubic_between(p0: float, d0: float, p1: float, d1: float, a4: float) -> Cubic:
     """Return the cubic through values and derivatives at both ends, plus a_4 x^2 (1 - x)^2."""
     rise = p1 - p0
@@ -213,7 +213,7 @@ def cubic_between(p0: float, d0: float, p1: float, d1: float, a4: float) -> Cubi
     return Cubic(p0, d0, a2 + a4, a3 - 2.0 * a4, a4)
 
 
-@fused_inlined
+@inlined
 def overlap_between(left: Node, right: Node, width: float) -> Cubic:
     """Return the overlap in a cell, ``width`` rad wide, from that at its nodes; equation W2."""
     square = width * width
@@ -221,19 +221,19 @@ def overlap_between(left: Node, right: Node, width: float) -> Cubic:
     return cubic_between(left.overlap, left.rise, right.overlap, right.rise, a4)
 
 
-@fused_inlined
+@inlined
 def value_at(p: Cubic, x: float) -> float:
     """Return the value of a polynomial."""
     return p.a0 + x * (p.a1 + x * (p.a2 + x * (p.a3 + x * p.a4)))
 
 
-@fused_inlined
+@inlined
 def slope_at(p: Cubic, x: float) -> float:
     """Return the derivative of a polynomial."""
     return p.a1 + x * (2.0 * p.a2 + x * (3.0 * p.a3 + x * 4.0 * p.a4))
 
 
-@fused_inlined
+@inlined
 def root_between(p: Cubic, low: float, high: float) -> float:
     """Return the root of a polynomial that is monotone between two places of different signs."""
     at_low, at_high = value_at(p, low), value_at(p, high)
@@ -262,7 +262,7 @@ def root_between(p: Cubic, low: float, high: float) -> float:
     return x
 
 
-@fused_inlined
+@inlined
 def turning_points(p: Cubic) -> tuple[float, float]:
     """Return where a cubic has its maximum and its minimum; 2 where there is none."""
     square = p.a2 * p.a2 - 3.0 * p.a1 * p.a3
@@ -284,7 +284,7 @@ class ArcIntegrals(NamedTuple):
     arcs: int  # of overlap; see ARC_START
 
 
-@fused_inlined
+@inlined
 def with_part(
     left: Node, right: Node, length: float, width: float, a4: float, sums: ArcIntegrals
 ) -> ArcIntegrals:
@@ -316,7 +316,7 @@ def with_part(
     )
 
 
-@fused_inlined
+@inlined
 def node_within(left: Node, right: Node, p: Cubic, width: float, x: float) -> Node:
     """Return the overlap at a place of a cell, ``width`` rad wide, between its nodes."""
     angle = width * x
@@ -337,7 +337,7 @@ def node_within(left: Node, right: Node, p: Cubic, width: float, x: float) -> No
     )
 
 
-@fused_inlined
+@inlined
 def is_monotone(left: Node, right: Node) -> bool:
     """Return whether the Bezier points of the overlap between two nodes only rise or only fall."""
     middle = 3.0 * (right.overlap - left.overlap) - left.rise - right.rise
@@ -346,7 +346,7 @@ def is_monotone(left: Node, right: Node) -> bool:
     return right.rise <= 0.0 and middle <= 0.0
 
 
-@fused
+@compiled
 def add_parts(
     surfaces: Array,
     place: Place,
@@ -383,7 +383,7 @@ def add_parts(
     return ArcIntegrals(sums.x, sums.y, sums.pin_slope, sums.square, arcs)
 
 
-@fused_inlined
+@inlined
 def cell_of_eccentricity(surfaces: Array, nodes: int, place: Place, angle: float) -> float:
     """Return the direction of the eccentricity, in cells of the second turn.
 
@@ -400,7 +400,7 @@ def cell_of_eccentricity(surfaces: Array, nodes: int, place: Place, angle: float
     return nodes + node + x
 
 
-@fused_inlined
+@inlined
 def reach_of_peaks(joint: Records, place: Place) -> float:
     """Return how far from the eccentricity a maximum can be, in cells; equation W3."""
     least = place.width * place.eccentricity
@@ -411,7 +411,7 @@ def reach_of_peaks(joint: Records, place: Place) -> float:
     return sine * (1.0 + (0.5 * math.pi - 1.0) * sine * sine) / place.width + MARGIN
 
 
-@fused
+@compiled
 def integrate_overlap(
     surfaces: Array, joint: Records, place: Place, angle: float
 ) -> tuple[float, float, ArcIntegrals]:
@@ -468,7 +468,7 @@ def integrate_overlap(
     return greatest, peak, sums
 
 
-@fused_inlined
+@inlined
 def node_of_peak(surfaces: Array, place: Place, cell: float) -> tuple[Node, float]:
     """Return the overlap at its maximum, a place in cells, and the depth of the pin there."""
     node = int(cell)
@@ -480,7 +480,7 @@ def node_of_peak(surfaces: Array, place: Place, cell: float) -> tuple[Node, floa
     return peak, gap - peak.overlap - depth_at(surfaces, BEARING, node, x)[0]
 
 
-@fused_inlined
+@inlined
 def derivatives_at(
     surfaces: Array, place: Place, node: int, x: float
 ) -> tuple[float, float, float, float, float, float]:
@@ -499,7 +499,7 @@ def derivatives_at(
     return here.nx, here.ny, curvature, here.pin_slope, here.pin_curvature, value_at(by_turning, x)
 
 
-@fused_inlined
+@inlined
 def count_arcs(surfaces: Array, joint: Records, place: Place, angle: float) -> int:
     """Return the number of arcs of overlap, whose ends are in the surfaces.
 
@@ -512,14 +512,14 @@ def count_arcs(surfaces: Array, joint: Records, place: Place, angle: float) -> i
     return int(last[3])
 
 
-@fused_inlined
+@inlined
 def area_at(p: Cubic, x: float) -> float:
     """Return the integral of a polynomial from 0."""
     rest = (1 / 3) * p.a2 + x * ((1 / 4) * p.a3 + x * (1 / 5) * p.a4)
     return x * (p.a0 + x * ((1 / 2) * p.a1 + x * rest))
 
 
-@fused_inlined
+@inlined
 def share_cell(
     p: Cubic, node: int, low: float, high: float, shift: float, ratio: float, shares: Array
 ) -> None:
@@ -540,7 +540,7 @@ def share_cell(
         k += 1
 
 
-@fused
+@compiled
 def share_arc(surfaces: Array, joint: Records, place: Place, arc: int, shares: Array) -> None:
     """Add the integrals of the overlap over an arc to the bins of bearing and pin, shape (2, n)."""
     start, end = surfaces[ARC_START, arc], surfaces[ARC_END, arc]
@@ -557,7 +557,7 @@ def share_arc(surfaces: Array, joint: Records, place: Place, arc: int, shares: A
         left = right
 
 
-@fused_inlined
+@inlined
 def round_area(eccentricity: float, clearance: float, x: float) -> float:
     """Return the integral of the overlap of a round pin from the direction of e to x, m rad."""
     y = x * x
@@ -569,7 +569,7 @@ def round_area(eccentricity: float, clearance: float, x: float) -> float:
     return (eccentricity - clearance) * x + eccentricity * short
 
 
-@fused
+@compiled
 def deposit_round(
     eccentricity: float, clearance: float, direction: float, half: float, added: float, depth: Array
 ) -> None:

@@ -25,7 +25,7 @@ from presswear.physics.foundation import (
 from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, fused, inlined, lazily_compiled
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 ARC_MARGIN = 1e-9  # rad, round-off of the ends of an arc
 
@@ -183,7 +183,7 @@ def deposit_worn_arc(
             k = k + 1 if k + 1 < bins else 0
 
 
-@fused
+@compiled
 def share_worn_arc(
     joint: Records,
     surfaces: Array,

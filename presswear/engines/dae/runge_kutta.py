@@ -17,7 +17,6 @@ from presswear.tools.compile import (
     Records,
     compiled,
     floats,
-    fused_inlined,
     inlined,
     unpack,
 )
@@ -113,7 +112,7 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
         )
 
 
-@fused_inlined
+@inlined
 def weighted_sum(target: Array, slopes: Array, weights: Array, count: int, size: int) -> None:
     """Fill the sum of the first rows of slopes, each times its weight, in the first columns."""
     odd = count & 1
