@@ -127,7 +127,9 @@ class Kernel:
         return self._from_kernels._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call the compiled function."""
+        """Call the compiled function; with NUMBA_DISABLE_JIT=1 the function in plain Python."""
+        if config.DISABLE_JIT:
+            return self.py_func(*map(_readable, arguments))
         return self.from_python(*arguments)
 
 
@@ -241,6 +243,8 @@ def specialised(kernel: F, *arguments: Any) -> F:
 
     RunFailed with the place for a kernel that cannot be compiled for them.
     """
+    if config.DISABLE_JIT:
+        return kernel
     dispatcher = cast(Kernel, kernel).from_python
     kinds = tuple(map(numba.typeof, arguments))
     try:
@@ -271,7 +275,11 @@ def _call(typing: Any, address: Any, arguments: Any) -> Any:
 call = cast(Callable[[int, tuple[float, ...]], float], _call)
 
 
-@intrinsic
+def _call_entry_in_python(entry: int, arguments: tuple[Any, ...]) -> None:
+    _entries[entry](*arguments)
+
+
+@intrinsic_with(_call_entry_in_python)
 def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
     signature = types.none(*arguments.types)
 
@@ -298,14 +306,20 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
 
     The address of packed arguments may be passed as a number.
     """
-    dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
-    dispatcher.compile(kinds)
-    code = dispatcher.overloads[kinds]
-    _called.append(code)
-    return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
+    if config.DISABLE_JIT:
+        entry = id(kernel)
+    else:
+        dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
+        dispatcher.compile(kinds)
+        code = dispatcher.overloads[kinds]
+        _called.append(code)
+        entry = int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
+    _entries[entry] = kernel
+    return entry
 
 
 _called: list[Any] = []  # machine code that is called by address must stay in memory
+_entries: dict[int, Callable[..., Any]] = {}  # kernels that plain Python calls by their entry
 
 
 @cache
@@ -380,11 +394,14 @@ def _readable(arguments: Any) -> Any:
     if isinstance(arguments, tuple):
         parts = map(_readable, arguments)
         return type(arguments)(*parts) if hasattr(arguments, "_fields") else tuple(parts)
-    has_names = isinstance(arguments, np.ndarray) and arguments.dtype.names
-    return arguments.view(np.recarray) if has_names else arguments
+    if isinstance(arguments, np.void) and not isinstance(arguments, np.record):
+        return arguments.view((np.record, arguments.dtype))
+    if isinstance(arguments, np.ndarray) and arguments.dtype.names:
+        return arguments.view(np.recarray)
+    return arguments
 
 
-@intrinsic_with(lambda packed: _readable(packed.arguments))
+@intrinsic_with(lambda packed: packed.arguments)
 def _load(typing: Any, packed: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         pointer = context.get_value_type(packed.dtype).as_pointer()
@@ -414,7 +431,7 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
     """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
     if config.DISABLE_JIT:
         packed = PackedArguments()
-        packed.arguments = arguments
+        packed.arguments = _readable(arguments)
         return packed
     layout = _layout(arguments)
     if layout not in _packing:
@@ -426,7 +443,7 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
     pointer, size, store = _packing[layout]
     memory = np.zeros(size, np.uint8)
     packed = PackedArguments(memory.ctypes.data)
-    packed.arguments, packed.kind, packed.memory = arguments, pointer, memory
+    packed.arguments, packed.kind, packed.memory = _readable(arguments), pointer, memory
     store(packed, arguments)
     return packed
 
