@@ -26,12 +26,11 @@ import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba.core import cgutils, config, event, types, typing
-from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
 
 from presswear.tools.arrays import Array
-from presswear.tools.errors import RunFailed
+from presswear.tools.compile_errors import short_errors
 from presswear.tools.files import digest
 from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
@@ -130,7 +129,8 @@ class Kernel:
         """Call the compiled function; with NUMBA_DISABLE_JIT=1 the function in plain Python."""
         if config.DISABLE_JIT:
             return self.py_func(*map(_readable, arguments))
-        return self.from_python(*arguments)
+        with short_errors():
+            return self.from_python(*arguments)
 
 
 def _decorator(**options: Any) -> Callable[[F], F]:
@@ -230,27 +230,17 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
     return cast(Callable[[F], F], made)
 
 
-def _fault_of(text: str) -> str:
-    """Return the operation that failed and its place, from hundreds of lines of numba."""
-    call, place = re.search(r">>> (.+)", text), re.search(r"at (\S+) \((\d+)\)", text)
-    fault = call[1] if call else text.partition("\n")[0]
-    where = f"{Path(place[1]).name}, line {place[2]}: " if place else ""
-    return f"{where}{fault} cannot be compiled"
-
-
 def specialised(kernel: F, *arguments: Any) -> F:
     """Return the compiled function for these types, which numba would look up in each call.
 
-    RunFailed with the place for a kernel that cannot be compiled for them.
+    RunFailed with file, line and reason for a kernel that cannot be compiled for them.
     """
     if config.DISABLE_JIT:
         return kernel
     dispatcher = cast(Kernel, kernel).from_python
     kinds = tuple(map(numba.typeof, arguments))
-    try:
+    with short_errors():
         dispatcher.compile(kinds)
-    except NumbaError as error:
-        raise RunFailed(_fault_of(f"{error}")) from None
     return cast(F, dispatcher.overloads[kinds].entry_point)
 
 
@@ -310,7 +300,8 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
         entry = id(kernel)
     else:
         dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
-        dispatcher.compile(kinds)
+        with short_errors():
+            dispatcher.compile(kinds)
         code = dispatcher.overloads[kinds]
         _called.append(code)
         entry = int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))

@@ -7,8 +7,10 @@ by trusting a result. Text that was merely read from a result is never executed.
 import ast
 import hashlib
 import inspect
+import linecache
 import math
 import textwrap
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -124,8 +126,22 @@ class UserFunction:
         """Execute the text and return its names; UntrustedLaw unless that is allowed."""
         self.check_trusted("law")
         names: dict[str, Any] = {"math": math, "__name__": self.name}
-        exec(compile(self.source, f"<{self.name}>", "exec"), names)
+        # A debugger and messages show the lines of the text.
+        lines = self.source.splitlines(keepends=True)
+        linecache.cache[self._file] = (len(self.source), None, lines, self._file)
+        exec(compile(self.source, self._file, "exec"), names)
         return names
+
+    @property
+    def _file(self) -> str:
+        return f"<{self.name}>"
+
+    def _failure(self, error: BaseException) -> str:
+        """Return the message of an error with the last line of the text that was executed."""
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame for frame in frames if frame.filename == self._file]
+        place = f'line {lines[-1].lineno}, "{lines[-1].line}": ' if lines else ""
+        return f"{place}{error}"
 
     def in_python(self) -> Callable[..., Any]:
         """Return the function in plain Python; each process executes its text for this once."""
@@ -142,7 +158,8 @@ class UserFunction:
         except (Exception, SystemExit) as error:
             is_outside = isinstance(error, NameError)
             hint = "; define everything inside it, or pass FILE.py:NAME" if is_outside else ""
-            raise InputError(f"{key}: {self.name} fails at {place}: {error}{hint}") from None
+            reason = self._failure(error)
+            raise InputError(f"{key}: {self.name} fails at {place}: {reason}{hint}") from None
         is_number = isinstance(result, (int, float)) and not isinstance(result, bool)
         if not is_number or not math.isfinite(result):
             raise InputError(f"{key}: {self.name} gives {result!r} at {place}: must be a number")
@@ -192,7 +209,7 @@ class UserFunction:
         try:
             function = self.in_python()
         except (Exception, SystemExit) as error:
-            raise InputError(f"{key}: {self.name} fails: {error}") from None
+            raise InputError(f"{key}: {self.name} fails: {self._failure(error)}") from None
         for k in range(_POINTS):
             # Sizes from 1e-6 to about 1, signs and order different for each parameter.
             exponents = [(7 * k + 3 * i) % _POINTS for i in range(count)]
@@ -201,7 +218,7 @@ class UserFunction:
             except (ArithmeticError, ValueError):
                 continue
             except (Exception, SystemExit) as error:
-                raise InputError(f"{key}: {self.name} fails: {error}") from None
+                raise InputError(f"{key}: {self.name} fails: {self._failure(error)}") from None
         try:
             compile_function(self, allowed)
         except InputError as error:
@@ -217,6 +234,8 @@ def _in_python(function: UserFunction) -> Callable[..., Any]:
 def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Callable[..., float]:
     """Compile a user function of these parameters, in order; InputError if numba cannot."""
     import numba  # slow to import
+
+    from presswear.tools.compile_errors import reason, statement_of
 
     compiler = numba.njit(error_model="numpy", _nrt=False)
     namespace = function.namespace()
@@ -234,8 +253,11 @@ def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Cal
     # The text may be any Python. Numba has no common base for its errors: what it does not support
     # shows as TypeError, ValueError, KeyError, NotImplementedError or AssertionError, too.
     except Exception as error:
-        reason = next((line for line in f"{error}".splitlines()[1:] if line.strip()), f"{error}")
-        raise InputError(f"{function.name} cannot be compiled: {reason.strip()}") from None
+        line, statement = statement_of(namespace[function.name].py_func, f"{error}")
+        place = f'line {line}, "{statement}"'
+        raise InputError(
+            f"{function.name} cannot be compiled: {place}: {reason(f'{error}')}"
+        ) from None
     return cast(Callable[..., float], kernel)
 
 

@@ -1,0 +1,111 @@
+"""Short messages for functions that numba cannot compile."""
+
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import event
+
+from presswear.tools.errors import RunFailed
+
+_NUMBA = f"{Path(numba.__file__).parent}"
+_TYPE = re.compile(r"Literal\[\w+\]\((.+?)\)|Function\(<(?:built-in function|class) '?(\w+)'?>\)")
+# Numba rejects an allocation with words about returned arrays.
+_ALLOCATES = "Only accept returning of array passed into the function as argument"
+_MAX_REASON = 300  # characters
+
+
+class _Failures(event.Listener):
+    """Note the first function whose compilation fails within that of its callers."""
+
+    function: Callable[..., Any] | None = None
+    _depth = 0
+
+    def on_start(self, event: Any) -> None:
+        if self._depth == 0:
+            self.function = None
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        self._depth -= 1
+        # The public property ``is_failed`` is True for a success, in numba 0.61 to 0.68.
+        has_failed = event._exc_details is not None
+        if has_failed and self.function is None and event.data:
+            function = event.data["dispatcher"].py_func
+            if not function.__code__.co_filename.startswith(_NUMBA):
+                self.function = function
+        if self._depth == 0 and not has_failed:
+            self.function = None
+
+
+_failures = _Failures()
+event.register("numba:compile", _failures)
+
+
+@contextmanager
+def short_errors() -> Iterator[None]:
+    """Raise RunFailed with file, line, statement and reason where numba cannot compile."""
+    _failures.function = None
+    try:
+        yield
+    # Numba has no common base for its errors: a wrong field of a record is a KeyError.
+    except Exception as error:
+        if _failures.function is None:
+            raise
+        text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
+        raise RunFailed(describe(_failures.function, text)) from None
+
+
+def describe(function: Callable[..., Any], text: str) -> str:
+    """Return file, line, statement and reason of a failed compilation, in three lines.
+
+    Parameters
+    ----------
+    function : function
+        Function that cannot be compiled.
+    text : str
+        Message of numba, with up to hundreds of lines.
+    """
+    line, statement = statement_of(function, text)
+    name = function.__code__.co_filename
+    return f"{name}:{line}: {function.__name__} cannot be compiled\n    {statement}\n{reason(text)}"
+
+
+def statement_of(function: Callable[..., Any], text: str) -> tuple[int, str]:
+    """Return number and text of the line that a message of numba is about."""
+    code = function.__code__
+    lines, first = inspect.getsourcelines(code)
+    places = re.findall(rf"(?:at |File \"){re.escape(code.co_filename)}\W+(?:line )?(\d+)", text)
+    places += re.findall(r"File \".*\", line (\d+)", text)
+    inside = [int(place) for place in places if 0 < int(place) - first < len(lines)]
+    if inside:
+        # Returns of different types are listed in any order.
+        place = max(inside) if "Return of:" in text else inside[0]
+        return place, lines[place - first].strip()
+    # Without a place: the line with the name, or with the construct, that numba complains about
+    for word in re.findall(r"'(\w+)", reason(text)):
+        for number, line in enumerate(lines[1:], first + 1):
+            if re.search(rf"\b{word}\b", line):
+                return number, line.strip()
+    return first, lines[0].strip()
+
+
+def reason(text: str) -> str:
+    """Return the reason in a message of numba as one line."""
+    if _ALLOCATES in text:
+        return "kernels cannot allocate memory"
+    kept = [line.strip() for line in text.splitlines()]
+    kept = [line for line in kept if line and not line.startswith("Failed in ")]
+    first = kept[0] if kept else "numba gives no reason"
+    if first.startswith("No implementation of function") and (call := re.search(">>> (.+)", text)):
+        name, _, kinds = call[1].partition("(")
+        first = f"{name} is not defined for the types ({kinds}"
+    if first.startswith("Cannot bind") and (cause := re.search(r'"TypeError: (.+)"', first)):
+        first = cause[1].rstrip(".")
+    first = first.removesuffix(". Raised from None")
+    first = _TYPE.sub(lambda match: match[1] or match[2], first)
+    return first if len(first) <= _MAX_REASON else f"{first[: _MAX_REASON - 3]}..."
