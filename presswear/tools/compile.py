@@ -3,7 +3,7 @@
 A damaged file in the cache of numba ends every program that reads it, and an edit in
 ``friction_and_normal.py`` leaves the compiled callers in ``contact.py`` unchanged. This package
 therefore stores each kernel in a file whose name is a digest of all that the machine code depends
-on, and whose content is checked before use.
+on (``kernel_digest``), and whose content is checked before use.
 
 User laws and kernels that few scenes need are called by the address of their machine code, so that
 their callers are not compiled again for them.
@@ -12,7 +12,6 @@ their callers are not compiled again for them.
 import ctypes
 import gc
 import os
-import re
 import threading
 import traceback
 from _thread import interrupt_main
@@ -31,9 +30,9 @@ from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, 
 
 from presswear.tools.arrays import Array
 from presswear.tools.compile_errors import short_errors
-from presswear.tools.files import digest
 from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
+from presswear.tools.kernel_digest import function_digest
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -50,15 +49,6 @@ _PACKAGE = Path(__file__).parents[1]
 # last digits then depend on which callers were loaded from the cache. "contract" means a product
 # and a sum with one rounding, which takes 9 % less time.
 _OPTIONS = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract"}, "forceinline": False}
-_IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import ", re.MULTILINE)
-
-
-@cache
-def _sources_digest(path: str) -> str:
-    """Return a digest of a source file and of all files of the package that it imports."""
-    source = Path(path).read_text(encoding="utf-8")
-    files = (f"{_PACKAGE / name.replace('.', '/')}.py" for name in _IMPORT.findall(source))
-    return digest("".join([source, *map(_sources_digest, files)]).encode())
 
 
 class _Listener(event.Listener):
@@ -91,27 +81,25 @@ def on_compiling(report: Callable[[], object]) -> AbstractContextManager[Any]:
 class Kernel:
     """Compiled function; its machine code is made or loaded at the first call.
 
-    A function that was written at run time has its ``text``, and the ``file`` in which its names
-    are defined.
+    A function that was written at run time has the ``file`` in which its names are defined.
     """
 
-    def __init__(
-        self, function: Callable[..., Any], file: str = "", text: str = "", **options: Any
-    ) -> None:
+    is_inside_callers = True  # the machine code of its callers contains its own
+
+    def __init__(self, function: Callable[..., Any], file: str = "", **options: Any) -> None:
         update_wrapper(self, function)
-        self.py_func, self._options = function, {**_OPTIONS, **options}
+        self.py_func, self.options = function, {**_OPTIONS, **options}
         self._name = f"{function.__module__}.{function.__qualname__}"
         source = file or function.__code__.co_filename
-        is_stored = source.startswith(f"{_PACKAGE}{os.sep}") and not function.__closure__
-        # Later the file may be a new version.
-        self._sources = text + _sources_digest(source) if is_stored else None
+        self._is_stored = source.startswith(f"{_PACKAGE}{os.sep}") and not function.__closure__
 
     def dispatcher(self, **wrappers: bool) -> Any:
         """Return the function compiled by numba and stored, with all that it calls."""
-        options = {**self._options, **wrappers}
+        options = {**self.options, **wrappers}
         dispatcher = numba.njit(**options)(self.py_func)
-        if self._sources:
-            dispatcher._cache = KernelCache(self._name, options, self._sources)
+        if self._is_stored:
+            code = function_digest(self.py_func)
+            dispatcher._cache = KernelCache(self._name, options, code)
         return dispatcher
 
     @cached_property
@@ -121,7 +109,7 @@ class Kernel:
 
     @cached_property
     def _numba_type_(self) -> Any:
-        options = {**self._options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        options = {**self.options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         self._from_kernels = numba.njit(**options)(self.py_func)  # its type does not keep it
         return self._from_kernels._numba_type_
 
@@ -149,6 +137,8 @@ class _LazyKernel(Kernel):
 
     Callers load the address from a variable; where it is zero they call a function that compiles.
     """
+
+    is_inside_callers = False
 
     def __init__(
         self, function: Callable[..., Any], result: Any, parameters: tuple[Any, ...]

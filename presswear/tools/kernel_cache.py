@@ -23,6 +23,7 @@ from numba.core import compiler, config, event, serialize
 from numba.np.numpy_support import numpy_version
 
 from presswear.tools.files import BUSY, digest, lock, write_bytes
+from presswear.tools.kernel_digest import fields_of
 
 PATIENCE = 20.0  # s for which a process that compiles may stand still; a function takes up to 15 s
 _PAUSE = 0.05  # s between two looks at it
@@ -116,12 +117,13 @@ class KernelCache:
     def files(self, signature: Any, context: Any) -> list[Path]:
         """Return the file of the user and, if the processor can execute it, that of the wheel."""
         triple, *processor = context.codegen().magic_tuple()
+        fields = [list(fields_of(kind)) for kind in signature]
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         folders = {base / "presswear" / "kernels": processor}
         if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
             folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
         return [
-            folder / digest(repr((self._key, signature, triple, *processor)).encode())
+            folder / digest(repr((self._key, signature, fields, triple, *processor)).encode())
             for folder, processor in folders.items()
         ]
 

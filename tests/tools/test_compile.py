@@ -402,11 +402,15 @@ def _printed(package: Path, **variables: str) -> str:
     return printed.replace(str(package), "").strip()
 
 
-def test_environments_with_equal_sources_share_kernels(stored: Path, package: Path) -> None:
+def test_environments_with_equal_kernels_share_them(stored: Path, package: Path) -> None:
     assert _printed(package) == "True /tools/compile.py"
-    with (package / "tools" / "errors.py").open("a") as imported:
-        imported.write("# edited")
-    assert _printed(package) == "compiles compiles True /tools/compile.py"
+    file = package / "tools" / "compile.py"
+    source = file.read_text()
+    file.write_text(source.replace("Return whether two arrays", "Check that two arrays") + "# end")
+    assert _printed(package) == "True /tools/compile.py"
+    file.write_text(source.replace("return total == 0.0", "return total == 1.0"))
+    assert _printed(package) == "compiles compiles False /tools/compile.py"
+    file.write_text(source)
     assert _printed(package) == "True /tools/compile.py"
     assert len(list(stored.iterdir())) == 2
 

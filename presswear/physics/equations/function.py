@@ -105,7 +105,7 @@ def function_of(text: str) -> Kernel:
     function: Callable[..., Any] = names["equations"]
     # Of two equal names in machine code that other processes stored, only one would be found.
     function.__qualname__ = f"equations_{short}"
-    return Kernel(function, file=__file__, text=text)
+    return Kernel(function, file=__file__)
 
 
 def model_of(

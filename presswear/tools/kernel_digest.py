@@ -1,0 +1,85 @@
+"""Digest of all that the machine code of a function depends on.
+
+It holds the instructions and constants of the function and of every kernel, constant and class that
+they refer to, so that an edit compiles those kernels anew that it changes. Comments, docstrings and
+types of parameters are no part of it.
+"""
+
+import dis
+import types
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba.core import config
+from numba.core import types as kinds
+from numba.core.extending import _Intrinsic
+
+from presswear.tools.files import digest
+
+
+@cache
+def function_digest(function: Callable[..., Any]) -> str:
+    """Return a digest of a function and of all that it refers to."""
+    parts = [repr(function.__defaults__), *_code_parts(function.__code__, function.__doc__)]
+    for name in sorted(_names(function.__code__)):
+        if name in function.__globals__:
+            parts += [name, *_parts(function.__globals__[name])]
+    return digest("\n".join(parts).encode())
+
+
+def _names(code: types.CodeType) -> set[str]:
+    """Return the global names of a function and of the functions inside it."""
+    read = (step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL")
+    inner = [_names(part) for part in code.co_consts if isinstance(part, types.CodeType)]
+    return set(read).union(*inner)
+
+
+def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[str]:
+    """Yield what describes instructions; a line number only where an IndexError shows it."""
+    names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
+    yield f"{code.co_code.hex()} {names} {code.co_argcount} {code.co_flags}"
+    if config.BOUNDSCHECK:
+        yield f"{code.co_firstlineno}"
+    for part in code.co_consts:
+        if isinstance(part, types.CodeType):
+            yield from _code_parts(part)
+        elif not (part and part == docstring):
+            yield f"{type(part).__name__} {part!r}"
+
+
+def _parts(value: Any) -> Iterator[str]:
+    """Yield what describes a value that a function refers to."""
+    if hasattr(value, "py_func"):
+        yield f"{value.options} {value.is_inside_callers}"
+        if value.is_inside_callers:
+            yield function_digest(value.py_func)
+    elif isinstance(value, _Intrinsic):
+        yield from _code_parts(value._defn.__code__)
+    elif isinstance(value, types.FunctionType):
+        yield function_digest(value)
+    elif isinstance(value, tuple):
+        yield from fields_of(type(value))
+        for item in value:
+            yield from _parts(item)
+    elif isinstance(value, np.ndarray):
+        yield f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+    elif isinstance(value, type | types.ModuleType):
+        yield value.__name__
+        yield from fields_of(value)
+    else:
+        yield f"{type(value).__name__} {value!r}"
+
+
+def fields_of(kind: Any) -> Iterator[str]:
+    """Yield the names of the fields of named tuples in a class or a type of numba."""
+    if isinstance(kind, kinds.BaseNamedTuple):
+        yield f"{kind.instance_class._fields}"
+    elif hasattr(kind, "_fields"):
+        yield f"{kind._fields}"
+    if isinstance(kind, kinds.BaseTuple):
+        for part in kind.types:
+            yield from fields_of(part)
+    elif isinstance(kind, kinds.CPointer | kinds.Array):
+        yield from fields_of(kind.dtype)
