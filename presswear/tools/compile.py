@@ -11,9 +11,9 @@ their callers are not compiled again for them.
 
 import ctypes
 import gc
+import logging
 import os
 import threading
-import traceback
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -44,6 +44,7 @@ def floats(*names: str) -> list[tuple[str, type]]:
     return [(name, np.float64) for name in names]
 
 
+_LOG = logging.getLogger(__name__)
 _PACKAGE = Path(__file__).parents[1]
 # A callee is compiled once. It inherits an option that is missing here from its first caller: the
 # last digits then depend on which callers were loaded from the cache. "contract" means a product
@@ -132,6 +133,9 @@ compiled = _decorator()
 inlined = _decorator(forceinline=True)
 
 
+_FAILED = 2**64 - 1  # in place of the address of a kernel that cannot be compiled
+
+
 class _LazyKernel(Kernel):
     """Kernel that is called by its address and compiled at the first call.
 
@@ -151,28 +155,30 @@ class _LazyKernel(Kernel):
         callback = ctypes.cast(self._callback, ctypes.c_void_p).value
         binding.add_symbol(f"{self._name}.compile", callback)
         signature = typing.signature(result, *parameters)
-        lower_builtin(self, *parameters)(self._generate_call)
+        lower_builtin(self, *parameters)(self.generate_call)
         template = typing.make_concrete_template(self._name, self, [signature])
         self._numba_type_ = types.Function(template)
 
     def _compile(self) -> int | None:
-        """Compile or load the kernel; kernels call this until it returns an address.
+        """Compile or load the kernel and return its address, or _FAILED.
 
-        An interrupt that came before may end it at its first line, with nothing.
+        An interrupt that came before may end it at its first line, with nothing; kernels then call
+        it again.
         """
         try:
-            self.from_python.compile(self._parameters)
+            with short_errors():
+                self.from_python.compile(self._parameters)
             code = self.from_python.overloads[self._parameters]
             name = code.fndesc.llvm_func_name
             self._address.value = code.library.get_pointer_to_function(name)
         except KeyboardInterrupt:
             threading.Timer(0.0, interrupt_main).start()
-        except Exception:
-            traceback.print_exc()
-            os._exit(1)  # a callback cannot raise, and without the kernel its caller cannot go on
+        except Exception as error:
+            _LOG.error(error)
+            return _FAILED  # a callback cannot raise
         return self._address.value
 
-    def _generate_call(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    def generate_call(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         convention, result = context.call_conv, signature.return_type
         pointer = convention.get_function_type(result, signature.args).as_pointer()
         compile_first = cgutils.get_or_insert_function(
@@ -187,17 +193,21 @@ class _LazyKernel(Kernel):
         builder.cbranch(cgutils.is_null(builder, stored), missing, ready).set_weights([1, 99])
         builder.position_at_end(missing)
         made = builder.call(compile_first, ())
+        failed = builder.inttoptr(ir.IntType(64)(_FAILED), pointer)
+        with builder.if_then(builder.icmp_unsigned("==", made, failed), likely=False):
+            message = f"{self._name} cannot be compiled; the reason is in the log"
+            convention.return_user_exc(builder, RuntimeError, (message,))
+        compiled_now = builder.block
         builder.cbranch(cgutils.is_null(builder, made), missing, ready)
         builder.position_at_end(ready)
         address = builder.phi(pointer)
         address.add_incoming(stored, before)
-        address.add_incoming(made, missing)
+        address.add_incoming(made, compiled_now)
         status, value = convention.call_function(
             builder, address, result, signature.args, arguments
         )
-        if config.BOUNDSCHECK:  # else kernels do not raise
-            with cgutils.if_unlikely(builder, status.is_error):
-                convention.return_status_propagate(builder, status)
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
         return value
 
 
@@ -269,9 +279,8 @@ def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
         function = builder.inttoptr(values[0], pointer)
         parts = cgutils.unpack_tuple(builder, values[1], len(kinds))
         status, _result = convention.call_function(builder, function, types.none, kinds, parts)
-        if config.BOUNDSCHECK:  # else kernels do not raise
-            with cgutils.if_unlikely(builder, status.is_error):
-                convention.return_status_propagate(builder, status)
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
         return context.get_dummy_value()
 
     return types.none(types.int64, arguments), generate

@@ -54,10 +54,11 @@ def short_errors() -> Iterator[None]:
         yield
     # Numba has no common base for its errors: a wrong field of a record is a KeyError.
     except Exception as error:
-        if _failures.function is None:
+        function, _failures.function = _failures.function, None
+        if function is None:
             raise
         text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
-        raise RunFailed(describe(_failures.function, text)) from None
+        raise RunFailed(describe(function, text)) from None
 
 
 def describe(function: Callable[..., Any], text: str) -> str:
@@ -78,7 +79,10 @@ def describe(function: Callable[..., Any], text: str) -> str:
 def statement_of(function: Callable[..., Any], text: str) -> tuple[int, str]:
     """Return number and text of the line that a message of numba is about."""
     code = function.__code__
-    lines, first = inspect.getsourcelines(code)
+    try:
+        lines, first = inspect.getsourcelines(code)
+    except OSError:  # of python -c
+        return code.co_firstlineno, "(no source)"
     places = re.findall(rf"(?:at |File \"){re.escape(code.co_filename)}\W+(?:line )?(\d+)", text)
     places += re.findall(r"File \".*\", line (\d+)", text)
     inside = [int(place) for place in places if 0 < int(place) - first < len(lines)]

@@ -55,6 +55,8 @@ def _parts(value: Any) -> Iterator[str]:
         yield f"{value.options} {value.is_inside_callers}"
         if value.is_inside_callers:
             yield function_digest(value.py_func)
+        else:
+            yield from _code_parts(value.generate_call.__code__)
     elif isinstance(value, _Intrinsic):
         yield from _code_parts(value._defn.__code__)
     elif isinstance(value, types.FunctionType):

@@ -116,6 +116,44 @@ def test_interrupt_in_a_kernel_that_calls_a_lazy_one_is_no_crash() -> None:
     assert (ended.returncode, ended.stdout) == (0, "1.5 True\n"), ended.stderr
 
 
+WRONG = """
+import numpy
+from presswear.tools.compile import call_entry, compiled, entry_of, lazily_compiled
+@lazily_compiled(0, 0)
+def rare(x):
+    return x.no_attribute
+@compiled
+def middle(x, out):
+    out[0] = 2.0 * rare(x)
+@compiled
+def direct(x, out):
+    middle(x, out)
+    out[0] = -1.0
+@compiled
+def by_entry(entry, x, out):
+    call_entry(entry, (x, out))
+    out[0] = -1.0
+out = numpy.zeros(1)
+entry = entry_of(middle, 1.0, out)
+for call in (lambda: direct(1.0, out), lambda: by_entry(entry, 1.0, out)):
+    try:
+        call()
+    except RuntimeError as error:
+        print(type(error).__name__, error, out[0])
+"""
+
+
+def test_a_lazy_kernel_that_cannot_be_compiled_is_an_error(tmp_path: Path) -> None:
+    """Of all its callers; the program goes on."""
+    script = tmp_path / "wrong.py"
+    script.write_text(WRONG)
+    ended = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    line = "RuntimeError __main__.rare cannot be compiled; the reason is in the log 0.0\n"
+    assert ended.stdout == line * 2
+    assert "return x.no_attribute" in ended.stderr
+    assert "Unknown attribute 'no_attribute'" in ended.stderr
+
+
 def test_compiling_is_reported_and_loading_is_not() -> None:
     @compiled
     def half(x: float) -> float:
