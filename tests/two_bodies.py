@@ -2,13 +2,15 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 import presswear as pw
 from presswear.linkage.elements import GROUND, MapFrame
-from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
-from presswear.physics.forces import JointLoad, load_of
+from presswear.physics.contact import penetration_acceleration
+from presswear.physics.equations.body_forces import BodyForces
+from presswear.physics.forces import PRESSURE, WORK
 from presswear.physics.friction_and_normal import elastic_of, normal_force, normal_record
 from presswear.physics.packed import Packed, pack
 from presswear.tools.arrays import Array
@@ -45,6 +47,24 @@ def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> pw.Cl
     return replace(JOINT, map_frame=frame, bearing_surface=bearing, pin_surface=pin)
 
 
+class JointLoad(NamedTuple):
+    """Magnitudes, N, force on the pin, N, and moments about the mass centres, N m."""
+
+    normal: float
+    tangential: float
+    x: float
+    y: float
+    pin_moment: float
+    bearing_moment: float
+
+
+def contacts_in(linkage: pw.Linkage, packed: Packed, q: Array, v: Array) -> Records:
+    """Return the contacts of all joints in a state."""
+    forces = BodyForces(linkage, packed)
+    forces(0.0, q, v)
+    return forces.contacts.view(np.recarray)
+
+
 @dataclass(frozen=True)
 class Pair:
     """A state of the two bodies: coordinates and rates, each (6,), bearing body first."""
@@ -71,9 +91,7 @@ class Pair:
         return self.packed.surfaces[0]
 
     def contact(self) -> Records:
-        contacts = np.zeros(1, CONTACT)
-        note_contacts(self.packed, contacts, self.q, self.v)
-        return contacts.view(np.recarray)[0]
+        return contacts_in(self.linkage, self.packed, self.q, self.v)[0]
 
     def penetration_acceleration(self, a: Array) -> float:
         """Return the second time derivative of the penetration, m/s^2."""
@@ -81,7 +99,21 @@ class Pair:
 
     def load(self, onset: float) -> JointLoad:
         """Return the forces of the joint, for a closing speed at touchdown."""
-        return load_of(self.packed.joints[0], onset, self.contact())
+        forces = BodyForces(self.linkage, self.packed, np.array([onset]))
+        force = np.concatenate([np.zeros(3), forces(0.0, self.q, self.v)])[-6:]
+        contact = forces.contacts[0]
+        x, y, pin_moment = force[3:]
+        return JointLoad(contact["normal"], contact["tangential"], x, y, pin_moment, force[2])
+
+    def wear_rates(self) -> tuple[float, float]:
+        """Return the rates of both doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2.
+
+        The closing speed at touchdown is so high that damping adds nothing.
+        """
+        forces = BodyForces(self.linkage, self.packed, np.array([1e9]))
+        forces(0.0, self.q, self.v)
+        work, pressure = forces.joint_rates[0, [WORK, PRESSURE]]
+        return float(work), float(pressure)
 
     def moment_of(self, load: JointLoad) -> float:
         """Return the moment of all forces on both bodies about the origin, N m."""

@@ -25,13 +25,13 @@ class Simulation:
     advance: Callable[[float], Finding | None]  # integrates up to a time, s
     state: Callable[[], tuple[float, Array, Array]]  # time, s, and q and v of all bodies, copied
     ledger: Callable[[], Ledger]  # energies since the run began
+    worn: Callable[[], None]  # fills the contacts of the present state on changed surfaces
     # Live arrays that, with ``sums`` and the recorder, hold the state between two cycles
     arrays: Mapping[str, NDArray[Any]]
     sums: dict[str, float]  # counts and times summed over the cycles
     diagnostics: Callable[[], dict[str, float | int | str]]  # of this engine for ``Run``
     remedy: str  # what makes the steps of this engine finer
     constraints: Constraints | None = None  # what may drift
-    worn: Callable[[], None] = lambda: None  # called when the surfaces have changed
     close: Callable[[], None] = lambda: None  # frees what the engine holds
 
 
@@ -139,8 +139,7 @@ def _cycles(
         added = recorder.end_cycle()
         if plan.wear is not None:
             before = running.ledger().residual
-            recorder.wear(plan.wear(done + 1, added), *running.state()[1:])
-            running.worn()
+            recorder.wear(plan.wear(done + 1, added), running.worn)
             running.sums[_WORN_OFF] += running.ledger().residual - before
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()

@@ -1,12 +1,11 @@
-"""Contacts of pins and bearings: from a state of the linkage to a record of each contact.
+"""Contact of a pin with the worn surface of its bearing, and the record of any contact.
 
 e = pin centre - bearing centre, n = e / |e|, phi its direction, t = n turned by
 +90 degrees. Round surfaces, and worn ones under ``radial`` contact, meet where e points;
-worn ones on a ``foundation`` over all of the arc.
+worn ones on a ``foundation`` over all of the arc. Round surfaces stand in the written equations.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from presswear.physics.foundation import (
     profile,
 )
 from presswear.physics.friction_and_normal import elastic_of
-from presswear.physics.packed import JOINT, Packed
+from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
@@ -49,46 +48,18 @@ CONTACT = np.dtype(
         # Of the bodies, rad and rad/s; from their mass centres to those of bearing and pin, m
         *floats("bearing_angle", "bearing_spin", "bearing_lever_x", "bearing_lever_y"),
         *floats("pin_angle", "pin_spin", "pin_lever_x", "pin_lever_y"),
-        *floats("normal", "tangential"),  # forces, N, see ``note_forces``
+        *floats("normal", "tangential"),  # forces, N, zero while open
         ("bristle", np.float64),  # deflection of the bristles of its friction, m
         ("bristle_rate", np.float64),  # m/s
     ]
 )
 
 
-class Pose(NamedTuple):
-    """Position, angle and rates of one joint end: centre (m, m/s), body angle (rad, rad/s)."""
-
-    x: float
-    y: float
-    vx: float
-    vy: float
-    lever_x: float
-    lever_y: float
-    angle: float
-    spin: float
-
-
 @inlined
-def joint_end(
-    body: int, local_x: float, local_y: float, q: Array, v: Array, axes: Array | None = None
-) -> Pose:
-    """Return place and motion of a point of a body; a body of -1 is the frame.
-
-    ``axes`` holds cosine and sine of each body's angle where they are computed; see
-    ``place_parts``.
-    """
-    if body < 0:
-        return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    angle, spin = q[body + 2], v[body + 2]
-    if axes is None:
-        cosine, sine = cos_sin(angle)
-    else:
-        cosine, sine = axes[body], axes[body + 1]
-    lever_x, lever_y = cosine * local_x - sine * local_y, sine * local_x + cosine * local_y
-    x, y = q[body] + lever_x, q[body + 1] + lever_y
-    vx, vy = v[body] - spin * lever_y, v[body + 1] + spin * lever_x
-    return Pose(x, y, vx, vy, lever_x, lever_y, angle, spin)
+def copy_contacts(target: Records, source: Records) -> None:
+    """Copy the contacts of all joints."""
+    for k in range(source.shape[0]):
+        target[k] = source[k]
 
 
 @compiled
@@ -98,100 +69,33 @@ def direction_of(contact: Records) -> float:
 
 
 @inlined
-def note_contacts(
-    packed: Packed, contacts: Records, q: Array, v: Array, axes: Array | None = None
-) -> None:
-    """Fill the contacts of all joints in a state but for their forces; axes see ``joint_end``."""
-    for k in range(contacts.shape[0]):
-        note_contact(packed, k, q, v, contacts[k], axes)
+def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
+    """Fill in the contact of the pin with the point of the worn surface that faces it.
 
-
-@inlined
-def note_contact(
-    packed: Packed, k: int, q: Array, v: Array, contact: Records, axes: Array | None = None
-) -> None:
-    """Fill the contact of joint ``k`` in a state but for its forces; see ``note_forces``."""
-    note_ends(packed.joints[k], q, v, contact, axes)
-    note_surfaces(packed, k, contact)
-
-
-@inlined
-def note_ends(
-    joint: Records, q: Array, v: Array, contact: Records, axes: Array | None = None
-) -> None:
-    """Fill the place and motion of the pin in its bearing."""
-    bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v, axes)
-    pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v, axes)
-    ex, ey = pin.x - bearing.x, pin.y - bearing.y
-    vx, vy = pin.vx - bearing.vx, pin.vy - bearing.vy
-    eccentricity = math.sqrt(ex * ex + ey * ey)
-    contact.eccentricity, contact.turning = eccentricity, 0.0
-    if eccentricity > 0.0:
-        contact.turning = (ex * vy - ey * vx) / (eccentricity * eccentricity)
-    contact.eccentricity_x, contact.eccentricity_y = ex, ey
-    contact.velocity_x, contact.velocity_y = vx, vy
-    contact.bearing_angle, contact.bearing_spin = bearing.angle, bearing.spin
-    contact.bearing_lever_x, contact.bearing_lever_y = bearing.lever_x, bearing.lever_y
-    contact.pin_angle, contact.pin_spin = pin.angle, pin.spin
-    contact.pin_lever_x, contact.pin_lever_y = pin.lever_x, pin.lever_y
-
-
-@inlined
-def note_surfaces(packed: Packed, k: int, contact: Records) -> None:
-    """Fill the contact of the surfaces of joint ``k`` from the place of the pin."""
-    joint = packed.joints[k]
-    if joint.foundation > 0.0 and joint.surface_bins > 0:
-        note_foundation(joint, packed.surfaces[k], contact)
-    else:
-        note_radial(joint, packed.surfaces[k], contact)
-    note_sliding(contact)
-
-
-@inlined
-def note_sliding(contact: Records) -> None:
-    """Fill the sliding speed at the contact point."""
-    contact.sliding = (
-        contact.velocity_y * contact.normal_x
-        - contact.velocity_x * contact.normal_y
-        + contact.pin_spin * contact.pin_arm
-        - contact.bearing_spin * contact.bearing_arm
-    )
-
-
-@inlined
-def note_radial(joint: Records, surfaces: Array | None, contact: Records) -> None:
-    """Fill in the contact of the pin with the point of the surface that faces it.
-
-    The rate of penetration follows the worn profile: delta_dot = e_dot . n minus the change of both
-    depths under the moving contact. Without ``surfaces`` they are round.
+    The rate of penetration follows the profile: delta_dot = e_dot . n minus the change of both
+    depths under the moving contact.
     """
     eccentricity = contact.eccentricity
     # A pin exactly in the centre touches nothing: any direction serves.
     nx = contact.eccentricity_x / eccentricity if eccentricity > 0.0 else 1.0
     ny = contact.eccentricity_y / eccentricity if eccentricity > 0.0 else 0.0
-    penetration = eccentricity - joint.clearance
     approach = contact.velocity_x * nx + contact.velocity_y * ny
-    rate = approach
-    pin_radius, bearing_radius = joint.pin_radius, joint.bearing_radius
     count, turns, turning = joint.surface_nodes, joint.map_turns, contact.turning
-    if surfaces is not None and count > 0:
-        direction = math.atan2(ny, nx)
-        place = direction - turns * contact.bearing_angle
-        depth, slope, _ = profile(surfaces, BEARING, count, place)
-        penetration -= depth
-        bearing_radius += depth
-        rate -= slope * (turning - turns * contact.bearing_spin)
-        depth, slope, _ = profile(surfaces, PIN, count, direction - turns * contact.pin_angle)
-        penetration -= depth
-        pin_radius -= depth
-        rate -= slope * (turning - turns * contact.pin_spin)
+    direction = math.atan2(ny, nx)
+    place = direction - turns * contact.bearing_angle
+    bearing_depth, bearing_slope, _ = profile(surfaces, BEARING, count, place)
+    place = direction - turns * contact.pin_angle
+    pin_depth, pin_slope, _ = profile(surfaces, PIN, count, place)
+    penetration = eccentricity - joint.clearance - bearing_depth - pin_depth
+    rate = approach - bearing_slope * (turning - turns * contact.bearing_spin)
+    rate -= pin_slope * (turning - turns * contact.pin_spin)
     # Half the penetration on either side, so that both arms end at one point.
     indentation = 0.5 * max(penetration, 0.0)
     contact.penetration = penetration
     contact.rate = contact.closing = rate
     contact.normal_x, contact.normal_y = nx, ny
-    contact.pin_arm = pin_radius - indentation
-    contact.bearing_arm = bearing_radius + indentation
+    contact.pin_arm = joint.pin_radius - pin_depth - indentation
+    contact.bearing_arm = joint.bearing_radius + bearing_depth + indentation
     contact.approach = approach
     contact.elastic, contact.energy = elastic_of(joint.normal, penetration)
     contact.place = contact.couple = 0.0

@@ -273,6 +273,15 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
 
 
+@inlined
+def has_bristles(joints: Records) -> bool:
+    """Return whether the friction of any joint has bristles."""
+    found = False
+    for k in range(joints.shape[0]):
+        found = found or joints[k].friction.bristle_stiffness > 0.0
+    return found
+
+
 class Bristles(NamedTuple):
     """Parameters of LuGre's law; see ``linkage.laws.FrictionLaw``."""
 

@@ -30,7 +30,6 @@ from presswear.tools.compile import (
     compiled,
     floats,
     inlined,
-    lazily_compiled,
 )
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
@@ -141,30 +140,6 @@ def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, flo
     faster = along * a[b] + across * a[b + 1] + a[b + 2] * turned
     faster -= spin * spin * (along * rx + across * ry)
     return place, speed, faster
-
-
-@inlined
-def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array) -> float:
-    """Add the loads to the generalized forces; returns their power, W."""
-    if loads is None:
-        return 0.0
-    power = 0.0
-    for k in range(loads.records.shape[0]):
-        load = loads.records[k]
-        b = load.body
-        s, speed, _ = load_motion(load, q, v, v)
-        size = load_size(load, loads.nodes, loads.modes[k], t, s, speed)
-        power += size * speed
-        fx = size * load.cosine
-        if load.turns:
-            force[b + 2] += fx
-            continue
-        fy = size * load.sine
-        rx, ry = lever(b, load.x, load.y, q)
-        force[b] += fx
-        force[b + 1] += fy
-        force[b + 2] += rx * fy - ry * fx
-    return power
 
 
 @compiled
@@ -574,31 +549,6 @@ def spring_pull(
     rate = (dx * dvx + dy * dvy) / distance
     pull = elastic + damping * rate
     return pull * dx / distance, pull * dy / distance, -damping * rate * rate
-
-
-@lazily_compiled(0, np.zeros(0, SPRING), 1, 1, 1)
-def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
-    """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
-    power = 0.0
-    for i in range(springs.shape[0]):
-        spring = springs[i]
-        x1, y1, x2, y2, dx, dy = spring_vectors(spring, q)
-        ends = ((spring.first, x1, y1, -1.0), (spring.second, x2, y2, 1.0))
-        dvx = dvy = 0.0
-        for b, x, y, sign in ends:
-            if b >= 0:
-                dvx += sign * (v[b] - v[b + 2] * y)
-                dvy += sign * (v[b + 1] + v[b + 2] * x)
-        numbers = spring.stiffness, spring.damping, spring.length
-        pull_x, pull_y, supplied = spring_pull(dx, dy, dvx, dvy, *numbers)
-        power += supplied
-        for b, x, y, sign in ends:
-            if b >= 0:
-                fx, fy = -sign * pull_x, -sign * pull_y
-                force[b] += fx
-                force[b + 1] += fy
-                force[b + 2] += x * fy - y * fx
-    return power
 
 
 def pack_springs(linkage: Linkage) -> Records:

@@ -21,9 +21,9 @@ from presswear.physics.foundation import (
     steepest_of,
 )
 from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
-from presswear.physics.loads import Loads, load_forces, pack_loads, pack_springs, spring_forces
+from presswear.physics.loads import Loads, pack_loads, pack_springs
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, copy_to, floats, inlined
+from presswear.tools.compile import Records, floats
 
 # A clearance joint as the kernels see it; SI units
 JOINT = np.dtype(
@@ -193,19 +193,6 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)
 
 
-@inlined
-def applied_forces(packed: Packed, t: float, q: Array, v: Array, force: Array) -> float:
-    """Fill the generalized forces, shape (3 bodies,), before those of contacts.
-
-    Returns the power that no stored energy stands for, of loads with a law and of dampers, W.
-    """
-    copy_to(force, packed.weight)
-    power = 0.0
-    if packed.springs.shape[0] > 0:
-        power = spring_forces(packed.springs, q, v, force)
-    return power + load_forces(packed.loads, t, q, v, force)
-
-
 def has_work(packed: Packed) -> bool:
-    """Return whether ``applied_forces`` may return a power."""
+    """Return whether loads or dampers do work."""
     return packed.loads is not None or bool(np.any(packed.springs["damping"] != 0.0))

@@ -14,8 +14,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, OverPosition, OverTime
 from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
-from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
+from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.friction_and_normal import (
     friction_force,
     friction_record,
@@ -23,7 +22,8 @@ from presswear.physics.friction_and_normal import (
 )
 from presswear.physics.ideal import IdealMotion, Motion, bottom_of, ideal_motion
 from presswear.physics.loads import place_loads, settle_loads
-from presswear.physics.packed import applied_forces, pack
+from presswear.physics.packed import pack
+from presswear.physics.touchdown import HELD_OPEN
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
 from presswear.tools.errors import InputError, RunFailed
@@ -69,12 +69,13 @@ def constraint_forces(
     right = packed.mass * motion.acceleration
     if packed.loads is not None:
         place_loads(packed.loads, motion.position[0], motion.velocity[0])
-    force = np.zeros(packed.mass.size)
-    levels = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
-    for k, (t, level) in enumerate(zip(time, levels, strict=True)):
-        settle_loads(packed.loads, t, *level)
-        applied_forces(packed, t, *level[:2], force)
-        right[k] -= force
+    right -= packed.weight
+    if linkage.springs or linkage.live_loads:
+        forces = BodyForces(linkage, packed)
+        levels = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
+        for k, (t, (q, v, a)) in enumerate(zip(time, levels, strict=True)):
+            settle_loads(packed.loads, t, q, v, a)
+            right[k] -= forces(t, q, v)
     forces_of = partial(ideal.rows.forces, motion.position.reshape(time.size, -1, 3))
     held = forces_of(right[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
@@ -289,7 +290,10 @@ class _Rest:
         self.position = self.ideal.at(np.array([time])).position[0]
         self.packed = pack(replace(linkage, loads=linkage.dead_loads))
         self.tolerance = ROUND_OFF * self.ideal.rows.size
-        self.contacts = np.zeros(len(linkage.clearances), CONTACT)
+        self._onset = np.zeros(len(linkage.clearances))
+        resting = replace(linkage, loads=linkage.dead_loads)
+        self._forces = BodyForces(resting, self.packed, self._onset)
+        self.contacts = self._forces.contacts
         self._linkage, self._time, self._pull = linkage, time, pull
         self._rows = constraints_of(closed(linkage))
         first = 2 * len(linkage.revolutes)
@@ -310,23 +314,19 @@ class _Rest:
             self.position = self.position - np.linalg.solve(jacobian, phi)
             if float(np.abs(phi).max()) <= self.tolerance:
                 break
-        note_contacts(self.packed, self.contacts, self.position, self._still)
+        self._forces(self._time, self.position, self._still)  # fills the contacts
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
         """Return the forces that push the pins out of the middle, shape (joints, 2), N."""
         q, output = self.position, self._linkage.output
         i = 3 * self._linkage.index(output.body)
-        force = np.empty_like(q)
-        applied_forces(self.packed, self._time, q, self._still, force)
+        self._onset[:] = 0.0 if with_contacts else HELD_OPEN
+        force = self.packed.weight + self._forces(self._time, q, self._still)
         x, y = lever(i, output.x, output.y, q)
         fx, fy = self._pull * math.cos(output.direction), self._pull * math.sin(output.direction)
         force[i : i + 3] += fx, fy, x * fy - y * fx
-        if with_contacts:
-            joints, onset = self.packed.joints, np.zeros(self.contacts.size)
-            note_forces(joints, onset, self.contacts)
-            add_contacts(joints, onset, self.contacts, force, np.zeros(JOINT_RATES * onset.size))
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
-        return -np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2)
+        return np.asarray(-np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2))
 
 
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from presswear.physics.contact import note_contact, penetration_acceleration
+from presswear.physics.contact import penetration_acceleration
 from presswear.physics.loads import count_transitions
 from presswear.physics.touchdown import (
     LEAST_STEPS,
@@ -143,13 +143,12 @@ def shorter_step(
 ) -> float:
     """Return the step, s, with which a trial step of length ``h`` has to be repeated; -1 if none.
 
-    ``contacts`` is working space.
+    ``contacts`` are those of the trial state.
     """
     packed, least = records.packed, steps[0].least
     shortest = math.inf
     for k in range(contacts.shape[0] if h > least else 0):
         last, contact = records.memory[k], contacts[k]
-        note_contact(packed, k, q, v, contact)
         if records.onset[k] > 0.0:
             wanted = early_separation(last, steps[0], contact, packed.joints[k].clearance, h)
         else:

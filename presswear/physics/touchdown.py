@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from presswear.physics.forces import note_forces
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     bristle_in_contact,
@@ -79,6 +78,8 @@ STORED_CONTACT = np.dtype(
 )
 CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()  # where they are stored as columns
 
+# Closing speed of a joint that bears no force until its touchdown is located
+HELD_OPEN = -1.0
 POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
 FORCE_SLOPE = 1e-3  # part of a step over which the slope of the force is taken
 PEAK_HALVINGS = 12  # that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
@@ -429,10 +430,11 @@ def advance_bristles(joints: Records, memory: Records, contacts: Records, t: flo
 
 @compiled
 def settle(records: Any, t: float, needed: int) -> int:
-    """Bring contacts and their forces up to an accepted state.
+    """Bring the state of contact up to an accepted state.
 
     Latches closing speeds and files contacts that ended, those of fewer than ``needed`` steps as
-    unresolved. Returns the number of joints that have touched down or separated.
+    unresolved. Returns the number of joints that have touched down or separated; forces of an open
+    joint that is closed now, or of a closed one that is open, have to be filled again.
     """
     joints, onset = records.packed.joints, records.onset
     events = 0
@@ -456,5 +458,4 @@ def settle(records: Any, t: float, needed: int) -> int:
             onset[k] = 0.0
             events += 1
         remember(last, joints[k], onset[k], contact, t)
-    note_forces(joints, onset, records.contacts)
     return events

@@ -47,29 +47,6 @@ def contact_area(
     return 2.0 * width * bearing_radius * sine
 
 
-@inlined
-def wear_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
-    """Return the rates of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
-
-    The rate of slip is (R_j + delta) |phi_dot| (equation 24) or |v_t|. Zero without an account.
-    """
-    if joint.wear_coefficient == 0.0 or not normal > 0.0:
-        return 0.0, 0.0
-    slip = abs(contact.sliding)
-    if joint.slip_by_angle:
-        slip = (joint.pin_radius + contact.penetration) * abs(contact.turning)
-    work = normal * slip
-    indentation = 0.5 * contact.penetration
-    area = contact_area(
-        contact.penetration,
-        contact.eccentricity,
-        contact.bearing_arm - indentation,
-        contact.pin_arm + indentation,
-        joint.width,
-    )
-    return work, work / area
-
-
 @compiled
 def deposit_in_bins(
     depth: Array, joint: Records, contact: Records, pressure_dose: float, h: float

@@ -1,13 +1,13 @@
 """Recorder of a run: observed quantities cycle by cycle, and its state as named arrays."""
 
 import math
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from presswear.linkage.surface import Surface
-from presswear.physics.contact import note_contacts
 from presswear.physics.packed import depths_of, pack_surfaces
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, settle
 from presswear.recording.film import Film
@@ -144,15 +144,19 @@ class Recorder:
             bearing, pin = sides[:, : packed.joints[k]["surface_bins"]]
             pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
 
-    def wear(self, lost: Array, q: Array, v: Array) -> None:
-        """Wear surfaces by a depth, m, (joints, 2, bins); pins that rested on it are open."""
+    def wear(self, lost: Array, place: Callable[[], None]) -> None:
+        """Wear surfaces by a depth, m, (joints, 2, bins); pins that rested on it are open.
+
+        ``place`` fills the contacts of the present state.
+        """
         records, depth = self.records, self.surface_depth + lost
         self._rebuild(depth)
         growth = [lost.max(axis=2), self.surface_depth.max(axis=2)]
         self.growth = np.append(self.growth, [growth], axis=0)
-        note_contacts(records.packed, records.contacts, q, v)
+        place()
         step = records.memory["step"].copy()
-        settle(records, self.last_time, LEAST_STEPS)
+        if settle(records, self.last_time, LEAST_STEPS) > 0:
+            place()
         records.memory["step"] = step
 
     def end_cycle(self) -> Array:

@@ -5,16 +5,15 @@ Each limit lies far beyond the values of a sound run, so that a run ends where o
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
-from presswear.physics.contact import note_contacts
-from presswear.physics.forces import Ledger, made_remedy, note_forces
-from presswear.physics.loads import load_forces, spring_forces
-from presswear.physics.packed import mass_of
+from presswear.physics.equations.body_forces import BodyForces
+from presswear.physics.forces import Ledger, made_remedy
+from presswear.physics.packed import mass_of, pack
 from presswear.recording.recorder import Recorder
 from presswear.tools.arrays import Array
 
@@ -183,36 +182,51 @@ def with_cause(
     if finding.kind != "state" or not (np.isfinite(q).all() and np.isfinite(v).all()):
         return finding
     one = np.ones_like(q)
+    elements = _elements(linkage, recorder)
     for h in _AFTER:
         for way in (v, one, -one) if h <= _BESIDE else (v,):
-            name = _without_force(linkage, recorder, finding.time_s + h, q + h * way, v + h * way)
-            if name:
-                what = f"the force of {name} is not finite"
-                return replace(finding, what=what, remedy="its law must give a number everywhere")
+            state = finding.time_s + h, q + h * way, v + h * way
+            for element in elements:
+                if not element.has_force(*state):
+                    what = f"the force of {element.name} is not finite"
+                    remedy = "its law must give a number everywhere"
+                    return replace(finding, what=what, remedy=remedy)
     return finding
 
 
-def _without_force(linkage: Linkage, recorder: Recorder, t: float, q: Array, v: Array) -> str:
-    """Return the first element whose force is not finite in a state, or nothing."""
-    packed, onset = recorder.records.packed, recorder.records.onset
-    for k, spring in enumerate(linkage.springs):
-        force = np.zeros_like(q)
-        spring_forces(packed.springs[k : k + 1], q, v, force)
-        if not np.isfinite(force).all():
-            return f"spring {spring.name}"
+class _Element(NamedTuple):
+    """A spring, a load or a joint, with its forces."""
+
+    name: str
+    forces: BodyForces
+    joint: int | None = None  # place among the contacts
+
+    def has_force(self, t: float, q: Array, v: Array) -> bool:
+        """Return whether its force is finite in a state."""
+        force = self.forces(t, q, v)
+        if self.joint is None:
+            return bool(np.isfinite(force).all())
+        contact = self.forces.contacts[self.joint]
+        return math.isfinite(contact["normal"]) and math.isfinite(contact["tangential"])
+
+
+def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
+    """Return all springs, loads with a law and joints in their present state."""
+    records = recorder.records
+    bare = replace(linkage, springs=(), loads=(), clearances=())
+    elements = []
+    for spring in linkage.springs:
+        alone = replace(bare, springs=(spring,))
+        elements.append(_Element(f"spring {spring.name}", BodyForces(alone, pack(alone))))
     for k, load in enumerate(linkage.live_loads):
-        force = np.zeros_like(q)
-        loads = packed.loads
+        alone, loads = replace(bare, loads=(load,)), records.packed.loads
         assert loads is not None
         part = loads._replace(records=loads.records[k : k + 1], modes=loads.modes[k : k + 1])
-        load_forces(part, t, q, v, force)
-        if not np.isfinite(force).all():
-            kind = type(load).__name__.lower()
-            return f"{kind} {getattr(load, 'name', '') or f'on {load.body}'}"
-    contacts = recorder.records.contacts.copy()
-    note_contacts(packed, contacts, q, v)
-    note_forces(packed.joints, onset, contacts)
-    for joint, contact in zip(linkage.clearances, contacts, strict=True):
-        if not (math.isfinite(contact["normal"]) and math.isfinite(contact["tangential"])):
-            return f"joint {joint.name}"
-    return ""
+        name = getattr(load, "name", "") or f"on {load.body}"
+        forces = BodyForces(alone, pack(alone)._replace(loads=part))
+        elements.append(_Element(f"{type(load).__name__.lower()} {name}", forces))
+    joints = replace(bare, clearances=linkage.clearances)
+    forces = BodyForces(joints, records.packed._replace(loads=None), records.onset)
+    for k, joint in enumerate(linkage.clearances):
+        elements.append(_Element(f"joint {joint.name}", forces, k))
+    return elements

@@ -72,7 +72,7 @@ class FakeEngine:
             recorder.records.depth[...] = self.law(self.runs, worn)
             added = recorder.end_cycle()
             if plan.wear is not None:
-                recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
+                recorder.wear(plan.wear(cycle + 1, added), lambda: None)
             state = partial(named, "recorder", recorder.save())
             if any(observer.on_cycle(recorder, state) for observer in plan.observers):
                 status = "enough" if cycle + 1 < plan.cycles else "completed"

@@ -2,10 +2,18 @@
 
 from typing import Any
 
+import numpy as np
+
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
+from presswear.engines.dae.dynamics import System, system_of
 from presswear.engines.settings import Engine
 from presswear.linkage.linkage import Linkage
+from presswear.physics.constraints import constraints_of
+from presswear.physics.contact import CONTACT
+from presswear.physics.equations.function import model_of
+from presswear.physics.equations.writer import write_body_forces
+from presswear.physics.packed import pack
 from presswear.scene.scene import Scene
 
 
@@ -31,3 +39,11 @@ def residual(run: Run) -> float:
         float(run.diagnostics[f"{name}_J"]) for name in ("energy_residual", "drive_exchange")
     )
     return abs(missing) / exchanged
+
+
+def in_all_coordinates(linkage: Linkage, alpha: float = 0.0, beta: float = 0.0) -> System:
+    """Return the equations of a linkage with multipliers; coefficients of Baumgarte in 1/s."""
+    packed, count = pack(linkage), len(linkage.clearances)
+    forces = write_body_forces(linkage, packed)
+    model = model_of(linkage, forces, packed, np.zeros(count), np.zeros(count, CONTACT))
+    return system_of(packed, forces, model, constraints_of(linkage), alpha, beta)

@@ -4,17 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from runs import residual, run_scene
+from runs import in_all_coordinates, residual, run_scene
 from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Start
-from presswear.engines.dae.dynamics import evaluate_held, held_system, state_size
+from presswear.engines.dae.dynamics import evaluate_held, state_size
 from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import assemble
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of, project, project_acceleration
+from presswear.physics.equations.function import END
 from presswear.physics.packed import pack
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, speed_high, wear_times
@@ -41,12 +42,12 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     matrix = np.block([[np.diag(packed.mass), jacobian.T], [jacobian, np.zeros((size, size))]])
     exact = np.linalg.solve(matrix, np.concatenate([packed.weight, right]))
     # The displaced pins must not touch: no contact force enters here.
-    system = held_system(packed._replace(joints=packed.joints[:0]), constraints, 20.0, 20.0)
+    system = in_all_coordinates(replace(linkage, clearances=()), 20.0, 20.0)
     y = np.zeros(state_size(system))
     y[:36] = *q, *v
     out = np.zeros_like(y)
     assert system.held is not None
-    evaluate_held(system, system.held, 0.1, y, out)
+    evaluate_held(system, system.held, 0.1, y, out, END)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
     np.testing.assert_allclose(system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
 

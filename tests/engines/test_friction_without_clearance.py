@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import residual, run_scene
+from runs import in_all_coordinates, residual, run_scene
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.dynamics import held_system, state_size
+from presswear.engines.dae.dynamics import state_size
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
-from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
 from presswear.physics.statics import needed_torques
 
@@ -146,5 +145,5 @@ def test_nothing_is_added_where_no_joint_rubs() -> None:
         linkage = scene.linkage()
         packed = pack(linkage)
         assert packed.rubbing is None
-        system = held_system(packed, constraints_of(linkage), 0.0, 0.0)
+        system = in_all_coordinates(linkage)
         assert state_size(system) == 2 * system.size + 2 + 6 * len(linkage.clearances) + 4

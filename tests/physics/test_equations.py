@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from forces_in_numpy import Forces
 from four_bar_linkage import FOUR_BAR
 from sub_chains import ARM, PUMP, STEPHENSON
 
@@ -22,17 +23,18 @@ from presswear.linkage.laws import FRICTION_PARAMETERS, NORMAL_PARAMETERS, Frict
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.contact import CONTACT
+from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.function import END, function_of, model_of
 from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
-from presswear.physics.forces import BRISTLE, JOINT_RATES, PRESSURE, add_contacts
+from presswear.physics.forces import BRISTLE, JOINT_RATES
 from presswear.physics.ideal import Motion, motion_of
 from presswear.physics.loads import place_loads
-from presswear.physics.packed import applied_forces, has_work, pack
+from presswear.physics.packed import has_work, pack
 from presswear.physics.prescribed import begin_motion
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, pack_arguments
+from presswear.tools.compile import pack_arguments
 from presswear.tools.user_function import UserFunction
 
 TIME = 0.0137  # s
@@ -78,9 +80,9 @@ class Subject:
         x, u = self.equations.chain.coordinates(motion.position[0], motion.velocity[0])
         self.y[:n] = x + 2e-4 * generator.standard_normal(n)
         self.y[n : 2 * n] = u + 0.2 * generator.standard_normal(n)
-        bristles = self.y[2 * n + 2 + BRISTLE :: JOINT_RATES][: len(self.packed.joints)]
+        self.bristles = self.y[2 * n + 2 + BRISTLE :: JOINT_RATES][: len(self.packed.joints)]
         has_bristles = self.packed.joints["friction"]["bristle_stiffness"] > 0.0
-        bristles[:] = has_bristles * 1e-6 * generator.standard_normal(bristles.size)
+        self.bristles[:] = has_bristles * 1e-6 * generator.standard_normal(has_bristles.size)
         self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
         contacts = np.zeros(len(self.packed.joints), CONTACT)
         self.model = model_of(linkage, self.equations, self.packed, self.onset, contacts)
@@ -99,22 +101,17 @@ class Subject:
         """Solve the equations with the multipliers of all constraints, in the state placed last."""
         q, v, *_ = self.model.bodies
         packed, constraints = self.packed, constraints_of(self.linkage)
-        force, contacts = np.zeros(q.size), np.zeros(len(packed.joints), CONTACT)
-        n = self.equations.chain.size
-        supplied = applied_forces(packed, TIME, q, v, force)
-        note_contacts(packed, contacts, q, v)
-        contacts["bristle"] = self.y[2 * n + 2 + BRISTLE :: JOINT_RATES][: len(contacts)]
-        rates = np.zeros(JOINT_RATES * len(contacts))
-        add_contacts(packed.joints, self.onset, contacts, force, rates)
+        found = Forces(self.linkage, packed, TIME, q, v).all(self.onset, self.bristles)
         phi, phi_t, gamma, jacobian = constraints.evaluate(TIME, q, v)
         zero = np.zeros((constraints.rows, constraints.rows))
         matrix = np.block([[np.diag(packed.mass), jacobian.T], [jacobian, zero]])
-        solution = np.linalg.solve(matrix, np.concatenate([force, gamma]))
+        solution = np.linalg.solve(matrix, np.concatenate([found.force, gamma]))
         multipliers = solution[q.size :]
         drives = constraints.records["drive"]
         torques = np.array([-multipliers[drives == k][0] for k in range(len(self.linkage.drives))])
         speeds = v[packed.driven]
-        return Expected(speeds, phi, phi_t, solution[: q.size], torques, rates, supplied, contacts)
+        acceleration = solution[: q.size]
+        return Expected(speeds, phi, phi_t, acceleration, torques, found)
 
 
 class Expected(NamedTuple):
@@ -123,9 +120,7 @@ class Expected(NamedTuple):
     phi_t: Array
     acceleration: Array
     torques: Array
-    rates: Array
-    supplied: float
-    contacts: Records
+    found: Forces
 
 
 def near(value: Array, expected: Array, relative: float) -> None:
@@ -260,11 +255,11 @@ def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
     close(a, expected.acceleration)
     close(out[:n], subject.y[n : 2 * n])
     close(out[n : 2 * n], subject.equations.chain.coordinates(q, a)[1])
-    expected.rates[PRESSURE::JOINT_RATES] *= ~subject.packed.joints["over_arc"]
-    rates = out[2 * n + 2 :][: expected.rates.size].reshape(-1, JOINT_RATES)
-    for kind, reference in zip(rates.T, expected.rates.reshape(rates.shape).T, strict=True):
+    found = expected.found
+    rates = out[2 * n + 2 :][: found.rates.size].reshape(-1, JOINT_RATES)
+    for kind, reference in zip(rates.T, found.rates.T, strict=True):
         close(kind, reference)
-    drives = out[2 * n + 2 + expected.rates.size :][: 4 * len(linkage.drives)].reshape(-1, 4)
+    drives = out[2 * n + 2 + found.rates.size :][: 4 * len(linkage.drives)].reshape(-1, 4)
     powers = expected.torques * expected.speeds
     close(drives[:, 0], expected.torques)
     close(drives[:, 1], expected.torques**2)
@@ -272,9 +267,24 @@ def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
     close(drives[:, 3], powers**2)
     close(out[2 * n : 2 * n + 2], np.array([powers.sum(), abs(powers.sum())]))
     if has_work(subject.packed):
-        close(out[-1:], np.array([expected.supplied]))
+        close(out[-1:], np.array([found.supplied]))
     for field in CONTACT.names or ():
-        close(subject.model.contact_records[field], expected.contacts[field])
+        close(subject.model.contact_records[field], found.contacts[field])
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_forces_on_all_bodies_agree_with_vectors(name: str) -> None:
+    subject, close = subject_of(name), partial(near, relative=WITHIN.get(name, 1e-11))
+    subject.run()
+    q, v, *_ = subject.model.bodies
+    bristles = subject.bristles
+    forces = BodyForces(subject.linkage, subject.packed, subject.onset)
+    forces.bristles[:] = bristles
+    found = Forces(subject.linkage, subject.packed, TIME, q, v).all(subject.onset, bristles)
+    close(forces(TIME, q, v) + subject.packed.weight, found.force)
+    close(np.array([forces.power]), np.array([found.supplied]))
+    for field in CONTACT.names or ():
+        close(forces.contacts[field], found.contacts[field])
 
 
 @pytest.mark.parametrize("name", ["press", "lugre", "loads", "user laws", "worn foundation"])
@@ -403,6 +413,7 @@ def test_numbers_stand_beside_their_names() -> None:
 STORED = """
 import sys
 import numpy as np
+from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.function import function_of
 from presswear.tools.compile import call_entry, compiled, entry_of
 

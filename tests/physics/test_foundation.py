@@ -11,12 +11,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
-from two_bodies import JOINT, Pair, placed
+from two_bodies import JOINT, Pair, contacts_in, placed
 from worn_depths import TURN, depths, periodic
 
 from presswear.linkage.elements import WearLaw
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.contact import CONTACT
 from presswear.physics.foundation import (
     ArcIntegrals,
     foundation_stiffness,
@@ -194,15 +194,14 @@ def test_a_round_contact_is_that_of_maps_without_depth(power: float, direction: 
     rates = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
     pair = placed(joint, C * 10.0**power, direction, rates=rates)
     whole = pack(pair.linkage, wearing=True)
-    contacts = np.zeros(1, CONTACT)
-    note_contacts(whole, contacts, pair.q, pair.v)
+    worn = contacts_in(pair.linkage, whole, pair.q, pair.v)[0]
     plain = pair.contact()
     assert pair.packed.joints[0]["surface_bins"] == 0 < whole.joints[0]["surface_bins"]
     scale = {"elastic": plain.elastic, "energy": plain.energy, "couple": plain.elastic * C}
     for name in CONTACT.names or ():
         if name not in ("place", "normal", "tangential", "bristle", "bristle_rate"):
             allowed = 3e-8 * scale.get(name, 1.0)  # lengths in m, speeds in m/s, directions
-            assert contacts[0][name] == pytest.approx(plain[name], abs=allowed), name
+            assert worn[name] == pytest.approx(plain[name], abs=allowed), name
 
 
 def worn(bearing: Surface, pin: Surface) -> Pair:

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Body
-from presswear.linkage.linkage import assemble
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Sense
+from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.loads import (
     Loads,
-    load_forces,
     load_motion,
     load_size,
     next_break,
@@ -29,9 +29,13 @@ SIZES = st.lists(st.floats(-9.0, 9.0), min_size=7, max_size=7)
 WALK = st.lists(st.floats(-0.7, 0.7), min_size=1, max_size=30)
 
 
-def packed_of(law: Law, turning: bool = False) -> Loads:
+def linkage_of(law: Law, turning: bool = False) -> Linkage:
     load = Moment("body", law) if turning else Force("body.tip", 0.4, law)
-    loads = pack(assemble([BODY], loads=[load], cycle=2.0)).loads
+    return assemble([BODY], loads=[load], cycle=2.0)
+
+
+def packed_of(law: Law, turning: bool = False) -> Loads:
+    loads = pack(linkage_of(law, turning)).loads
     assert loads is not None
     return loads
 
@@ -206,13 +210,17 @@ def test_a_start_within_a_sheet_is_at_its_deepest_place(sense: Sense, sign: floa
 
 def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
     """Generalized force = size times ds/dq; the motion by differences of the place."""
-    packed = packed_of(OverPosition([(-9.0, 2.0), (9.0, 5.0)], outside="hold"))
+    linkage = linkage_of(OverPosition([(-9.0, 2.0), (9.0, 5.0)], outside="hold"))
+    whole = pack(linkage)
+    packed = whole.loads
+    assert packed is not None
     load = packed.records[0]
     rng = np.random.default_rng(3)
     q, v, a = rng.normal(size=(3, 3))
     place_loads(packed, q, v)
-    force = np.zeros(3)
-    power = load_forces(packed, 0.0, q, v, force)
+    forces = BodyForces(linkage, whole)
+    force = forces(0.0, q, v)
+    power = forces.power
     s, speed, faster = load_motion(load, q, v, a)
     scale = size(packed, 0.0, s, speed)
     assert power == pytest.approx(scale * speed)

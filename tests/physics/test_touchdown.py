@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from two_bodies import JOINT, Pair
+from two_bodies import JOINT, Pair, contacts_in
 
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
 from presswear.linkage.surface import Surface
-from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.contact import CONTACT
 from presswear.physics.friction_and_normal import elastic_at, normal_force
 from presswear.physics.packed import pack
 from presswear.physics.step_length import LANDING, STEPS, contact_step, next_step, shorter_step
@@ -91,7 +91,8 @@ class _Line:
     v: Array = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        self.packed = Pair(LINE, self.q, self.v).packed
+        pair = Pair(LINE, self.q, self.v)
+        self.linkage, self.packed = pair.linkage, pair.packed
         self.onset = np.zeros(1)
         self.memory = np.zeros(1, MEMORY)
         self.counters = np.zeros(1, COUNTERS)
@@ -115,7 +116,7 @@ class _Line:
         return self
 
     def settle(self) -> None:
-        note_contacts(self.packed, self.contacts, self.q, self.v)
+        self.contacts[:] = contacts_in(self.linkage, self.packed, self.q, self.v)
         settle(self.records, 0.0, LEAST_STEPS)
 
     def wanted(self) -> float:
@@ -129,7 +130,8 @@ class _Line:
     def shorter(self, h: float, x: float, speed: float) -> float:
         """Step with which a step that ended in a state has to be repeated; or -1."""
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
-        return shorter_step(self.records, self.steps, np.zeros(1, CONTACT), h, q, v, v)
+        contacts = contacts_in(self.linkage, self.packed, q, v).view(CONTACT)
+        return shorter_step(self.records, self.steps, contacts, h, q, v, v)
 
 
 @pytest.mark.parametrize("push", [-2000.0, 0.0, 2000.0])

@@ -21,7 +21,6 @@ from presswear.physics.wear import (
     deposit_in_bins,
     deposit_over_arc,
     spread_evenly,
-    wear_rates,
     worn_volume,
 )
 from presswear.tools.arrays import Array
@@ -45,10 +44,8 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
         deposit_over_arc(depth, packed, pair.packed.surfaces[0], contact, load_distance, shares)
         assert not shares.any()
     else:
-        # The force that makes the load distance with the slip of the contact.
-        work, pressure = wear_rates(packed, contact, load_distance / abs(contact.sliding))
-        assert work == pytest.approx(load_distance, rel=1e-14)
-        deposit_in_bins(depth, packed, contact, pressure, 0.0)
+        work, pressure = pair.wear_rates()
+        deposit_in_bins(depth, packed, contact, pressure / work * load_distance, 0.0)
     return depth
 
 
@@ -118,13 +115,13 @@ def test_one_bin_gets_all_of_equation_29(frame: MapFrame, worn: bool, count: int
 
 def test_wear_rates_follow_the_law_of_slip() -> None:
     pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
-    contact, packed = pair.contact(), pair.packed.joints[0]
-    work, pressure = wear_rates(packed, contact, 50.0)
+    contact, normal = pair.contact(), pair.load(1e9).normal
+    work, pressure = pair.wear_rates()
     by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
-    assert work == pytest.approx(50.0 * by_angle, rel=1e-14)
+    assert work == pytest.approx(normal * by_angle, rel=1e-14)
     area = contact_area(1e-5, JOINT.clearance + 1e-5, 0.015, JOINT.pin_radius, 0.02)
     assert pressure == pytest.approx(work / area, rel=1e-9)
-    assert wear_rates(packed, contact, 0.0) == (0.0, 0.0)
+    assert replace(pair, q=placed(JOINT, -1e-5, 0.8).q).wear_rates() == (0.0, 0.0)
 
 
 WORN = replace(worn_joint("body", 360, 2e-6), contact="foundation")

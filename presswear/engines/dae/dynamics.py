@@ -3,12 +3,13 @@
 In all coordinates they are of index 1 (equations 14 to 20 of the paper): M q'' + Phi_q^T lambda
 = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.  Where clearance cuts every loop that has
 a freedom, the coordinates of the open tree do, and there are no constraints. These equations are
-written for the linkage (``physics.equations``) and called by the address of their machine code.
+written for the linkage (``physics.equations``) and called by the address of their machine code,
+as are the forces on all bodies in the other case.
 
 The state is y = (x, x', integrals): coordinates, rates, and as quadratures the drive
-work, its absolute value, per clearance joint the rates of ``add_contacts``, and per drive its
-torque and power and their squares; last, where there is any, the work of loads and dampers, and
-the heat of friction in rigid joints.
+work, its absolute value, per clearance joint its losses and wear, and per drive its torque and
+power and their squares; last, where there is any, the work of loads and dampers, and the heat of
+friction in rigid joints (``physics.equations.integrals``).
 """
 
 from typing import NamedTuple
@@ -22,21 +23,19 @@ from presswear.physics.constraints import (
     factor,
     multipliers_of,
 )
-from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.drive_motion import drive_motion
 from presswear.physics.equations.function import Model, Written, fill, written
 from presswear.physics.equations.integrals import (
-    DRIVE_INTEGRALS,
     POWER,
     POWER_SQUARE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
+    Layout,
     bristle_place,
 )
 from presswear.physics.equations.writer import Equations
-from presswear.physics.forces import JOINT_RATES, add_contacts
-from presswear.physics.packed import Packed, applied_forces, has_work
+from presswear.physics.packed import Packed
 from presswear.physics.rubbing import add_friction, friction_power
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
@@ -51,67 +50,47 @@ class System(NamedTuple):
     """Linkage as the kernels see it, with working space."""
 
     packed: Packed
-    held: Held | None  # constraints, in all coordinates; None where equations are written
-    equations: Written  # not called where there are constraints
+    held: Held | None  # constraints, in all coordinates
+    equations: Written  # where there are constraints, the forces on all bodies
     size: int  # number of coordinates
     # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3 bodies)
     state: Array
     felt: int  # number of the first components of the state, on which slopes depend
     checked: int  # number of the first components of the state that hold all with an error
     contacts: Records
-    onset: Array  # latched closing speeds of the joints, as of ``RecorderState``
-    torque: Array  # (drives,)
     first_torque: int  # index in the state of the integrals of the first drive
     alpha: float  # Baumgarte's coefficients, 1/s
     beta: float
     has_work: bool  # whether loads or dampers do work
 
 
-def written_system(packed: Packed, equations: Equations, model: Model) -> System:
-    """Return the written equations of a linkage; ``model`` holds the arrays that they fill."""
+def system_of(
+    packed: Packed,
+    equations: Equations,
+    model: Model,
+    constraints: Constraints | None = None,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+) -> System:
+    """Return the equations of a linkage; ``model`` holds the arrays that they fill.
+
+    With constraints, ``equations`` are the forces on all bodies; Baumgarte's coefficients are 1/s.
+    """
     size = equations.chain.size
+    layout = Layout.of(size, packed)
     return System(
         packed=packed,
-        held=None,
+        held=None if constraints is None else constraints.held(packed.mass),
         equations=written(equations, model),
         size=size,
         state=model.bodies,
         felt=_felt(packed, size),
-        checked=_checked(packed, size),
+        checked=_checked(packed, layout),
         contacts=model.contact_records,
-        onset=model.onset,
-        torque=model.torque,
-        first_torque=2 * size + DRIVE_INTEGRALS + JOINT_RATES * len(packed.joints),
-        alpha=0.0,
-        beta=0.0,
-        has_work=has_work(packed),
-    )
-
-
-def held_system(
-    packed: Packed, constraints: Constraints, alpha: float, beta: float, onset: Array | None = None
-) -> System:
-    """Return the equations of a linkage with constraints of all coordinates.
-
-    They have Baumgarte's coefficients, 1/s.  ``onset`` are the latched closing speeds; else all are
-    open.
-    """
-    size, joints = packed.mass.size, len(packed.joints)
-    return System(
-        packed=packed,
-        held=constraints.held(packed.mass),
-        equations=Written(0, 0),
-        size=size,
-        state=np.zeros((5, size)),
-        felt=_felt(packed, size),
-        checked=_checked(packed, size),
-        contacts=np.zeros(joints, CONTACT),
-        onset=np.zeros(joints) if onset is None else onset,
-        torque=np.zeros(packed.driven.size),
-        first_torque=2 * size + DRIVE_INTEGRALS + JOINT_RATES * joints,
+        first_torque=layout.first_torque,
         alpha=alpha,
         beta=beta,
-        has_work=has_work(packed),
+        has_work=layout.has_work,
     )
 
 
@@ -121,11 +100,11 @@ def _felt(packed: Packed, size: int) -> int:
     return max((1 + bristle_place(2 * size, int(k)) for k in bristles), default=2 * size)
 
 
-def _checked(packed: Packed, size: int) -> int:
+def _checked(packed: Packed, layout: Layout) -> int:
     """Return the number of the first components of the state that hold all with an error."""
     joints = packed.joints
     is_more = joints["normal"]["abrupt"] | (joints["friction"]["bristle_stiffness"] > 0.0)
-    return 2 * size + int(is_more.any()) * (DRIVE_INTEGRALS + JOINT_RATES * len(joints))
+    return layout.first_torque if is_more.any() else layout.drive_work
 
 
 def state_size(system: System) -> int:
@@ -136,7 +115,7 @@ def state_size(system: System) -> int:
 @inlined
 def load_work_place(system: System) -> int:
     """Return the place in the state of the work of loads and dampers, if there is any."""
-    return system.first_torque + TORQUE_INTEGRALS * system.torque.shape[0]
+    return system.first_torque + TORQUE_INTEGRALS * system.packed.driven.shape[0]
 
 
 @inlined
@@ -148,31 +127,27 @@ def evaluate(system: System, held: Held | None, t: float, y: Array, out: Array, 
     if held is None:
         fill(system.equations, t, y, out, level)
     else:
-        evaluate_held(system, held, t, y, out)
+        evaluate_held(system, held, t, y, out, level)
 
 
-@compiled
-def place_held(system: System, y: Array) -> None:
-    """Fill coordinates, rates and contacts of a linkage with constraints; forces stay."""
+@inlined
+def place_held(system: System, t: float, y: Array, out: Array, level: int) -> None:
+    """Fill coordinates, rates, forces and contacts of a linkage with constraints."""
     q, v, _, _, _ = system.state
     n = system.size
     copy_to(q, y[:n])
     copy_to(v, y[n : 2 * n])
-    note_contacts(system.packed, system.contacts, q, v)
+    fill(system.equations, t, y, out, level)
 
 
 @compiled
-def evaluate_held(system: System, held: Held, t: float, y: Array, out: Array) -> None:
+def evaluate_held(system: System, held: Held, t: float, y: Array, out: Array, level: int) -> None:
     """Fill dy/dt, the motion and the contacts of a linkage with constraints."""
-    place_held(system, y)
-    q, v, a, force, _ = system.state
-    packed, contacts, n = system.packed, system.contacts, system.size
-    power = applied_forces(packed, t, q, v, force)
-    if system.has_work:
-        out[load_work_place(system)] = power
-    for k in range(contacts.shape[0]):
-        contacts[k].bristle = y[bristle_place(2 * n, k)]
-    add_contacts(packed.joints, system.onset, contacts, force, out[2 * n + DRIVE_INTEGRALS :])
+    place_held(system, t, y, out, level)
+    _, v, a, force, _ = system.state
+    packed, n = system.packed, system.size
+    for i in range(n):
+        force[i] += packed.weight[i]
     coefficients = system.alpha, system.beta
     power = solve_multipliers(held, packed.rubbing, *coefficients, system.state, t, out)
     out[2 * n] = power
@@ -185,7 +160,6 @@ def evaluate_held(system: System, held: Held, t: float, y: Array, out: Array) ->
             torque = -held.multipliers[row]
             base = system.first_torque + TORQUE_INTEGRALS * drive
             power = torque * v[packed.driven[drive]]
-            system.torque[drive] = torque
             out[base + TORQUE] = torque
             out[base + TORQUE_SQUARE] = torque * torque
             out[base + POWER] = power

@@ -2,18 +2,19 @@
 
 import math
 import time as clock
-from functools import partial
 
 import numpy as np
 
 from presswear.engines.base import Plan, Start, described, listed
-from presswear.engines.dae.dynamics import (
-    held_system,
-    load_work_place,
-    state_size,
-    written_system,
+from presswear.engines.dae.dynamics import load_work_place, state_size, system_of
+from presswear.engines.dae.march import (
+    BROKEN,
+    RUNNING,
+    STUCK,
+    march_controlled,
+    march_fixed,
+    place_state,
 )
-from presswear.engines.dae.march import BROKEN, RUNNING, STUCK, march_controlled, march_fixed
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
@@ -23,7 +24,7 @@ from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
 from presswear.physics.equations.integrals import DRIVE_INTEGRALS
-from presswear.physics.equations.writer import Equations, write_equations
+from presswear.physics.equations.writer import Equations, write_body_forces, write_equations
 from presswear.physics.forces import (
     CONTACT_LOSS,
     FRICTION_LOSS,
@@ -122,15 +123,16 @@ def prepare(
     records = recorder.records
     packed, onset = records.packed, records.onset
     tree = None if settings.takes_all_coordinates else write_equations(linkage, packed)
+    equations = tree if isinstance(tree, Equations) else write_body_forces(linkage, packed)
+    contacts = np.zeros(len(packed.joints), CONTACT)
+    model = model_of(linkage, equations, packed, onset, contacts)
     if isinstance(tree, Equations):
-        contacts = np.zeros(len(packed.joints), CONTACT)
-        model = model_of(linkage, tree, packed, onset, contacts)
         begin_motion(model.prescribed, 0.0, start.position)
-        system = written_system(packed, tree, model)
-        coordinates = tree.chain.coordinates(start.position, start.velocity)
+        system = system_of(packed, tree, model)
     else:
-        system = held_system(packed, constraints, settings.alpha, settings.beta, onset)
-        coordinates = start.position, start.velocity
+        baumgarte = settings.alpha, settings.beta
+        system = system_of(packed, equations, model, constraints, *baumgarte)
+    coordinates = equations.chain.coordinates(start.position, start.velocity)
     n, size = system.size, state_size(system)
     y = np.zeros(size)
     y[: 2 * n] = np.concatenate(coordinates)
@@ -158,12 +160,14 @@ def prepare(
         control["most"] = most
         return kernel(end)
 
+    place = bind(place_state, run)
     march(0.0, 1)  # accounts for the start
     ready = clock.perf_counter()
 
     def state() -> tuple[float, Array, Array]:
-        march(0.0, 0)  # places all bodies
-        return float(control["time"][0]), system.state[0].copy(), system.state[1].copy()
+        time = float(control["time"][0])
+        place(time)
+        return time, system.state[0].copy(), system.state[1].copy()
 
     def stored() -> float:
         return stored_energy(records.packed, records.memory["energy"], *state()[1:])
@@ -219,16 +223,21 @@ def prepare(
     if isinstance(tree, Equations) and tree.chain.has_loops:
         arrays["prescribed"] = model.prescribed.work
     held = None if isinstance(tree, Equations) else constraints
+
+    def worn() -> None:
+        control["has_slope"] = False
+        place(float(control["time"][0]))
+
     return Simulation(
         advance,
         state,
         ledger,
+        worn,
         arrays,
         sums,
         diagnostics,
         REMEDY,
         constraints=held,
-        worn=partial(control.__setitem__, "has_slope", False),
     )
 
 

@@ -13,7 +13,9 @@ from presswear.engines.dae.dynamics import place_held
 from presswear.engines.dae.runge_kutta import SPARE, START, classical_step, embedded_step, rates
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import Held, project
+from presswear.physics.contact import copy_contacts
 from presswear.physics.drive_motion import step_to_break
+from presswear.physics.equations.function import END
 from presswear.physics.equations.integrals import (
     DRIVE_INTEGRALS,
     POWER,
@@ -27,6 +29,7 @@ from presswear.physics.friction_and_normal import corner_ahead
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value
 from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import (
+    HELD_OPEN,
     LEAST_STEPS,
     is_reversed,
     joint_crossing,
@@ -39,7 +42,7 @@ from presswear.physics.touchdown import (
 )
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, inlined, unpack
+from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, unpack
 
 RUNNING, DONE, BROKEN, STUCK, TRYING, IDLE = range(6)
 
@@ -52,8 +55,6 @@ SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands
 EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
 DEPTH_TOL = 1e-12  # penetration up to which a place that round-off keeps from it is one, m
 MIN_SEPARATION = 1e-14  # s; a later event differs from the one on which the last step ended
-# Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact.
-HELD_OPEN = -1.0
 # A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s.
 BEHIND = 1e-13
 MAX_BEHIND = 1e-9  # ... and so far where round-off keeps it from ending sooner
@@ -294,12 +295,10 @@ def keep_constraints(held: Held | None, is_projected: bool, t: float, y: Array) 
 
 @compiled
 def start_march(address: PackedArguments) -> None:
-    """Record the initial state once; without steps to follow, place all bodies in the state."""
+    """Record the initial state once."""
     (run,) = unpack(address)
     system, records, motion, state = run.system, run.records, run.motion, run.control[0]
-    if state.most == 0:
-        rates(address, state.time, motion.y, SPARE)
-    elif not state.has_slope:
+    if not state.has_slope:
         rates(address, state.time, motion.y, START)
         state.has_slope = True
     if not state.has_started:
@@ -312,11 +311,12 @@ def start_march(address: PackedArguments) -> None:
         state.has_started = True
 
 
-@inlined
-def copy_contacts(target: Records, source: Records) -> None:
-    """Copy the contacts of all joints."""
-    for k in range(source.shape[0]):
-        target[k] = source[k]
+@compiled
+def place_state(address: PackedArguments, t: float) -> None:
+    """Fill the motion of all bodies, and the contacts, in the present state."""
+    (run,) = unpack(address)
+    rates(address, t, run.motion.y, SPARE)
+    copy_contacts(run.records.contacts, run.system.contacts)
 
 
 @compiled
@@ -495,7 +495,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
             rates(address, t, motion.y, SPARE)
         else:
             # Multipliers are dear: the accelerations stay those of the last stage.
-            place_held(system, motion.y)
+            place_held(system, t, motion.y, motion.slopes[SPARE], END)
         settle_loads(system.packed.loads, t, q, v, a)
         copy_contacts(records.contacts, system.contacts)
         settle(records, t, LEAST_STEPS)

@@ -1,7 +1,7 @@
 """Exudyn with bodies and joints, implicit: any linkage.
 
 Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, and
-all clearance joints, and all loads with a law, are one ``ObjectGenericODE2`` over the nodes of
+all clearance joints, springs and loads with a law are one ``ObjectGenericODE2`` over the nodes of
 their bodies: its Python user function returns the exact generalized forces on all of them.
 (A connector between two markers cannot: it applies equal and opposite moments, while
 pin and bearing have different radii.)  Bodies without freedom that only clearance joints
@@ -16,7 +16,7 @@ running solver; ``PostNewton`` sends back a step that ran too far past a touchdo
 import math
 import time as clock
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,10 +28,10 @@ from presswear.engines.exudyn_joints.kernels import (
     Drives,
     Frame,
     Friction,
-    Indices,
     accept_joint_step,
     begin_friction,
     connector_forces,
+    place_start,
     refresh,
     shorter_joint_step,
 )
@@ -40,12 +40,15 @@ from presswear.linkage.elements import GROUND, Attachment, Bushing
 from presswear.linkage.linkage import Linkage, bodies_of, prescribed_of
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
-from presswear.physics.forces import JOINT_RATES, Ledger, stored_energy
-from presswear.physics.packed import Packed, spring_period
+from presswear.physics.equations.function import model_of, written
+from presswear.physics.equations.writer import write_body_forces
+from presswear.physics.forces import Ledger, stored_energy
+from presswear.physics.packed import has_work, spring_period
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
+from presswear.recording.observe import RecorderState
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
@@ -72,7 +75,6 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     omitted = prescribed_of(linkage)
     if len(omitted) == len(linkage.bodies):
         return frozenset()
-    omitted -= {end.body for spring in linkage.springs for end in spring.ends}
     omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
@@ -119,7 +121,7 @@ def add_joints(
     nodes: dict[str, Any],
     bodies: dict[str, Any],
 ) -> dict[str, int]:
-    """Add ideal joints, drives, springs and constant loads.
+    """Add ideal joints, drives and constant loads.
 
     Returns the object numbers of joints and drives by name.
     """
@@ -168,16 +170,6 @@ def add_joints(
             velocityLevel=True,
             **turning,
         )
-    for spring in linkage.springs:
-        add(
-            system,
-            "Object",
-            "ConnectorSpringDamper",
-            markerNumbers=[marker_at(end) for end in spring.ends],
-            stiffness=spring.stiffness,
-            damping=spring.damping,
-            referenceLength=spring.length,
-        )
     for load in linkage.dead_loads:
         if load.body not in omitted:
             at = marker_at(Attachment(load.body, 0.0, 0.0))
@@ -195,7 +187,8 @@ def frame_of(
     linkage: Linkage,
     start: Start,
     omitted: frozenset[str],
-    solved: list[Any],
+    records: RecorderState,
+    solved: Sequence[Any],
     friction: Friction | None,
 ) -> Frame:
     """Return the coordinates of all bodies from Exudyn's live coordinates and derivatives."""
@@ -211,10 +204,27 @@ def frame_of(
     q, v, a = solved
     if omitted:
         q, v, a = np.array(start.position), np.array(start.velocity), np.zeros(count)
+    forces = write_body_forces(linkage, records.packed)
     contacts = np.zeros(len(linkage.clearances), CONTACT)
-    rows = np.array(places, np.int64)
-    live = solved[0], solved[1], solved[2]
-    return Frame(*live, rows, prescribed, q, v, a, np.zeros(count), contacts, friction)
+    model = model_of(linkage, forces, records.packed, records.onset, contacts)
+    solved_q, solved_v, solved_a = solved
+    return Frame(
+        solved_q=solved_q,
+        solved_v=solved_v,
+        solved_a=solved_a,
+        places=np.array(places, np.int64),
+        prescribed=prescribed,
+        q=q,
+        v=v,
+        a=a,
+        axes=np.zeros(count),
+        forces=written(forces, model),
+        model=model,
+        y=np.zeros(forces.size),
+        rates=np.zeros(forces.size),
+        has_work=has_work(records.packed),
+        friction=friction,
+    )
 
 
 def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
@@ -252,145 +262,197 @@ def _drives(
         multiplier=np.array(rows, np.int64),
         multipliers=multipliers,
         force=np.zeros(3 * len(linkage.bodies)),
-        rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
         held=None if are_steady and not bends else constraints_of(linkage).held(mass),
     )
-
-
-def _friction(
-    system: Any,
-    linkage: Linkage,
-    objects: dict[str, int],
-    slots: Indices,
-    multipliers: Any,
-    packed: Packed,
-) -> Friction | None:
-    """Return the friction in rigid joints; ``slots`` are those of their bearings and pins."""
-    if packed.rubbing is None:
-        return None
-    number, names = system.systemData.GetObjectLTGAE, [one.name for one in linkage.rubbing_pins]
-    rows = np.array([number(objects[name])[0] for name in names], np.int64)
-    return Friction(packed.rubbing, rows, slots, multipliers)
 
 
 def prepare(
     linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
 ) -> Simulation:
     """Build the bodies and joints in a start; see ``Simulation``."""
-    longest = min(settings.longest(plan.cycle), spring_period(linkage) / SPRING_STEPS)
-    steps = np.zeros(1, STEPS)
-    steps["free"], steps["least"] = longest, settings.least_step
-    steps["per_contact"], steps["sustained"] = settings.steps_per_contact, settings.steps_sustained
-    records, omitted = recorder.records, left_out(linkage)
-    joints: list[Bushing] = [*linkage.clearances, *linkage.rubbing_pins]
-    ends = [end.body for joint in joints for end in (joint.bearing, joint.pin)]
-    loaded = [load.body for load in linkage.live_loads]
-    joined = [name for name in dict.fromkeys(ends + loaded) if name not in {GROUND, *omitted}]
-    slots = [3 * joined.index(name) if name in joined else -1 for name in ends]
-    places = [3 * linkage.index(name) + c for name in joined for c in range(3)]
-    # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
-    out = array("d", bytes(8 * len(places)))
-
-    # The user functions read the live state, bound below, instead of Exudyn's copies.
-    def forces(system: Any, t: float, item: int, q: Any, v: Any) -> Any:
-        fill(t)
-        return out
-
-    def send_back(system: Any, t: float) -> list[float]:
-        shorter_step = shorter(t)
-        if shorter_step < 0.0:
-            return [0.0, -1.0]
-        solver.sums["sent_back"] += 1.0
-        return [2.0, shorter_step]
-
-    # Compiling, or loading what was compiled, is part of building the model.
-    began = clock.perf_counter()
-    container = exu.SystemContainer()
-    system = container.AddSystem()
-    nodes, bodies = add_bodies(system, linkage, start, omitted)
-    objects = add_joints(system, linkage, records.motions, omitted, nodes, bodies)
-    if joined:
-        numbers = [nodes[name] for name in joined]
-        add(system, "Object", "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
-    system.Assemble()
-    solved = [getattr(system.systemData, f"Get{name}")(copy=False) for name in _SOLVED]
-    room = np.array(slots, np.int64).reshape(-1, 2)
-    loose, rubbing = np.split(room, [len(linkage.clearances)])
-    friction = _friction(system, linkage, objects, rubbing, solved[3], records.packed)
-    frame = frame_of(linkage, start, omitted, solved[:3], friction)
-    drives = _drives(system, linkage, objects, solved[3], records.packed.mass)
-    solver = Solver(
-        recorder,
-        plan,
-        bind(accept_joint_step, frame, drives, records, steps),
-        exu.DynamicSolverType.TrapezoidalIndex2,
-        _settings(settings, longest, rubs=friction is not None),
-        longest,
-        REMEDY,
-        {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
-    )
-    solver.install(system)
-    if joined:
-        where = loose, np.array(places, np.int64)
-        arguments = frame, records, *where, np.zeros_like(drives.force), np.frombuffer(out)
-        fill = bind(connector_forces, *arguments)
-        shorter = bind(shorter_joint_step, frame, records, steps)
-        system.SetPostNewtonUserFunction(send_back)
-    built = clock.perf_counter() - began
-    note_contacts(records.packed, records.contacts, start.position, start.velocity)
-    if friction is not None:
-        held = constraints_of(linkage).held(records.packed.mass)
-        begin_friction(friction, held, records, drives, start.position, start.velocity)
-    energies = records.memory["energy"]
-    energies[:] = records.contacts["energy"]  # of pins that start pressed in
-    before = stored_energy(records.packed, energies, start.position, start.velocity)
-
-    def advance(end: float) -> Finding | None:
-        # Exudyn's own are those of even drives; a cycle goes on with what the last one ended with.
-        compute = drives.held is None or solver.time == 0.0
-        integration = solver.settings.timeIntegration
-        integration.generalizedAlpha.computeInitialAccelerations = compute
-        return solver.run(system, dict(zip(_SOLVED, solved, strict=True)), end)
-
-    def state() -> tuple[float, Array, Array]:
-        if not (np.isfinite(frame.q).all() and np.isfinite(frame.v).all()):
-            # A run that failed ends with the state before its last step.
-            for name, values in zip(_SOLVED[:3], solved, strict=False):
-                get = getattr(system.systemData, f"Get{name}")
-                values[:] = get(exu.ConfigurationType.StartOfStep)
-            refresh(frame, solver.time)
-        return solver.time, np.array(frame.q), np.array(frame.v)
-
-    def ledger() -> Ledger:
-        stored = stored_energy(records.packed, energies, *state()[1:])
-        return Ledger.of(records.ledger[0], stored - before)
-
-    def diagnostics() -> dict[str, float | int | str]:
-        words = f"{len(nodes)} bodies, {len(objects)} joints and drives"
-        return {
-            "model": described(linkage, words, omitted),
-            "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
-            "steps": int(solver.sums["steps"]),
-            "steps_sent_back": int(solver.sums["sent_back"]),
-            "newton_iterations": int(solver.sums["newton"]),
-            "jacobians": int(solver.sums["jacobians"]),
-            "wall_build_s": built,
-            "wall_solve_s": solver.sums["wall"],
-        }
-
-    arrays = dict(zip(("q", "v", "a", "multipliers"), solved, strict=True))
-    arrays["force"] = drives.force
-    if omitted:
-        arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
-        arrays["prescribed"] = frame.prescribed.work
+    model = _Joints(linkage, start, settings, plan, recorder)
     return Simulation(
-        advance,
-        state,
-        ledger,
-        {name: np.asarray(array) for name, array in arrays.items()},
-        solver.sums,
-        diagnostics,
+        model.advance,
+        model.motion,
+        model.ledger,
+        model.place,
+        model.arrays(),
+        model.solver.sums,
+        model.diagnostics,
         REMEDY,
         constraints_of(linkage),
-        close=container.Reset,
+        close=model.container.Reset,
     )
+
+
+class _Joints:
+    """A linkage as bodies and joints of Exudyn, with the functions that Exudyn calls.
+
+    They read its live state instead of the copies that it hands over.
+    """
+
+    def __init__(
+        self, linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
+    ) -> None:
+        # Compiling, or loading what was compiled, is part of building the model.
+        began = clock.perf_counter()
+        self.linkage, self.records, self.omitted = linkage, recorder.records, left_out(linkage)
+        self.joined = _joined_bodies(linkage, self.omitted)
+        # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+        self.force = array("d", bytes(8 * 3 * len(self.joined)))
+        self.container = exu.SystemContainer()
+        self.system = self.container.AddSystem()
+        self.nodes, bodies = add_bodies(self.system, linkage, start, self.omitted)
+        self.objects = add_joints(
+            self.system, linkage, self.records.motions, self.omitted, self.nodes, bodies
+        )
+        if self.joined:
+            self._add_connector()
+        self.system.Assemble()
+        data = self.system.systemData
+        self.live = {name: getattr(data, f"Get{name}")(copy=False) for name in _SOLVED}
+        *solved, multipliers = self.live.values()
+        friction = self._friction(multipliers)
+        frame = frame_of(linkage, start, self.omitted, self.records, solved, friction)
+        self.frame = frame
+        self.drives = _drives(
+            self.system, linkage, self.objects, multipliers, self.records.packed.mass
+        )
+        self.solver = self._prepare_solver(settings, plan, recorder)
+        self._place = bind(place_start, frame, self.records)
+        self._place(0.0)
+        if friction is not None:
+            packed = self.records.packed
+            held = constraints_of(linkage).held(packed.mass)
+            begin_friction(frame, held, packed, self.drives, friction)
+        self.energies = self.records.memory["energy"]
+        self.energies[:] = self.records.contacts["energy"]  # of pins that start pressed in
+        self.stored_before = self._stored()
+        self.built = clock.perf_counter() - began
+
+    def _add_connector(self) -> None:
+        """Add the object whose user function returns the forces on its bodies."""
+        numbers = [self.nodes[name] for name in self.joined]
+        add(
+            self.system,
+            "Object",
+            "GenericODE2",
+            nodeNumbers=numbers,
+            forceUserFunction=self.connector_forces,
+        )
+
+    def _friction(self, multipliers: Any) -> Friction | None:
+        """Return the friction in rigid joints."""
+        if self.records.packed.rubbing is None:
+            return None
+        pins = self.linkage.rubbing_pins
+        ends = [end.body for joint in pins for end in (joint.bearing, joint.pin)]
+        slots = [3 * self.joined.index(name) if name in self.joined else -1 for name in ends]
+        number = self.system.systemData.GetObjectLTGAE
+        rows = np.array([number(self.objects[joint.name])[0] for joint in pins], np.int64)
+        places = np.array(slots, np.int64).reshape(-1, 2)
+        return Friction(self.records.packed.rubbing, rows, places, multipliers)
+
+    def _prepare_solver(self, settings: ExudynJoints, plan: Plan, recorder: Recorder) -> Solver:
+        """Return Exudyn's solver, which calls the kernels of trial steps and accepted ones."""
+        longest = min(settings.longest(plan.cycle), spring_period(self.linkage) / SPRING_STEPS)
+        steps = np.zeros(1, STEPS)
+        steps["free"] = longest
+        steps["least"] = settings.least_step
+        steps["per_contact"] = settings.steps_per_contact
+        steps["sustained"] = settings.steps_sustained
+        frame, records = self.frame, self.records
+        solver = Solver(
+            recorder,
+            plan,
+            bind(accept_joint_step, frame, self.drives, records, steps),
+            exu.DynamicSolverType.TrapezoidalIndex2,
+            _settings(settings, longest, rubs=frame.friction is not None),
+            longest,
+            REMEDY,
+            {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
+        )
+        solver.install(self.system)
+        if self.joined:
+            rows = [3 * self.linkage.index(name) + c for name in self.joined for c in range(3)]
+            places, out = np.array(rows, np.int64), np.frombuffer(self.force)
+            self._fill = bind(connector_forces, frame, records, places, out)
+            self._shorter = bind(shorter_joint_step, frame, records, steps)
+            self.system.SetPostNewtonUserFunction(self.send_back)
+        return solver
+
+    def connector_forces(self, system: Any, t: float, item: int, q: Any, v: Any) -> Any:
+        """Return the forces on the bodies of the connector."""
+        self._fill(t)
+        return self.force
+
+    def send_back(self, system: Any, t: float) -> list[float]:
+        """Return whether a trial step is to be repeated, and with which step, s."""
+        shorter_step = self._shorter(t)
+        if shorter_step < 0.0:
+            return [0.0, -1.0]
+        self.solver.sums["sent_back"] += 1.0
+        return [2.0, shorter_step]
+
+    def advance(self, end: float) -> Finding | None:
+        """Integrate up to a time, s."""
+        # Exudyn's own are those of even drives; a cycle goes on with what the last one ended with.
+        compute = self.drives.held is None or self.solver.time == 0.0
+        integration = self.solver.settings.timeIntegration
+        integration.generalizedAlpha.computeInitialAccelerations = compute
+        return self.solver.run(self.system, self.live, end)
+
+    def motion(self) -> tuple[float, Array, Array]:
+        """Return time, s, coordinates and rates of all bodies; of a failed run before its step."""
+        frame = self.frame
+        if not (np.isfinite(frame.q).all() and np.isfinite(frame.v).all()):
+            for name in _SOLVED[:3]:
+                get = getattr(self.system.systemData, f"Get{name}")
+                self.live[name][:] = get(exu.ConfigurationType.StartOfStep)
+            refresh(frame, self.solver.time)
+        return self.solver.time, np.array(frame.q), np.array(frame.v)
+
+    def place(self) -> None:
+        """Fill the contacts in the present state."""
+        self._place(self.solver.time)
+
+    def ledger(self) -> Ledger:
+        """Return the energies since the run began."""
+        return Ledger.of(self.records.ledger[0], self._stored() - self.stored_before)
+
+    def _stored(self) -> float:
+        return stored_energy(self.records.packed, self.energies, *self.motion()[1:])
+
+    def arrays(self) -> dict[str, Array]:
+        """Return the live arrays that hold the state between two cycles."""
+        frame = self.frame
+        arrays = dict(zip(("q", "v", "a", "multipliers"), self.live.values(), strict=True))
+        arrays["force"] = self.drives.force
+        if self.omitted:
+            arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
+            arrays["prescribed"] = frame.prescribed.work
+        return {name: np.asarray(array) for name, array in arrays.items()}
+
+    def diagnostics(self) -> dict[str, float | int | str]:
+        """Return sentences on the model and on its solver, counts and times."""
+        sums = self.solver.sums
+        words = f"{len(self.nodes)} bodies, {len(self.objects)} joints and drives"
+        return {
+            "model": described(self.linkage, words, self.omitted),
+            "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
+            "steps": int(sums["steps"]),
+            "steps_sent_back": int(sums["sent_back"]),
+            "newton_iterations": int(sums["newton"]),
+            "jacobians": int(sums["jacobians"]),
+            "wall_build_s": self.built,
+            "wall_solve_s": sums["wall"],
+        }
+
+
+def _joined_bodies(linkage: Linkage, omitted: frozenset[str]) -> list[str]:
+    """Return the bodies of the connector: those on which joints, springs or loads act."""
+    joints: list[Bushing] = [*linkage.clearances, *linkage.rubbing_pins]
+    ends = [end for joint in joints for end in (joint.bearing, joint.pin)]
+    ends += [end for spring in linkage.springs for end in spring.ends]
+    names = [end.body for end in ends] + [load.body for load in linkage.live_loads]
+    return [name for name in dict.fromkeys(names) if name not in {GROUND, *omitted}]

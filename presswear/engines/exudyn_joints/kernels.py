@@ -15,26 +15,49 @@ from presswear.physics.constraints import (
     project,
     project_acceleration,
 )
-from presswear.physics.contact import note_contacts
+from presswear.physics.contact import copy_contacts
 from presswear.physics.drive_motion import drive_motion, step_to_break
-from presswear.physics.forces import add_contacts, load_of, loss_powers
+from presswear.physics.equations.function import (
+    ACCELERATIONS,
+    END,
+    FORCE,
+    RATES,
+    Model,
+    Written,
+    fill,
+)
+from presswear.physics.equations.integrals import DRIVE_INTEGRALS, bristle_place
+from presswear.physics.forces import (
+    CONTACT_LOSS,
+    FRICTION_LOSS,
+    JOINT_RATES,
+    MADE,
+    PRESSURE,
+    WORK,
+)
+from presswear.physics.friction_and_normal import has_bristles
 from presswear.physics.loads import (
-    count_transitions,
     greatest_jump,
-    load_forces,
     next_break,
     settle_loads,
     work_beyond_trapezoid,
 )
-from presswear.physics.packed import applied_forces
+from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
 from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, settle
-from presswear.physics.wear import wear_rates
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, unpack
+from presswear.tools.compile import (
+    PackedArguments,
+    Records,
+    all_finite,
+    compiled,
+    copy_to,
+    inlined,
+    unpack,
+)
 
 Indices = NDArray[np.int64]
 
@@ -66,7 +89,11 @@ class Frame(NamedTuple):
     v: Array
     a: Array
     axes: Array
-    contacts: Records  # working space of states on trial
+    forces: Written  # of contacts, springs and loads on all bodies
+    model: Model  # the arrays that they read and fill, with the contacts of states on trial
+    y: Array  # state for them, and rates of its integrals
+    rates: Array
+    has_work: bool  # whether loads or dampers do work
     friction: Friction | None  # None without friction in rigid joints
 
 
@@ -81,6 +108,27 @@ def refresh(frame: Frame, t: float) -> None:
         frame.v[place] = frame.solved_v[i]
         frame.a[place] = frame.solved_a[i]
     place_prescribed(frame.prescribed, t, frame.q, frame.v, frame.a, frame.axes)
+
+
+@inlined
+def fill_forces(frame: Frame, t: float, level: int) -> None:
+    """Fill the forces on all bodies, and at level END the contacts, in the present state."""
+    n = frame.q.shape[0]
+    copy_to(frame.y[:n], frame.q)
+    copy_to(frame.y[n : 2 * n], frame.v)
+    fill(frame.forces, t, frame.y, frame.rates, level)
+
+
+@compiled
+def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> None:
+    """Fill forces at the end of a step of the trapezoidal rule, with the bristles of friction."""
+    contacts, joints = frame.model.contact_records, records.packed.joints
+    if has_bristles(joints):
+        fill_forces(frame, t, END)
+        advance_bristles(joints, records.memory, contacts, t)
+        for k in range(joints.shape[0]):
+            frame.y[bristle_place(2 * frame.q.shape[0], k)] = contacts[k].bristle
+    fill_forces(frame, t, level)
 
 
 @compiled
@@ -117,41 +165,18 @@ def add_moments(friction: Friction | None, out: Array) -> None:
 
 @compiled
 def connector_forces(address: PackedArguments, t: float) -> None:
-    """Fill the generalized forces of clearance joints, rigid joints with friction, and loads.
+    """Fill the generalized forces of joints, springs and loads.
 
-    ``address`` packs Frame; RecorderState; where the forces on bearing and pin belong among those
-    of the connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; where each
-    of the connector's coordinates belongs in q; working space, shape (3 bodies,); the forces.
+    ``address`` packs Frame; RecorderState; where each of the connector's coordinates belongs in q;
+    the forces.
     """
-    frame, records, slots, places, force, out = unpack(address)
-    packed = records.packed
+    frame, records, places, out = unpack(address)
     refresh(frame, t)
+    place_forces(frame, records, t, ACCELERATIONS)
     for i in range(out.shape[0]):
-        out[i] = 0.0
-    note_contacts(packed, frame.contacts, frame.q, frame.v)
-    advance_bristles(packed.joints, records.memory, frame.contacts, t)
-    for k in range(slots.shape[0]):
-        load = load_of(packed.joints[k], records.onset[k], frame.contacts[k])
-        if load.normal == 0.0:
-            continue
-        i = slots[k, 0]
-        if i >= 0:
-            out[i] -= load.x
-            out[i + 1] -= load.y
-            out[i + 2] += load.bearing_moment
-        i = slots[k, 1]
-        if i >= 0:
-            out[i] += load.x
-            out[i + 1] += load.y
-            out[i + 2] += load.pin_moment
+        out[i] = frame.model.bodies[FORCE, places[i]]
     note_friction(frame.friction, frame.v)
     add_moments(frame.friction, out)
-    if count_transitions(packed.loads) > 0:
-        for i in range(force.shape[0]):
-            force[i] = 0.0
-        load_forces(packed.loads, t, frame.q, frame.v, force)
-        for i in range(out.shape[0]):
-            out[i] += force[places[i]]
 
 
 class Drives(NamedTuple):
@@ -160,24 +185,43 @@ class Drives(NamedTuple):
     multiplier: Indices  # index of each drive's multiplier; -1 for that of a body that is left out
     multipliers: Array  # Exudyn's live ones; the torque of a drive is minus its own
     force: Array  # working space, (3 bodies,)
-    rates: Array  # working space, (JOINT_RATES joints,)
     # Constraints, where a drive of Exudyn's turns unevenly or a load bends over position: see
     # ``hold``
     held: Held | None
 
 
 @compiled
+def all_forces(frame: Frame, packed: Packed, force: Array) -> None:
+    """Fill the forces on all bodies with weights and constant loads."""
+    for i in range(force.shape[0]):
+        force[i] = packed.weight[i] + frame.model.bodies[FORCE, i]
+
+
+@compiled
+def place_start(address: PackedArguments, t: float) -> None:
+    """Fill contacts and forces in the present state.
+
+    ``address`` packs Frame and RecorderState.
+    """
+    frame, records = unpack(address)
+    refresh(frame, t)
+    for k in range(records.memory.shape[0]):
+        frame.y[bristle_place(2 * frame.q.shape[0], k)] = records.memory[k].bristle
+    fill_forces(frame, t, END)
+    copy_contacts(records.contacts, frame.model.contact_records)
+
+
+@compiled
 def begin_friction(
-    friction: Friction, held: Held, records: RecorderState, drives: Drives, q: Array, v: Array
+    frame: Frame, held: Held, packed: Packed, drives: Drives, friction: Friction
 ) -> None:
     """Fill the joint forces in the initial state, from which Exudyn finds its accelerations."""
-    force, rates = drives.force, drives.rates
-    applied_forces(records.packed, 0.0, q, v, force)
-    add_contacts(records.packed.joints, records.onset, records.contacts, force, rates)
-    evaluate_constraints(held, 0.0, q, v)
+    force = drives.force
+    all_forces(frame, packed, force)
+    evaluate_constraints(held, 0.0, frame.q, frame.v)
     factor(held)
     multipliers_of(held, 0.0, 0.0, force)
-    add_friction(held, friction.joints, 0.0, 0.0, v, force)
+    add_friction(held, friction.joints, 0.0, 0.0, frame.v, force)
     for k in range(friction.joints.shape[0]):
         row = friction.joints[k].row
         for c in range(2):
@@ -208,14 +252,11 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 
 
 @compiled
-def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tuple[float, float]:
-    """Fill the torques of the drives; return the power of drives, and of loads and dampers, W."""
+def drive_power(frame: Frame, drives: Drives, records: RecorderState, t: float) -> float:
+    """Fill the torques of the drives; return their power, W."""
     prescribed = frame.prescribed
-    load_power = applied_forces(records.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
-        add_contacts(
-            records.packed.joints, records.onset, records.contacts, drives.force, drives.rates
-        )
+        all_forces(frame, records.packed, drives.force)
         subtract_inertia(prescribed.parts, frame.a, drives.force)
         drive_torques(prescribed, frame.q, frame.axes, drives.force, records.torque)
     power = 0.0
@@ -223,46 +264,50 @@ def powers(frame: Frame, drives: Drives, records: RecorderState, t: float) -> tu
         if drives.multiplier[i] >= 0:
             records.torque[i] = -drives.multipliers[drives.multiplier[i]]
         power += records.torque[i] * drive_motion(records.motions[i], t)[1]
-    return power, load_power
+    return power
+
+
+@inlined
+def load_power(frame: Frame) -> float:
+    """Return the power of loads and dampers in the forces filled last, W."""
+    place = frame.rates.shape[0] - 1
+    return frame.rates[place] if frame.has_work else 0.0
 
 
 @compiled
-def sum_step(
-    records: RecorderState,
-    drive_power: float,
-    load_power: float,
-    rubbed_power: float,
-    t: float,
-    h: float,
-) -> None:
+def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: float) -> None:
     """Fill the wear integrals of a step, and add to the ledger of energy, by the trapezoidal rule.
 
-    A step that began open has force only since its touchdown. The wear of a step that ends open,
-    which has no place any more, is left out.
+    ``power`` is that of the drives. A step that began open has force only since its touchdown. The
+    wear of a step that ends open, which has no place any more, is left out.
     """
     ledger = records.ledger[0]
-    contact_power, heat, made_power = 0.0, rubbed_power, 0.0
+    contact_power = made_power = 0.0
+    heat = note_friction(frame.friction, frame.v)
+    first = 2 * frame.q.shape[0] + DRIVE_INTEGRALS
     for k in range(records.memory.shape[0]):
-        contact, integrals = records.contacts[k], records.wear_integrals[k]
-        work, pressure = wear_rates(records.packed.joints[k], contact, contact.normal)
+        rates = frame.rates[first + JOINT_RATES * k :]
+        integrals = records.wear_integrals[k]
         duration = min(h, t - records.memory[k].touchdown_time)
-        half = 0.5 * duration if contact.penetration > 0.0 else 0.0
-        integrals.work = half * (integrals.work_rate + work)
-        integrals.pressure = half * (integrals.pressure_rate + pressure)
-        integrals.work_rate, integrals.pressure_rate = work, pressure
-        lost, rubbed, made = loss_powers(contact, contact.normal, contact.tangential)
-        contact_power += lost
-        heat += rubbed
-        made_power += made
+        half = 0.5 * duration if records.contacts[k].penetration > 0.0 else 0.0
+        integrals.work = half * (integrals.work_rate + rates[WORK])
+        integrals.pressure = half * (integrals.pressure_rate + rates[PRESSURE])
+        integrals.work_rate = rates[WORK]
+        integrals.pressure_rate = rates[PRESSURE]
+        contact_power += rates[CONTACT_LOSS]
+        heat += rates[FRICTION_LOSS]
+        made_power += rates[MADE]
     half = 0.5 * h
-    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
-    ledger.drive_work += half * (ledger.drive_power + drive_power)
-    ledger.load_work += half * (ledger.load_power + load_power)
+    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(power))
+    ledger.drive_work += half * (ledger.drive_power + power)
+    ledger.load_work += half * (ledger.load_power + load_power(frame))
     ledger.contact_loss += half * (ledger.contact_power + contact_power)
     ledger.friction_loss += half * (ledger.friction_power + heat)
     ledger.made += half * (ledger.made_power + made_power)
-    ledger.drive_power, ledger.load_power = drive_power, load_power
-    ledger.contact_power, ledger.friction_power = contact_power, heat
+    ledger.drive_power = power
+    ledger.load_power = load_power(frame)
+    ledger.contact_power = contact_power
+    ledger.friction_power = heat
     ledger.made_power = made_power
 
 
@@ -276,13 +321,14 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     h = t - records.output[0].now
     refresh(frame, t)
     hold(frame, drives, drives.held, t)
-    note_contacts(records.packed, records.contacts, frame.q, frame.v)
-    advance_bristles(records.packed.joints, records.memory, records.contacts, t)
-    power, load_power = powers(frame, drives, records, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
-    settle(records, t, LEAST_STEPS)
-    sum_step(records, power, load_power, note_friction(frame.friction, frame.v), t, h)
+    place_forces(frame, records, t, END)
+    copy_contacts(records.contacts, frame.model.contact_records)
+    if settle(records, t, LEAST_STEPS) > 0:
+        fill_forces(frame, t, END)
+        copy_contacts(records.contacts, frame.model.contact_records)
+    sum_step(frame, records, drive_power(frame, drives, records, t), t, h)
     sum_drives(records, h, frame.v)
     packed = records.packed
     records.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
@@ -290,7 +336,8 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     observe(records, t, h, frame.q, frame.v, frame.a)
     following = next_step(records, steps, frame.a)
     if changes > 0:
-        records.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
+        fill_forces(frame, t, RATES)
+        records.ledger[0].load_power = load_power(frame)
         if greatest_jump(packed.loads) > JUMP:
             # The rule begins from accelerations that no longer hold.
             following = steps[0].least
@@ -307,5 +354,7 @@ def shorter_joint_step(address: PackedArguments, t: float) -> float:
     """
     frame, records, steps = unpack(address)
     refresh(frame, t)
+    fill_forces(frame, t, END)
     h = t - records.output[0].now
-    return shorter_step(records, steps, frame.contacts, h, frame.q, frame.v, frame.a)
+    contacts = frame.model.contact_records
+    return shorter_step(records, steps, contacts, h, frame.q, frame.v, frame.a)

@@ -68,6 +68,7 @@ def prepare(
         tree.advance,
         tree.motion,
         tree.ledger,
+        tree.place,
         tree.arrays(),
         tree.solver.sums,
         tree.diagnostics,
@@ -167,6 +168,10 @@ class _Tree:
         if not np.isfinite(self.tree.state[:2]).all():
             self._place_start(self.solver.time)
         return self.solver.time, self.tree.state[0].copy(), self.tree.state[1].copy()
+
+    def place(self) -> None:
+        """Fill the contacts in the present state."""
+        self._place_start(self.solver.time)
 
     def ledger(self) -> Ledger:
         """Return the energies since the run began."""

@@ -320,6 +320,9 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     copy_to(system.bristles, system.deflections)
     q, v, a, _, _ = system.state
     events = settle(records, t, int(RESOLVED * system.pace[0].parts + 0.5))
+    if events > 0:
+        copy_to(system.expected, records.onset)
+        place(system, records, t, x, u, system.deflections)
     events += settle_loads(records.packed.loads, t, q, v, a)
     observe(records, t, h, q, v, a)
     return next_tree_step(records, system, t, h, events)

@@ -150,6 +150,26 @@ def open_chain(linkage: Linkage, text: Text) -> Chain | str:
     return Chain(linkage, frame, tuple(links), bool(pins))
 
 
+def loose_chain(linkage: Linkage, text: Text) -> Chain:
+    """Return all bodies in their order, as if no ideal joint and no drive held them."""
+    centre = Attachment(GROUND, 0.0, 0.0)
+    frame = Link(Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None)
+    links = [
+        Link(
+            body,
+            text.prefix(body.name),
+            joint="",
+            place=3 * k,
+            branch=Branch(None, centre, Attachment(body.name, 0.0, 0.0), -1),
+            parent=None,
+            is_prescribed=False,
+            coordinate=3 * k,
+        )
+        for k, body in enumerate(linkage.bodies)
+    ]
+    return Chain(linkage, frame, tuple(links), has_loops=False)
+
+
 def _links(
     linkage: Linkage,
     branches: Sequence[Branch],

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.linkage.linkage import Linkage
 from presswear.physics.closed_loops import drive_torques, place_prescribed
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.drive_motion import motions_of, uneven_motion
@@ -45,16 +45,21 @@ ACCELERATIONS, RATES, END = range(3)
 """Parts that the equations fill: accelerations, also rates of integrals, also what is recorded."""
 
 
+POSITION, VELOCITY, ACCELERATION, FORCE, AXES = range(5)
+"""Rows of ``Model.bodies``."""
+
+
 class Model(NamedTuple):
-    """Arrays that the equations of a linkage read and fill; ``bodies`` has q, v, a, forces, axes.
+    """Arrays that the equations of a linkage read and fill.
 
     ``contacts`` are the numbers of ``contact_records``, shape (joints, fields of CONTACT).
     """
 
     parameters: Array
-    onset: Array  # latched closing speeds of the joints, as of ``forces.contact_forces``
+    # Closing speeds of the joints at touchdown, m/s; 0: that of the state; below zero: held open
+    onset: Array
     contacts: Array
-    bodies: Array  # (5, 3 bodies)
+    bodies: Array  # q, v, a, forces and axes of all bodies, (5, 3 bodies)
     joints: Records
     surfaces: Array
     contact_records: Records
@@ -116,6 +121,7 @@ def model_of(
     ``contacts`` are records of CONTACT. Closed loops of prescribed bodies go on from the motion
     that ``begin_motion`` notes in ``prescribed``.
     """
+    prescribed = frozenset(link.body.name for link in equations.chain.prescribed)
     return Model(
         parameters=equations.parameters,
         onset=onset,
@@ -126,7 +132,7 @@ def model_of(
         contact_records=contacts,
         motions=motions_of(linkage),
         loads=packed.loads,
-        prescribed=pack_prescribed(linkage, prescribed_of(linkage)),
+        prescribed=pack_prescribed(linkage, prescribed),
         torque=np.zeros(packed.driven.size),
     )
 

@@ -6,6 +6,7 @@ one array, so that another clearance needs no other text.
 """
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,15 +14,15 @@ import numpy as np
 from presswear.linkage.linkage import Linkage
 from presswear.physics.equations.articulated import solve_tree
 from presswear.physics.equations.bodies import place_bodies
-from presswear.physics.equations.chain import Chain, Link, open_chain
+from presswear.physics.equations.chain import Chain, Link, loose_chain, open_chain
 from presswear.physics.equations.drives import write_drives
 from presswear.physics.equations.generalized_forces import write_generalized_forces
-from presswear.physics.equations.integrals import DRIVE_INTEGRALS, TORQUE_INTEGRALS
+from presswear.physics.equations.integrals import Layout
 from presswear.physics.equations.joints import JointText
 from presswear.physics.equations.loads import write_loads, write_springs, write_weights
-from presswear.physics.equations.text import Text, total
+from presswear.physics.equations.text import Text, Vector, total
 from presswear.physics.forces import JOINT_RATES
-from presswear.physics.packed import Packed, has_work
+from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 
 
@@ -74,36 +75,68 @@ def write_equations(
     chain = open_chain(linkage, text)
     if isinstance(chain, str):
         return chain
-    work = 2 * chain.size
-    first_joint = work + DRIVE_INTEGRALS
-    first_torque = first_joint + JOINT_RATES * len(packed.joints)
-    load_work = first_torque + TORQUE_INTEGRALS * len(linkage.drives)
-    size = load_work + has_work(packed)
+    layout = Layout.of(chain.size, packed)
     place_bodies(text, chain)
     write_weights(text, chain, packed)
-    powers = [*write_springs(text, chain), *write_loads(text, chain, packed)]
-    joints = [
-        JointText(text, chain, k, packed.joints[k], first_joint + JOINT_RATES * k)
-        for k in range(len(packed.joints))
-    ]
-    for joint in joints:
-        joint.write()
+    rates = _write_interactions(text, chain, packed, layout)
     if with_forces:
-        write_generalized_forces(text, chain, size)
+        write_generalized_forces(text, chain, layout.size)
     bodies = solve_tree(text, chain)
     text.write("")
     with text.block("if level >= RATES:"):
-        for joint in joints:
-            joint.write_rates()
-        if has_work(packed):
-            text.write(f"out[{load_work}] = {total(*powers)}")
-        write_drives(text, chain, bodies, work, first_torque)
+        rates()
+        write_drives(text, chain, bodies, layout.drive_work, layout.first_torque)
     text.write("")
     with text.block("if level == END:"):
         text.write("q, v, a, force, axes = data.bodies")
         for link in chain.links:
             _record(text, chain, link)
-    return Equations(_function(linkage, text), text.numbers, chain, size)
+    return Equations(_function(linkage, text), text.numbers, chain, layout.size)
+
+
+def write_body_forces(linkage: Linkage, packed: Packed) -> Equations:
+    """Return forces and moments of contacts, springs and loads as text, whatever holds the bodies.
+
+    The coordinates are those of all bodies. The function fills the row of forces in ``bodies``, and
+    in ``out`` the rates of the integrals of joints and loads. Weights and constant loads are left
+    to ``packed.weight``.
+    """
+    text = Text()
+    chain = loose_chain(linkage, text)
+    layout = Layout.of(chain.size, packed)
+    place_bodies(text, chain)
+    rates = _write_interactions(text, chain, packed, layout)
+    text.comment("forces and moments about the mass centres")
+    text.write("q, v, a, force, axes = data.bodies")
+    for link in chain.links:
+        for i, part in enumerate((*Vector().plus(*link.forces), total(*link.moments))):
+            text.write(f"force[{link.place + i}] = {part}")
+    if len(packed.joints) or layout.has_work:
+        text.write("")
+        with text.block("if level >= RATES:"):
+            rates()
+    return Equations(_function(linkage, text), text.numbers, chain, layout.size)
+
+
+def _write_interactions(
+    text: Text, chain: Chain, packed: Packed, layout: Layout
+) -> Callable[[], None]:
+    """Write springs, loads and contacts; return what writes the rates of their integrals."""
+    powers = [*write_springs(text, chain), *write_loads(text, chain, packed)]
+    joints = [
+        JointText(text, chain, k, packed.joints[k], layout.first_joint + JOINT_RATES * k)
+        for k in range(layout.joints)
+    ]
+    for joint in joints:
+        joint.write()
+
+    def write_rates() -> None:
+        for joint in joints:
+            joint.write_rates()
+        if layout.has_work:
+            text.write(f"out[{layout.load_work}] = {total(*powers)}")
+
+    return write_rates
 
 
 def _record(text: Text, chain: Chain, link: Link) -> None:

@@ -1,0 +1,195 @@
+"""Forces on all bodies of a linkage in vectors of numpy, with which written ones are compared."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.loads import Force
+from presswear.physics.contact import CONTACT, note_foundation, note_radial
+from presswear.physics.forces import JOINT_RATES
+from presswear.physics.friction_and_normal import (
+    ONSET_SPEED_FLOOR,
+    bristle_force,
+    bristle_rate,
+    elastic_of,
+    friction_force,
+    normal_force,
+)
+from presswear.physics.loads import load_size
+from presswear.physics.packed import Packed
+from presswear.physics.wear import contact_area
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records
+
+
+def across(vector: Array) -> Array:
+    """Turn a vector by a right angle."""
+    return np.array([-vector[1], vector[0]])
+
+
+def moment_of(arm: Array, force: Array) -> float:
+    return float(arm[0] * force[1] - arm[1] * force[0])
+
+
+class End(NamedTuple):
+    """A point of a body; the body's first coordinate, -1 for the frame."""
+
+    body: int
+    place: Array
+    velocity: Array
+    arm: Array
+    angle: float
+    spin: float
+
+
+class Forces:
+    """Forces, contacts and rates of the integrals of a linkage in a state."""
+
+    def __init__(self, linkage: Linkage, packed: Packed, t: float, q: Array, v: Array) -> None:
+        self.linkage, self.packed, self.t, self.q, self.v = linkage, packed, t, q, v
+        self.force = packed.weight.copy()
+        self.supplied = 0.0
+        self.contacts = np.zeros(len(packed.joints), CONTACT)
+        self.rates = np.zeros((len(packed.joints), JOINT_RATES))
+
+    def all(self, onset: Array, bristles: Array) -> "Forces":
+        """Add up springs, loads and contacts."""
+        self._springs()
+        self._loads()
+        for k, joint in enumerate(self.linkage.clearances):
+            contact = self.contacts.view(np.recarray)[k]
+            contact.bristle = bristles[k]
+            ends = self._end(joint.bearing), self._end(joint.pin)
+            self._contact(k, contact, *ends)
+            self._contact_forces(k, contact, float(onset[k]), *ends)
+        return self
+
+    def _end(self, point: Attachment) -> End:
+        local = np.array([point.x, point.y])
+        if point.body == GROUND:
+            return End(-1, local, np.zeros(2), np.zeros(2), 0.0, 0.0)
+        i = 3 * self.linkage.index(point.body)
+        c, s = math.cos(self.q[i + 2]), math.sin(self.q[i + 2])
+        arm = np.array([[c, -s], [s, c]]) @ local
+        velocity = self.v[i : i + 2] + self.v[i + 2] * across(arm)
+        return End(i, self.q[i : i + 2] + arm, velocity, arm, self.q[i + 2], self.v[i + 2])
+
+    def _push(self, end: End, force: Array, arm: Array | None = None, couple: float = 0.0) -> None:
+        if end.body >= 0:
+            moment = moment_of(end.arm if arm is None else arm, force) + couple
+            self.force[end.body : end.body + 3] += *force, moment
+
+    def _springs(self) -> None:
+        for spring in self.linkage.springs:
+            first, second = (self._end(point) for point in spring.ends)
+            way = second.place - first.place
+            unit = way / np.hypot(*way)
+            rate = unit @ (second.velocity - first.velocity)
+            stretch = float(np.hypot(*way)) - spring.length
+            pull = spring.stiffness * stretch + spring.damping * rate
+            self.supplied -= spring.damping * rate**2
+            self._push(first, pull * unit)
+            self._push(second, -pull * unit)
+
+    def _loads(self) -> None:
+        loads = self.packed.loads
+        for k, load in enumerate(self.linkage.live_loads):
+            assert loads is not None
+            record = loads.records[k]
+            along = np.array([record["cosine"], record["sine"]])
+            if isinstance(load, Force):
+                end = self._end(load.attachment)
+                place, speed = float(along @ end.place), float(along @ end.velocity)
+            else:
+                end = self._end(Attachment(load.body, 0.0, 0.0))
+                place, speed = along[0] * end.angle, along[0] * end.spin
+            place -= float(record["zero"])
+            size = load_size(record, loads.nodes, loads.modes[k], self.t, place, speed)
+            self.supplied += size * speed
+            if isinstance(load, Force):
+                self._push(end, size * along)
+            else:
+                self._push(end, np.zeros(2), couple=size * along[0])
+
+    def _contact(self, k: int, contact: Any, bearing: End, pin: End) -> None:
+        """Fill the contact of joint ``k`` but for its forces."""
+        joint, surfaces = self.packed.joints[k], self.packed.surfaces[k]
+        e, rate_of_e = pin.place - bearing.place, pin.velocity - bearing.velocity
+        size = math.hypot(*e)
+        contact.eccentricity = size
+        contact.eccentricity_x, contact.eccentricity_y = e
+        contact.velocity_x, contact.velocity_y = rate_of_e
+        contact.turning = moment_of(e, rate_of_e) / size**2 if size > 0.0 else 0.0
+        for name, end in (("bearing", bearing), ("pin", pin)):
+            contact[f"{name}_angle"], contact[f"{name}_spin"] = end.angle, end.spin
+            contact[f"{name}_lever_x"], contact[f"{name}_lever_y"] = end.arm
+        if joint["surface_bins"] > 0:
+            note = note_foundation if joint["foundation"] > 0.0 else note_radial
+            note(joint, surfaces, contact)
+        else:
+            self._round(joint, contact, e, rate_of_e)
+        normal = np.array([contact.normal_x, contact.normal_y])
+        slip = across(normal) @ rate_of_e
+        contact.sliding = slip + pin.spin * contact.pin_arm - bearing.spin * contact.bearing_arm
+
+    def _round(self, joint: Records, contact: Any, e: Array, rate_of_e: Array) -> None:
+        size = contact.eccentricity
+        normal = e / size if size > 0.0 else np.array([1.0, 0.0])
+        contact.normal_x, contact.normal_y = normal
+        contact.penetration = size - joint["clearance"]
+        contact.rate = contact.approach = contact.closing = normal @ rate_of_e
+        indentation = 0.5 * max(contact.penetration, 0.0)
+        contact.pin_arm = joint["pin_radius"] - indentation
+        contact.bearing_arm = joint["bearing_radius"] + indentation
+        contact.elastic, contact.energy = elastic_of(joint["normal"], contact.penetration)
+
+    def _contact_forces(self, k: int, contact: Any, onset: float, bearing: End, pin: End) -> None:
+        joint, is_closed = self.packed.joints[k], contact.penetration > 0.0
+        law = joint["friction"]
+        if law["bristle_stiffness"] > 0.0:
+            state = contact.sliding, contact.bristle
+            contact.bristle_rate = bristle_rate(*state, is_closed, law)
+            self.rates[k, 5] = contact.bristle_rate
+        if not is_closed or onset < 0.0:
+            return
+        onset = max(onset if onset > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
+        depth, closing = contact.penetration, contact.closing
+        contact.normal = normal_force(joint["normal"], contact.elastic, depth, closing, onset)
+        if law["bristle_stiffness"] > 0.0:
+            motion = contact.sliding, contact.bristle, contact.bristle_rate
+            contact.tangential = bristle_force(contact.normal, *motion, law)
+        elif law["coefficient"] > 0.0:
+            contact.tangential = friction_force(contact.sliding, contact.normal, law)
+        normal = np.array([contact.normal_x, contact.normal_y])
+        force = contact.tangential * across(normal) - contact.normal * normal
+        point = pin.place + contact.pin_arm * normal
+        couple = 0.0
+        if contact.elastic > 0.0:
+            couple = contact.normal / contact.elastic * contact.couple
+        # The arms from the mass centres to the point at which both forces act
+        on_pin = point - pin.place + pin.arm
+        self._push(pin, force, on_pin, couple)
+        self._push(bearing, -force, point - bearing.place + bearing.arm, -couple)
+        self._losses(k, contact)
+
+    def _losses(self, k: int, contact: Any) -> None:
+        joint, normal = self.packed.joints[k], contact.normal
+        stored = contact.elastic * contact.closing
+        damped = normal * contact.closing - stored
+        made = normal * (contact.closing - contact.approach) - min(damped, 0.0)
+        lost = normal * contact.approach - stored
+        self.rates[k, :3] = lost, -contact.tangential * contact.sliding, made
+        if joint["wear_coefficient"] == 0.0:
+            return
+        slip = abs(contact.sliding)
+        if joint["slip_by_angle"]:
+            slip = (joint["pin_radius"] + contact.penetration) * abs(contact.turning)
+        half, width = 0.5 * contact.penetration, joint["width"]
+        radii = contact.bearing_arm - half, contact.pin_arm + half
+        area = contact_area(contact.penetration, contact.eccentricity, *radii, width)
+        self.rates[k, 3] = normal * slip
+        if not joint["over_arc"]:
+            self.rates[k, 4] = normal * slip / area
