@@ -53,7 +53,7 @@ def placed(linkage: pw.Linkage, x: Array, u: Array) -> tuple[Array, Array]:
     assert isinstance(equations, Equations), equations
     joints = len(packed.joints)
     model = model_of(linkage, equations, packed, np.zeros(joints), np.zeros(joints, CONTACT))
-    y = np.zeros(equations.size)
+    y = np.zeros(equations.layout.size)
     y[: 2 * x.size] = np.concatenate([x, u])
     function_of(equations.text)(pack_arguments(model), 0.0, y, np.zeros(y.size), END)
     return model.bodies[0], model.bodies[1]

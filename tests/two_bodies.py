@@ -10,7 +10,6 @@ import presswear as pw
 from presswear.linkage.elements import GROUND, MapFrame
 from presswear.physics.contact import penetration_acceleration
 from presswear.physics.equations.body_forces import BodyForces
-from presswear.physics.forces import PRESSURE, WORK
 from presswear.physics.friction_and_normal import elastic_of, normal_force, normal_record
 from presswear.physics.packed import Packed, pack
 from presswear.tools.arrays import Array
@@ -112,7 +111,7 @@ class Pair:
         """
         forces = BodyForces(self.linkage, self.packed, np.array([1e9]))
         forces(0.0, self.q, self.v)
-        work, pressure = forces.joint_rates[0, [WORK, PRESSURE]]
+        work, pressure = forces.doses[0]
         return float(work), float(pressure)
 
     def moment_of(self, load: JointLoad) -> float:

@@ -16,9 +16,7 @@ from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.dae.engine import prepare
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.physics.equations.chain import open_chain
-from presswear.physics.equations.integrals import bristle_place
-from presswear.physics.equations.text import Text
+from presswear.physics.equations.writer import write_equations
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.recording.statistics import Estimate, half_width_of_runs
 from presswear.tools.arrays import Array
@@ -104,34 +102,32 @@ def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1)
 class Flow:
     """Motion of a linkage as a map of its state over an interval, ``period / per_cycle``.
 
-    The components of a state are coordinates, rates, bristle deflections, and the closing speed at
-    touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
+    The components of a state are coordinates, rates, states of interactions, and the closing speed
+    at touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
     is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``. ``distance`` is the
     initial distance of a pair in each component. InputError if the linkage has closed loops, whose
     coordinates cannot be perturbed one by one.
     """
 
     def __init__(self, linkage: Linkage, start: Start, period: float, per_cycle: int) -> None:
-        tree = open_chain(linkage, Text())
-        if isinstance(tree, str):
-            raise InputError(f"an exponent needs a linkage without free loops, but {tree}")
         plan = Plan(period, 1, 1, torques=False)
         recorder = recorder_of(linkage, start, plan)
         recorder.stop_recording()
         self.records = recorder.records
+        equations = write_equations(linkage, self.records.packed)
+        if isinstance(equations, str):
+            raise InputError(f"an exponent needs a linkage without free loops, but {equations}")
         self.simulation = prepare(linkage, start, ENGINE, plan, recorder)
         joints = self.records.packed.joints
-        friction = joints["friction"]
-        bristles = np.flatnonzero(friction["bristle_stiffness"] > 0.0)
-        deflections = [bristle_place(2 * tree.size, int(k)) for k in bristles]
-        slip = friction["static"][bristles] / friction["bristle_stiffness"][bristles]
+        count = equations.layout.coordinates
+        scales = np.array([state.scale for state in equations.states])
         length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
         speed = length * SPEED_RATIO * 2.0 * math.pi / period
-        coordinates, onsets = np.repeat([length, speed], tree.size), np.full(len(joints), speed)
-        # Coordinates, rates and bristles in the integrated vector.
-        self.indices = np.array([*range(2 * tree.size), *deflections])
+        coordinates, onsets = np.repeat([length, speed], count), np.full(len(joints), speed)
+        # Coordinates, rates and states come first in the integrated vector.
+        self.indices = np.arange(equations.layout.first_energy)
         self.keeps_onset = np.array([_depends_on_onset(joint["normal"]) for joint in joints])
-        self.distance = np.concatenate([coordinates, DISTANCE * slip, onsets])
+        self.distance = np.concatenate([coordinates, DISTANCE * scales, onsets])
         self.interval = period / per_cycle
         # Arrays of the integrator and the recorder that determine the further motion.
         records, loads = self.records, self.records.packed.loads

@@ -12,8 +12,9 @@ from presswear.linkage.loads import Force
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of
-from presswear.physics.forces import LEDGER, SETTLED
-from presswear.physics.loads import check_springs, place_loads
+from presswear.physics.interactions.spring import check_springs
+from presswear.physics.ledger import LEDGER, SETTLED
+from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wear import map_shape

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from presswear.engines.base import Plan
-from presswear.physics.forces import made_energy, made_remedy
+from presswear.physics.ledger import made_energy, made_remedy
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress
 from presswear.tools.exudyn import exudyn_module

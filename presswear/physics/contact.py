@@ -49,8 +49,6 @@ CONTACT = np.dtype(
         *floats("bearing_angle", "bearing_spin", "bearing_lever_x", "bearing_lever_y"),
         *floats("pin_angle", "pin_spin", "pin_lever_x", "pin_lever_y"),
         *floats("normal", "tangential"),  # forces, N, zero while open
-        ("bristle", np.float64),  # deflection of the bristles of its friction, m
-        ("bristle_rate", np.float64),  # m/s
     ]
 )
 

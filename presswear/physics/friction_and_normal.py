@@ -5,7 +5,7 @@ machine code, so that no kernel is compiled again for them.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -271,83 +271,6 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     if law.force == INLINE:
         return ramp_friction(sliding, normal, law.coefficient, law.lower, law.upper)
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
-
-
-@inlined
-def has_bristles(joints: Records) -> bool:
-    """Return whether the friction of any joint has bristles."""
-    found = False
-    for k in range(joints.shape[0]):
-        found = found or joints[k].friction.bristle_stiffness > 0.0
-    return found
-
-
-class Bristles(NamedTuple):
-    """Parameters of LuGre's law; see ``linkage.laws.FrictionLaw``."""
-
-    coefficient: float
-    static: float
-    stribeck: float
-    bristle_stiffness: float
-    bristle_damping: float
-
-
-@inlined
-def stribeck_coefficient(sliding: float, law: Records) -> float:
-    """Return the friction coefficient g of LuGre's law in steady sliding at a speed, m/s."""
-    ratio = sliding / law.stribeck
-    return law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
-
-
-@compiled
-def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
-    """Return the rate of the mean deflection z, m, of the bristles of LuGre's law, m/s.
-
-    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
-    Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that touch nothing bear
-    no force: sigma_0 z + sigma_1 z' = 0.
-    """
-    free = -law.bristle_stiffness / law.bristle_damping * bristle
-    held = stribeck_coefficient(sliding, law)
-    bent = sliding - law.bristle_stiffness * abs(sliding) * bristle / held
-    return bent if is_closed else free
-
-
-@compiled
-def bristle_in_contact(
-    bristle: float, started: float, sliding: float, h: float, law: Records
-) -> float:
-    """Return the deflection of the bristles, m, after a step h, s, in contact.
-
-    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends,
-    ``started`` and ``sliding``, m/s. The rule is of second order, exact at constant speed, and
-    does not oscillate where b h is large.
-    """
-    b = abs(started) / stribeck_coefficient(started, law)
-    b += abs(sliding) / stribeck_coefficient(sliding, law)
-    b *= 0.5 * law.bristle_stiffness
-    weight = -math.expm1(-b * h) / b if b > 0.0 else h
-    return bristle + weight * (0.5 * (started + sliding) - b * bristle)
-
-
-@compiled
-def bristle_in_flight(bristle: float, h: float, law: Records) -> float:
-    """Return the deflection of the bristles, m, after a time ``h``, s, without contact."""
-    return bristle * math.exp(-law.bristle_stiffness / law.bristle_damping * h)
-
-
-@compiled
-def bristle_force(
-    normal: float, sliding: float, bristle: float, rate: float, law: Records
-) -> float:
-    """Return the friction of bristles, N: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
-
-    Damping that did not fade would make energy in steady sliding (Olsson 1996). Where z changes,
-    ``linkage.laws.greatest_bristle_damping`` keeps the force from driving the sliding.
-    """
-    ratio = sliding / law.stribeck
-    damping = law.bristle_damping * math.exp(-ratio * ratio)
-    return -normal * (law.bristle_stiffness * bristle + damping * rate)
 
 
 ESTIMATED_AT = (1e-4, 1e-2)  # parts of the clearance between which a user law is a power law

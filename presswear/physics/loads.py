@@ -1,4 +1,4 @@
-"""Loads with a law, springs and dampers as generalized forces on the bodies.
+"""Laws of loads: their sizes, and the modes that change between steps.
 
 Within a step every law is smooth: the piece of the law that holds is a mode that changes between
 steps only. Switching functions rise through zero where the next piece begins; an engine ends a
@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     LOAD_PARAMETERS,
@@ -31,15 +30,12 @@ from presswear.tools.compile import (
     floats,
     inlined,
 )
-from presswear.tools.errors import InputError
-from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction, compile_function
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
 # Branches of a load in one sense of motion: none, growing with the speed, all of it; the elastic
 # line back from the deepest place, OFF behind its end; none until the table begins again.
 OFF, RISING, WHOLE, ELASTIC, RELEASED = range(5)
-ENDS_MEET = 1e-9  # distance of the ends of a spring, part of its length, without a direction
 RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
 # A load as the kernels see it. One that acts against its direction is turned round: its direction,
@@ -483,93 +479,3 @@ def _whole_period(law: OverTime, period: float) -> list[tuple[float, float]]:
     if x1 < period:
         nodes.append((period, edge))
     return nodes
-
-
-# A spring as the kernels see it
-SPRING = np.dtype(
-    [
-        ("first", np.int64),  # index of a body's x in q; -1 for the frame
-        ("second", np.int64),
-        *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
-        *floats("stiffness", "damping", "length"),
-    ]
-)
-
-
-@compiled
-def spring_vectors(spring: Records, q: Array) -> tuple[float, float, float, float, float, float]:
-    """Return both ends from their mass centres, and the second end from the first, m."""
-    x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
-    x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
-    dx, dy = x2 - x1, y2 - y1
-    if spring.first >= 0:
-        dx -= q[spring.first]
-        dy -= q[spring.first + 1]
-    if spring.second >= 0:
-        dx += q[spring.second]
-        dy += q[spring.second + 1]
-    return x1, y1, x2, y2, dx, dy
-
-
-@compiled
-def spring_energy(springs: Records, q: Array) -> float:
-    """Return the energy of all springs, J."""
-    energy = 0.0
-    for i in range(springs.shape[0]):
-        _, _, _, _, dx, dy = spring_vectors(springs[i], q)
-        stretch = math.sqrt(dx * dx + dy * dy) - springs[i].length
-        energy += 0.5 * springs[i].stiffness * stretch * stretch
-    return energy
-
-
-@inlined
-def spring_pull(
-    dx: float,
-    dy: float,
-    dvx: float,
-    dvy: float,
-    stiffness: float,
-    damping: float,
-    length: float,
-) -> tuple[float, float, float]:
-    """Return the force on the first end of a spring, N, and the power of its damper, W.
-
-    ``dx`` to ``dvy`` are the way from the first end to the second, m, and its rate. A spring of
-    length 0 is linear, k e, and has no force where its ends meet. With another length the force has
-    no direction there, and is not finite.
-    """
-    distance = math.sqrt(dx * dx + dy * dy)
-    elastic = stiffness * (distance - length)
-    if distance == 0.0 and length == 0.0:
-        # Ends that meet have the direction in which they part.
-        dx = dvx
-        dy = dvy
-        speed = math.sqrt(dvx * dvx + dvy * dvy)
-        distance = speed if speed > 0.0 else 1.0
-    rate = (dx * dvx + dy * dvy) / distance
-    pull = elastic + damping * rate
-    return pull * dx / distance, pull * dy / distance, -damping * rate * rate
-
-
-def pack_springs(linkage: Linkage) -> Records:
-    """Return the springs of a linkage as records of SPRING."""
-    springs = np.zeros(len(linkage.springs), SPRING)
-    for record, spring in zip(springs, linkage.springs, strict=True):
-        for end, body, point in zip("12", ("first", "second"), spring.ends, strict=True):
-            record[body] = -1 if point.body == GROUND else 3 * linkage.index(point.body)
-            record["x" + end], record["y" + end] = point.x, point.y
-        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
-        record["length"] = spring.length
-    return springs
-
-
-def check_springs(linkage: Linkage, position: Array) -> None:
-    """Raise InputError for a spring whose ends meet in a position, unless its length is 0."""
-    for spring, record in zip(linkage.springs, pack_springs(linkage), strict=True):
-        distance = math.hypot(*spring_vectors(record, position)[4:])
-        if distance <= ENDS_MEET * spring.length and spring.length > 0.0:
-            raise InputError(
-                f"spring {spring.name}: its ends meet at the start, where a spring of length = "
-                f"{written(spring.length, 'm')} has no direction; allowed is length = 0, a linear "
-                "spring without force there, or ends that lie apart"
-            )

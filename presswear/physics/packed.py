@@ -21,7 +21,7 @@ from presswear.physics.foundation import (
     steepest_of,
 )
 from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
-from presswear.physics.loads import Loads, pack_loads, pack_springs
+from presswear.physics.loads import Loads, pack_loads
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats
 
@@ -68,7 +68,6 @@ class Packed(NamedTuple):
 
     joints: Records
     surfaces: Array  # (joints, ROWS, m); each in the first of the m columns, see ``pack_rows``
-    springs: Records
     loads: Loads | None
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
@@ -112,9 +111,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     most = int(joints["surface_nodes"].max(initial=0))
     surfaces = np.zeros((len(joints), ROWS, TURNS * most + 2 if most else 0))
     turned = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
-    springs, loads = pack_springs(linkage), pack_loads(linkage)
+    loads = pack_loads(linkage)
     rubbing = _pack_rubbing(linkage, offset)
-    packed = Packed(joints, surfaces, springs, loads, mass_of(linkage), weight, turned, rubbing)
+    packed = Packed(joints, surfaces, loads, mass_of(linkage), weight, turned, rubbing)
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
@@ -191,8 +190,3 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     depths = [surface.depth for surface in surfaces if surface.is_worn]
     packed.joints[k]["steepest"] = steepest_of(rows)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)
-
-
-def has_work(packed: Packed) -> bool:
-    """Return whether loads or dampers do work."""
-    return packed.loads is not None or bool(np.any(packed.springs["damping"] != 0.0))

@@ -15,12 +15,9 @@ from presswear.linkage.loads import Force, OverPosition, OverTime
 from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
 from presswear.physics.equations.body_forces import BodyForces
-from presswear.physics.friction_and_normal import (
-    friction_force,
-    friction_record,
-    stribeck_coefficient,
-)
+from presswear.physics.friction_and_normal import friction_force, friction_record
 from presswear.physics.ideal import IdealMotion, Motion, bottom_of, ideal_motion
+from presswear.physics.interactions.lugre import stribeck_coefficient
 from presswear.physics.loads import place_loads, settle_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import HELD_OPEN

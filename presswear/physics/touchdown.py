@@ -16,8 +16,6 @@ import numpy as np
 
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
-    bristle_in_contact,
-    bristle_in_flight,
     elastic_at,
     normal_force,
 )
@@ -45,8 +43,6 @@ MEMORY = np.dtype(
         ("steps", np.int64),  # accepted in the present contact
         ("longest_step", np.float64),  # allowed by the expected duration of the contact
         ("peak_force", np.float64),  # of the present contact, N
-        ("bristle", np.float64),  # deflection of the bristles of its friction, m
-        ("sliding", np.float64),  # m/s, where its friction has bristles
     ]
 )
 
@@ -392,40 +388,9 @@ def remember(last: Records, joint: Records, onset_speed: float, contact: Records
     last.energy = contact.energy
     last.eccentricity_x = contact.eccentricity_x
     last.eccentricity_y = contact.eccentricity_y
-    if joint.friction.bristle_stiffness > 0.0:
-        last.bristle = contact.bristle
-        last.sliding = contact.sliding
     over_bearing = contact.turning - joint.map_turns * contact.bearing_spin
     over_pin = contact.turning - joint.map_turns * contact.pin_spin
     last.sweep = max(abs(over_bearing), abs(over_pin))
-
-
-@compiled
-def advance_bristles(joints: Records, memory: Records, contacts: Records, t: float) -> None:
-    """Fill in the bristles at ``t``, s, the end of a step of the trapezoidal rule.
-
-    A step in which the pin touches down or separates is divided there: the bristles bend in
-    contact only.
-    """
-    for k in range(joints.shape[0]):
-        law, last, contact = joints[k].friction, memory[k], contacts[k]
-        if law.bristle_stiffness > 0.0:
-            h = t - last.time
-            is_closed = last.penetration > 0.0
-            event = min(joint_crossing(last, contact, is_closed, h)[0], 1.0) * h
-            bristle, started = last.bristle, last.sliding
-            if not is_closed and contact.penetration > 0.0:
-                bristle = bristle_in_flight(bristle, event, law)
-                # Only the part behind the touchdown slides in contact, at nearly the final speed.
-                h, started = h - event, contact.sliding
-            if contact.penetration > 0.0:
-                bristle = bristle_in_contact(bristle, started, contact.sliding, h, law)
-            elif is_closed:
-                bristle = bristle_in_contact(bristle, started, contact.sliding, event, law)
-                bristle = bristle_in_flight(bristle, h - event, law)
-            else:
-                bristle = bristle_in_flight(bristle, h, law)
-            contact.bristle = bristle
 
 
 @compiled

@@ -12,7 +12,7 @@ import numpy as np
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.equations.body_forces import BodyForces
-from presswear.physics.forces import Ledger, made_remedy
+from presswear.physics.ledger import Ledger, made_remedy
 from presswear.physics.packed import mass_of, pack
 from presswear.recording.recorder import Recorder
 from presswear.tools.arrays import Array

@@ -186,7 +186,7 @@ class Scene(Checked):
             raise servo_fault(self.mechanism) or error from None
         if self.base_linkage.springs:
             # Imported here, because it loads numba.
-            springs = import_module("presswear.physics.loads")
+            springs = import_module("presswear.physics.interactions.spring")
             springs.check_springs(self.base_linkage, self.ideal.at(np.zeros(1)).position[0])
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)

@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Start
-from presswear.engines.dae.dynamics import evaluate_held, state_size
+from presswear.engines.dae.dynamics import evaluate_held
 from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import assemble
@@ -43,7 +43,7 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     exact = np.linalg.solve(matrix, np.concatenate([packed.weight, right]))
     # The displaced pins must not touch: no contact force enters here.
     system = in_all_coordinates(replace(linkage, clearances=()), 20.0, 20.0)
-    y = np.zeros(state_size(system))
+    y = np.zeros(system.layout.size)
     y[:36] = *q, *v
     out = np.zeros_like(y)
     assert system.held is not None

@@ -10,7 +10,6 @@ from runs import in_all_coordinates, residual, run_scene
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.dynamics import state_size
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
@@ -146,4 +145,5 @@ def test_nothing_is_added_where_no_joint_rubs() -> None:
         packed = pack(linkage)
         assert packed.rubbing is None
         system = in_all_coordinates(linkage)
-        assert state_size(system) == 2 * system.size + 2 + 6 * len(linkage.clearances) + 4
+        coordinates = 2 * 3 * len(linkage.bodies)
+        assert system.layout.size == coordinates + 6 + 2 * len(linkage.clearances) + 4

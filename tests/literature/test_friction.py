@@ -17,12 +17,8 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw, greatest_bristle_damping
 from presswear.linkage.loads import Force, OverTime
-from presswear.physics.friction_and_normal import (
-    bristle_force,
-    bristle_in_contact,
-    bristle_rate,
-    friction_record,
-)
+from presswear.physics.friction_and_normal import friction_record
+from presswear.physics.interactions.lugre import bristle_force, bristle_in_contact, bristle_rate
 from presswear.validation import reference_problems as references
 
 PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4

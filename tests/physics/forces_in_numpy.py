@@ -9,15 +9,14 @@ from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
-from presswear.physics.forces import JOINT_RATES
+from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
-    bristle_force,
-    bristle_rate,
     elastic_of,
     friction_force,
     normal_force,
 )
+from presswear.physics.interactions.lugre import bristle_force, bristle_rate
 from presswear.physics.loads import load_size
 from presswear.physics.packed import Packed
 from presswear.physics.wear import contact_area
@@ -51,21 +50,28 @@ class Forces:
     def __init__(self, linkage: Linkage, packed: Packed, t: float, q: Array, v: Array) -> None:
         self.linkage, self.packed, self.t, self.q, self.v = linkage, packed, t, q, v
         self.force = packed.weight.copy()
-        self.supplied = 0.0
+        self.supplied = self.contact_loss = self.friction_loss = self.made = 0.0
         self.contacts = np.zeros(len(packed.joints), CONTACT)
-        self.rates = np.zeros((len(packed.joints), JOINT_RATES))
+        self.doses = np.zeros((len(packed.joints), DOSE_COUNT))
+        self.states = list[float]()
+        self.state_rates = list[float]()
 
-    def all(self, onset: Array, bristles: Array) -> "Forces":
+    def all(self, onset: Array, states: Array) -> "Forces":
         """Add up springs, loads and contacts."""
+        self.states = list(states)
         self._springs()
         self._loads()
         for k, joint in enumerate(self.linkage.clearances):
             contact = self.contacts.view(np.recarray)[k]
-            contact.bristle = bristles[k]
             ends = self._end(joint.bearing), self._end(joint.pin)
             self._contact(k, contact, *ends)
             self._contact_forces(k, contact, float(onset[k]), *ends)
         return self
+
+    @property
+    def energies(self) -> Array:
+        """Powers of loads, contacts and friction, W, in the order of ENERGIES."""
+        return np.array([self.supplied, self.contact_loss, self.friction_loss, self.made])
 
     def _end(self, point: Attachment) -> End:
         local = np.array([point.x, point.y])
@@ -150,16 +156,16 @@ class Forces:
         joint, is_closed = self.packed.joints[k], contact.penetration > 0.0
         law = joint["friction"]
         if law["bristle_stiffness"] > 0.0:
-            state = contact.sliding, contact.bristle
-            contact.bristle_rate = bristle_rate(*state, is_closed, law)
-            self.rates[k, 5] = contact.bristle_rate
+            bristle = self.states[len(self.state_rates)]
+            rate = bristle_rate(contact.sliding, bristle, is_closed, law)
+            self.state_rates.append(rate)
         if not is_closed or onset < 0.0:
             return
         onset = max(onset if onset > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
         depth, closing = contact.penetration, contact.closing
         contact.normal = normal_force(joint["normal"], contact.elastic, depth, closing, onset)
         if law["bristle_stiffness"] > 0.0:
-            motion = contact.sliding, contact.bristle, contact.bristle_rate
+            motion = contact.sliding, bristle, rate
             contact.tangential = bristle_force(contact.normal, *motion, law)
         elif law["coefficient"] > 0.0:
             contact.tangential = friction_force(contact.sliding, contact.normal, law)
@@ -179,9 +185,9 @@ class Forces:
         joint, normal = self.packed.joints[k], contact.normal
         stored = contact.elastic * contact.closing
         damped = normal * contact.closing - stored
-        made = normal * (contact.closing - contact.approach) - min(damped, 0.0)
-        lost = normal * contact.approach - stored
-        self.rates[k, :3] = lost, -contact.tangential * contact.sliding, made
+        self.made += normal * (contact.closing - contact.approach) - min(damped, 0.0)
+        self.contact_loss += normal * contact.approach - stored
+        self.friction_loss -= contact.tangential * contact.sliding
         if joint["wear_coefficient"] == 0.0:
             return
         slip = abs(contact.sliding)
@@ -190,6 +196,6 @@ class Forces:
         half, width = 0.5 * contact.penetration, joint["width"]
         radii = contact.bearing_arm - half, contact.pin_arm + half
         area = contact_area(contact.penetration, contact.eccentricity, *radii, width)
-        self.rates[k, 3] = normal * slip
+        self.doses[k, 0] = normal * slip
         if not joint["over_arc"]:
-            self.rates[k, 4] = normal * slip / area
+            self.doses[k, 1] = normal * slip / area

@@ -26,12 +26,12 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.function import END, function_of, model_of
+from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
-from presswear.physics.forces import BRISTLE, JOINT_RATES
 from presswear.physics.ideal import Motion, motion_of
 from presswear.physics.loads import place_loads
-from presswear.physics.packed import has_work, pack
+from presswear.physics.packed import pack
 from presswear.physics.prescribed import begin_motion
 from presswear.tools.arrays import Array
 from presswear.tools.compile import pack_arguments
@@ -74,15 +74,15 @@ class Subject:
         self.linkage, self.packed = linkage, pack(linkage)
         self.equations = written(linkage)
         generator = np.random.default_rng(seed)
-        n, size = self.equations.chain.size, self.equations.size
+        layout = self.equations.layout
+        n, size = layout.coordinates, layout.size
         motion = _motion(ideal)
         self.y, self.out = np.zeros(size), np.zeros(size)
         x, u = self.equations.chain.coordinates(motion.position[0], motion.velocity[0])
         self.y[:n] = x + 2e-4 * generator.standard_normal(n)
         self.y[n : 2 * n] = u + 0.2 * generator.standard_normal(n)
-        self.bristles = self.y[2 * n + 2 + BRISTLE :: JOINT_RATES][: len(self.packed.joints)]
-        has_bristles = self.packed.joints["friction"]["bristle_stiffness"] > 0.0
-        self.bristles[:] = has_bristles * 1e-6 * generator.standard_normal(has_bristles.size)
+        self.states = self.y[layout.first_state : layout.first_energy]
+        self.states[:] = 1e-6 * generator.standard_normal(self.states.size)
         self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
         contacts = np.zeros(len(self.packed.joints), CONTACT)
         self.model = model_of(linkage, self.equations, self.packed, self.onset, contacts)
@@ -101,7 +101,7 @@ class Subject:
         """Solve the equations with the multipliers of all constraints, in the state placed last."""
         q, v, *_ = self.model.bodies
         packed, constraints = self.packed, constraints_of(self.linkage)
-        found = Forces(self.linkage, packed, TIME, q, v).all(self.onset, self.bristles)
+        found = Forces(self.linkage, packed, TIME, q, v).all(self.onset, self.states)
         phi, phi_t, gamma, jacobian = constraints.evaluate(TIME, q, v)
         zero = np.zeros((constraints.rows, constraints.rows))
         matrix = np.block([[np.diag(packed.mass), jacobian.T], [jacobian, zero]])
@@ -248,7 +248,7 @@ def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
     subject, close = subject_of(name, seed), partial(near, relative=WITHIN.get(name, 1e-11))
     subject.run()
     expected = subject.expected()
-    n, linkage, out = subject.equations.chain.size, subject.linkage, subject.out
+    n, out = subject.equations.chain.size, subject.out
     q, _, a, *_ = subject.model.bodies
     assert np.abs(expected.phi).max() < 1e-12
     assert np.abs(expected.phi_t).max() < 1e-9
@@ -256,18 +256,21 @@ def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
     close(out[:n], subject.y[n : 2 * n])
     close(out[n : 2 * n], subject.equations.chain.coordinates(q, a)[1])
     found = expected.found
-    rates = out[2 * n + 2 :][: found.rates.size].reshape(-1, JOINT_RATES)
-    for kind, reference in zip(rates.T, found.rates.T, strict=True):
+    layout = subject.equations.layout
+    close(out[layout.first_state : layout.first_energy], np.array(found.state_rates))
+    energies = out[layout.first_energy : layout.first_dose]
+    doses = out[layout.first_dose : layout.first_torque].reshape(-1, DOSE_COUNT)
+    for kind, reference in zip(doses.T, found.doses.T, strict=True):
         close(kind, reference)
-    drives = out[2 * n + 2 + found.rates.size :][: 4 * len(linkage.drives)].reshape(-1, 4)
+    drives = out[layout.first_torque :].reshape(-1, 4)
     powers = expected.torques * expected.speeds
     close(drives[:, 0], expected.torques)
     close(drives[:, 1], expected.torques**2)
     close(drives[:, 2], powers)
     close(drives[:, 3], powers**2)
-    close(out[2 * n : 2 * n + 2], np.array([powers.sum(), abs(powers.sum())]))
-    if has_work(subject.packed):
-        close(out[-1:], np.array([found.supplied]))
+    close(energies[:2], np.array([powers.sum(), abs(powers.sum())]))
+    for energy, reference in zip(energies[2:], found.energies, strict=True):
+        close(energy, reference)
     for field in CONTACT.names or ():
         close(subject.model.contact_records[field], found.contacts[field])
 
@@ -277,12 +280,12 @@ def test_forces_on_all_bodies_agree_with_vectors(name: str) -> None:
     subject, close = subject_of(name), partial(near, relative=WITHIN.get(name, 1e-11))
     subject.run()
     q, v, *_ = subject.model.bodies
-    bristles = subject.bristles
     forces = BodyForces(subject.linkage, subject.packed, subject.onset)
-    forces.bristles[:] = bristles
-    found = Forces(subject.linkage, subject.packed, TIME, q, v).all(subject.onset, bristles)
+    forces.states[:] = subject.states
+    found = Forces(subject.linkage, subject.packed, TIME, q, v).all(subject.onset, subject.states)
     close(forces(TIME, q, v) + subject.packed.weight, found.force)
-    close(np.array([forces.power]), np.array([found.supplied]))
+    for energy, reference in zip(forces.energies[2:], found.energies, strict=True):
+        close(energy, reference)
     for field in CONTACT.names or ():
         close(forces.contacts[field], found.contacts[field])
 

@@ -13,6 +13,7 @@ from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Sense
 from presswear.physics.equations.body_forces import BodyForces
+from presswear.physics.equations.layout import LOAD_WORK
 from presswear.physics.loads import (
     Loads,
     load_motion,
@@ -220,7 +221,7 @@ def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
     place_loads(packed, q, v)
     forces = BodyForces(linkage, whole)
     force = forces(0.0, q, v)
-    power = forces.power
+    power = forces.energies[LOAD_WORK]
     s, speed, faster = load_motion(load, q, v, a)
     scale = size(packed, 0.0, s, speed)
     assert power == pytest.approx(scale * speed)

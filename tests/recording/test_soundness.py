@@ -15,7 +15,7 @@ from presswear.engines.base import Plan, recorder_of
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.forces import Ledger, made_energy, made_remedy
+from presswear.physics.ledger import Ledger, made_energy, made_remedy
 from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, Progress, examine

@@ -6,7 +6,7 @@ import time as clock
 import numpy as np
 
 from presswear.engines.base import Plan, Start, described, listed
-from presswear.engines.dae.dynamics import load_work_place, state_size, system_of
+from presswear.engines.dae.dynamics import system_of
 from presswear.engines.dae.march import (
     BROKEN,
     RUNNING,
@@ -23,13 +23,9 @@ from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
-from presswear.physics.equations.integrals import DRIVE_INTEGRALS
+from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE, ENERGIES
 from presswear.physics.equations.writer import Equations, write_body_forces, write_equations
-from presswear.physics.forces import (
-    CONTACT_LOSS,
-    FRICTION_LOSS,
-    JOINT_RATES,
-    MADE,
+from presswear.physics.ledger import (
     Ledger,
     made_energy,
     made_remedy,
@@ -39,7 +35,7 @@ from presswear.physics.prescribed import begin_motion
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress
 from presswear.tools.arrays import Array
-from presswear.tools.compile import bind
+from presswear.tools.compile import Records, bind
 from presswear.tools.errors import InputError
 
 # Advice that makes a run finer.
@@ -116,145 +112,173 @@ def resolution_of(linkage: Linkage, start: Start) -> float:
 def prepare(
     linkage: Linkage, start: Start, settings: InHouse, plan: Plan, recorder: Recorder
 ) -> Simulation:
-    """Pack a linkage in a start; see ``Simulation``."""
-    began = clock.perf_counter()
-    constraints = constraints_of(linkage)
-    check_start(constraints, start)
-    records = recorder.records
-    packed, onset = records.packed, records.onset
-    tree = None if settings.takes_all_coordinates else write_equations(linkage, packed)
-    equations = tree if isinstance(tree, Equations) else write_body_forces(linkage, packed)
-    contacts = np.zeros(len(packed.joints), CONTACT)
-    model = model_of(linkage, equations, packed, onset, contacts)
-    if isinstance(tree, Equations):
-        begin_motion(model.prescribed, 0.0, start.position)
-        system = system_of(packed, tree, model)
-    else:
-        baumgarte = settings.alpha, settings.beta
-        system = system_of(packed, equations, model, constraints, *baumgarte)
-    coordinates = equations.chain.coordinates(start.position, start.velocity)
-    n, size = system.size, state_size(system)
-    y = np.zeros(size)
-    y[: 2 * n] = np.concatenate(coordinates)
-    drives = y[2 * n : 2 * n + DRIVE_INTEGRALS]
-    joints = y[2 * n + DRIVE_INTEGRALS : system.first_torque].reshape(-1, JOINT_RATES)
-    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 2, size)))
-    control = np.zeros(1, CONTROL)
-    is_fixed, tolerance = settings.has_equal_steps, settings.tolerance
-    control["step"] = settings.step if is_fixed else 1e-6
-    control["longest"] = settings.longest(plan.cycle)
-    control["shortest"] = 1e-14
-    control["resolution"] = resolution_of(linkage, start)
-    control["parts"] = settings.impact_steps
-    control["tolerance"] = tolerance
-    control["projected"] = settings.projection == "on"
-    tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
-    if is_fixed:
-        run = Integration(system, None, 4, records, control, motion, last=3)
-        kernel = bind(march_fixed, run)
-    else:
-        run = Integration(system, tableau, None, records, control, motion, tableau.b.size)
-        kernel = bind(march_controlled, run)
-
-    def march(end: float, most: int) -> int:
-        control["most"] = most
-        return kernel(end)
-
-    place = bind(place_state, run)
-    march(0.0, 1)  # accounts for the start
-    ready = clock.perf_counter()
-
-    def state() -> tuple[float, Array, Array]:
-        time = float(control["time"][0])
-        place(time)
-        return time, system.state[0].copy(), system.state[1].copy()
-
-    def stored() -> float:
-        return stored_energy(records.packed, records.memory["energy"], *state()[1:])
-
-    energy_before = stored()
-    sums = {"solve": 0.0}
-    progress = Progress(plan.cycle)
-
-    def look(status: int, wall: float) -> Finding | None:
-        time = float(control["time"][0])
-        sums["solve"] += wall
-        plan.advanced(time, recorder)
-        lost, exchange = float(joints[:, CONTACT_LOSS].sum()), float(drives[1])
-        made = made_energy(records.packed, lost, exchange) if time > plan.settled else ""
-        if made:
-            return Finding("energy", made, time, "", made_remedy(records.packed, REMEDY))
-        if status in (BROKEN, STUCK):
-            return _problem(status, constraints, bool(linkage.rubbing_pins), *state())
-        return progress.judge(int(control["steps"][0]), time)
-
-    def advance(end: float) -> Finding | None:
-        control["tolerance"] = tolerance
-        status, finding = RUNNING, None
-        while status == RUNNING and finding is None:
-            began = clock.perf_counter()
-            status = march(end, _CHUNK)
-            finding = look(status, clock.perf_counter() - began)
-        return finding
-
-    def ledger() -> Ledger:
-        contact, friction, made = joints.sum(axis=0)[[CONTACT_LOSS, FRICTION_LOSS, MADE]].tolist()
-        load_work = float(y[load_work_place(system)]) if system.has_work else 0.0
-        if records.packed.rubbing is not None:
-            friction += float(y[-1])
-        stored_change = stored() - energy_before
-        work, exchange = drives.tolist()
-        return Ledger(work, exchange, stored_change, contact, friction, made, load_work)
-
-    def diagnostics() -> dict[str, float | int | str]:
-        names = ("steps", "events", "evaluations")
-        return {
-            **_words(linkage, tree, constraints, settings),
-            **{name: int(control[name][0]) for name in names},
-            "steps_sent_back": int(control["rejected"][0]),
-            "constraint_error_m": float(control["position_error"][0]),
-            "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
-            "wall_compile_s": ready - began,
-            "wall_solve_s": sums["solve"],
-        }
-
-    arrays = {"y": y, "slope": motion.slopes[0], "control": control}
-    # Without closed loops nothing follows from the last motion.
-    if isinstance(tree, Equations) and tree.chain.has_loops:
-        arrays["prescribed"] = model.prescribed.work
-    held = None if isinstance(tree, Equations) else constraints
-
-    def worn() -> None:
-        control["has_slope"] = False
-        place(float(control["time"][0]))
-
+    """Write the equations of a linkage in a start; see ``Simulation``."""
+    solver = _Solver(linkage, start, settings, plan, recorder)
     return Simulation(
-        advance,
-        state,
-        ledger,
-        worn,
-        arrays,
-        sums,
-        diagnostics,
+        solver.advance,
+        solver.motion,
+        solver.ledger,
+        solver.place_on_new_surfaces,
+        solver.arrays(),
+        solver.sums,
+        solver.diagnostics,
         REMEDY,
-        constraints=held,
+        constraints=None if solver.is_tree else solver.constraints,
     )
 
 
-def _words(
-    linkage: Linkage, tree: Equations | str | None, constraints: Constraints, settings: InHouse
-) -> dict[str, str]:
-    """Return sentences on the model that was built and on its solver."""
-    steps = f"RK4 at equal steps of {settings.step:g} s"
-    if not settings.has_equal_steps:
-        method = settings.integrator.upper()
-        steps = f"{method} at tolerance {settings.tolerance:g}, touches located"
-    if isinstance(tree, Equations):
-        names = listed([link.body.name for link in tree.chain.free])
-        words = f"open tree of {tree.chain.size} coordinates ({names})"
-        model = described(linkage, words, prescribed_of(linkage))
-        return {"model": model, "solver": f"in-house, {steps}"}
-    words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
-    solver = f"in-house, Lagrange multipliers, {steps}, Baumgarte {settings.alpha:g}"
-    solver += f"/{settings.beta:g}{', projected' if settings.projection == 'on' else ''}"
-    return {"model": described(linkage, words), "solver": solver}
+class _Solver:
+    """Equations of a linkage with their state, and the kernels that integrate them."""
+
+    def __init__(
+        self, linkage: Linkage, start: Start, settings: InHouse, plan: Plan, recorder: Recorder
+    ) -> None:
+        # Compiling, or loading what was compiled, is part of building the model.
+        began = clock.perf_counter()
+        self.linkage, self.settings, self.plan, self.recorder = linkage, settings, plan, recorder
+        self.records, packed = recorder.records, recorder.records.packed
+        self.constraints = constraints_of(linkage)
+        check_start(self.constraints, start)
+        tree = None if settings.takes_all_coordinates else write_equations(linkage, packed)
+        self.is_tree = isinstance(tree, Equations)
+        self.equations = tree if isinstance(tree, Equations) else write_body_forces(linkage, packed)
+        contacts = np.zeros(len(packed.joints), CONTACT)
+        self.model = model_of(linkage, self.equations, packed, self.records.onset, contacts)
+        if self.is_tree:
+            begin_motion(self.model.prescribed, 0.0, start.position)
+        layout = self.equations.layout
+        coordinates = self.equations.chain.coordinates(start.position, start.velocity)
+        self.y = np.zeros(layout.size)
+        self.y[: layout.first_state] = np.concatenate(coordinates)
+        self.energies = self.y[layout.first_energy : layout.first_dose]
+        slopes = np.zeros((DOP853.b.size + 2, layout.size))
+        self.steps = Motion(self.y, np.zeros(layout.size), slopes)
+        self.control = self._control(resolution_of(linkage, start))
+        self._bind_kernels()
+        self.sums = {"solve": 0.0}
+        self.progress = Progress(plan.cycle)
+        self._march(0.0, 1)  # accounts for the start
+        self.stored_before = self._stored()
+        self.built = clock.perf_counter() - began
+
+    def _control(self, resolution: float) -> Records:
+        """Return the state of the integration; ``resolution`` is that of the coordinates, m."""
+        settings, control = self.settings, np.zeros(1, CONTROL)
+        control["step"] = settings.step if settings.has_equal_steps else 1e-6
+        control["longest"] = settings.longest(self.plan.cycle)
+        control["shortest"] = 1e-14
+        control["resolution"] = resolution
+        control["parts"] = settings.impact_steps
+        control["tolerance"] = settings.tolerance
+        control["projected"] = settings.projection == "on"
+        return control
+
+    def _bind_kernels(self) -> None:
+        """Choose the run loop."""
+        settings, packed = self.settings, self.records.packed
+        held = () if self.is_tree else (self.constraints, settings.alpha, settings.beta)
+        system = system_of(packed, self.equations, self.model, *held)
+        rest = self.records, self.control, self.steps
+        if settings.has_equal_steps:
+            run = Integration(system, None, 4, *rest, last=3)
+            self._kernel = bind(march_fixed, run)
+        else:
+            tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
+            run = Integration(system, tableau, None, *rest, last=tableau.b.size)
+            self._kernel = bind(march_controlled, run)
+        self._place = bind(place_state, run)
+
+    @property
+    def time(self) -> float:
+        """Time reached, s."""
+        return float(self.control["time"][0])
+
+    def _march(self, end: float, most: int) -> int:
+        """Make steps towards a time, s, at most so many; return how far it got."""
+        self.control["most"] = most
+        return self._kernel(end)
+
+    def advance(self, end: float) -> Finding | None:
+        """Integrate up to a time, s."""
+        # A run that is resumed may have another tolerance.
+        self.control["tolerance"] = self.settings.tolerance
+        status, finding = RUNNING, None
+        while status == RUNNING and finding is None:
+            began = clock.perf_counter()
+            status = self._march(end, _CHUNK)
+            self.sums["solve"] += clock.perf_counter() - began
+            finding = self._look(status)
+        return finding
+
+    def _look(self, status: int) -> Finding | None:
+        """Report the time reached; return what went wrong in the last steps, if anything."""
+        packed, time = self.records.packed, self.time
+        self.plan.advanced(time, self.recorder)
+        lost, exchange = float(self.energies[CONTACT_LOSS]), float(self.energies[DRIVE_EXCHANGE])
+        made = made_energy(packed, lost, exchange) if time > self.plan.settled else ""
+        if made:
+            return Finding("energy", made, time, "", made_remedy(packed, REMEDY))
+        if status in (BROKEN, STUCK):
+            rubs = bool(self.linkage.rubbing_pins)
+            return _problem(status, self.constraints, rubs, *self.motion())
+        return self.progress.judge(int(self.control["steps"][0]), time)
+
+    def motion(self) -> tuple[float, Array, Array]:
+        """Return time, s, coordinates and rates of all bodies."""
+        self._place(self.time)
+        q, v = self.model.bodies[:2]
+        return self.time, q.copy(), v.copy()
+
+    def place_on_new_surfaces(self) -> None:
+        """Fill the contacts in the present state, whose slopes no longer hold."""
+        self.control["has_slope"] = False
+        self._place(self.time)
+
+    def ledger(self) -> Ledger:
+        """Return the energies since the run began."""
+        sums = dict(zip(ENERGIES, self.energies.tolist(), strict=True))
+        return Ledger(stored=self._stored() - self.stored_before, **sums)
+
+    def _stored(self) -> float:
+        records = self.records
+        _, q, v = self.motion()
+        return stored_energy(self.linkage, records.packed, records.memory["energy"], q, v)
+
+    def arrays(self) -> dict[str, Array]:
+        """Return the live arrays that hold the state between two cycles."""
+        arrays = {"y": self.y, "slope": self.steps.slopes[0], "control": self.control}
+        # Without closed loops nothing follows from the last motion.
+        if self.equations.chain.has_loops:
+            arrays["prescribed"] = self.model.prescribed.work
+        return arrays
+
+    def diagnostics(self) -> dict[str, float | int | str]:
+        """Return sentences on the model and on its solver, counts and times."""
+        control, names = self.control[0], ("steps", "events", "evaluations")
+        return {
+            **self._words(),
+            **{name: int(control[name]) for name in names},
+            "steps_sent_back": int(control["rejected"]),
+            "constraint_error_m": float(control["position_error"]),
+            "constraint_velocity_error_m_s": float(control["velocity_error"]),
+            "wall_compile_s": self.built,
+            "wall_solve_s": self.sums["solve"],
+        }
+
+    def _words(self) -> dict[str, str]:
+        """Return sentences on the model that was built and on its solver."""
+        settings, linkage = self.settings, self.linkage
+        steps = f"RK4 at equal steps of {settings.step:g} s"
+        if not settings.has_equal_steps:
+            method = settings.integrator.upper()
+            steps = f"{method} at tolerance {settings.tolerance:g}, touches located"
+        if self.is_tree:
+            chain = self.equations.chain
+            names = listed([link.body.name for link in chain.free])
+            words = f"open tree of {chain.size} coordinates ({names})"
+            model = described(linkage, words, prescribed_of(linkage))
+            return {"model": model, "solver": f"in-house, {steps}"}
+        words = f"{len(linkage.bodies)} bodies, {self.constraints.rows} constraints"
+        solver = f"in-house, Lagrange multipliers, {steps}, Baumgarte {settings.alpha:g}"
+        solver += f"/{settings.beta:g}{', projected' if settings.projection == 'on' else ''}"
+        return {"model": described(linkage, words), "solver": solver}

@@ -16,15 +16,16 @@ from presswear.physics.constraints import Held, project
 from presswear.physics.contact import copy_contacts
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import END
-from presswear.physics.equations.integrals import (
-    DRIVE_INTEGRALS,
+from presswear.physics.equations.layout import (
+    DOSE_COUNT,
     POWER,
     POWER_SQUARE,
+    PRESSURE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
+    WORK,
 )
-from presswear.physics.forces import JOINT_RATES, PRESSURE, WORK
 from presswear.physics.friction_and_normal import corner_ahead
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value
 from presswear.physics.step_length import contact_step, longest_step
@@ -303,7 +304,9 @@ def start_march(address: PackedArguments) -> None:
         state.has_slope = True
     if not state.has_started:
         for k in range(records.torque.shape[0]):
-            records.torque[k] = motion.slopes[0, system.first_torque + TORQUE_INTEGRALS * k]
+            records.torque[k] = motion.slopes[
+                0, system.layout.first_torque + TORQUE_INTEGRALS * k + TORQUE
+            ]
         q, v, a, _, _ = system.state
         copy_contacts(records.contacts, system.contacts)
         settle(records, 0.0, LEAST_STEPS)
@@ -324,10 +327,10 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
     """Account for an accepted state in ``motion.y``, the one that slopes were evaluated in last."""
     (run,) = unpack(address)
     system, records, control, motion = run.system, run.records, run.control, run.motion
-    n, y = system.size, motion.y
+    layout, y = system.layout, motion.y
     copy_contacts(records.contacts, system.contacts)
     for k in range(system.contacts.shape[0]):
-        base = 2 * n + DRIVE_INTEGRALS + JOINT_RATES * k
+        base = layout.first_dose + DOSE_COUNT * k
         # Integrals are emptied into the account, so that they never lose digits.
         records.wear_integrals[k].work = y[base + WORK]
         records.wear_integrals[k].pressure = y[base + PRESSURE]
@@ -335,7 +338,7 @@ def finish_step(address: PackedArguments, held: Held | None, t: float, h: float)
         joint, contact = records.packed.joints[k], records.contacts[k]
         remember(records.memory[k], joint, records.onset[k], contact, t)
     for k in range(records.drives.shape[0]):
-        base = system.first_torque + TORQUE_INTEGRALS * k
+        base = layout.first_torque + TORQUE_INTEGRALS * k
         drive = records.drives[k]
         drive.torque_integral = y[base + TORQUE]
         drive.torque_square_integral = y[base + TORQUE_SQUARE]
@@ -463,7 +466,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
     (run,) = unpack(address)
     system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
     control, motion = run.control, run.motion
-    n, state = system.size, control[0]
+    n, state = system.layout.coordinates, control[0]
     start_march(address)
     for _ in range(state.most):
         t = state.time

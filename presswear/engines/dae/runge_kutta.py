@@ -8,8 +8,7 @@ import numpy as np
 from presswear.engines.dae.dynamics import System, evaluate
 from presswear.engines.dormand_prince import DOP853, Tableau
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES
-from presswear.physics.equations.integrals import bristle_place
-from presswear.physics.forces import BRISTLE, CONTACT_LOSS
+from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
@@ -133,30 +132,31 @@ def weighted_sum(target: Array, slopes: Array, weights: Array, count: int, size:
 def mean_error(run: Integration, weights: Array) -> float:
     """Return an estimate of the error of a trial step over the allowed one, squared, per step^2.
 
-    It is the mean over coordinates, rates, the deflections of bristles, and the losses of joints
-    whose force ends before the contact does: no rate feels the energy lost until then.
+    It is the mean over coordinates, rates and states of interactions. Where the force of a joint
+    ends before its contact does, the loss of contacts counts, too: no rate feels the energy lost
+    until then.
     """
     system, tolerance = run.system, run.control[0].tolerance
+    layout = system.layout
     y, new, slopes = run.motion
-    size, position, errors = 2 * system.size, 1.0 / (tolerance * POSITION_SCALE), slopes[SPARE]
-    weighted_sum(errors, slopes, weights, run.last + 1, system.checked)
+    position = 1.0 / (tolerance * POSITION_SCALE)
+    errors = slopes[SPARE]
+    checked = layout.first_dose if system.has_abrupt else layout.first_energy
+    weighted_sum(errors, slopes, weights, run.last + 1, checked)
     total = 0.0
-    count = float(size)
-    for i in range(system.size):
+    count = float(layout.first_energy)
+    for i in range(layout.coordinates):
         total += (errors[i] * position) ** 2
-    for i in range(system.size, size):
+    for i in range(layout.coordinates, layout.first_state):
         total += (errors[i] / (tolerance * (1.0 + abs(y[i])))) ** 2
-    if system.checked > size:
-        for k in range(system.packed.joints.shape[0]):
-            bristle = bristle_place(size, k)
-            loss = bristle - BRISTLE + CONTACT_LOSS
-            if system.packed.joints[k].friction.bristle_stiffness > 0.0:
-                total += (errors[bristle] * position) ** 2
-                count += 1.0
-            if system.packed.joints[k].normal.abrupt and slopes[0, loss] != 0.0:
-                energy = max(new[loss], new[size + 1], UNEXCHANGED * kinetic_energy(system))
-                total += (errors[loss] / (tolerance * energy)) ** 2
-                count += 1.0
+    for i in range(layout.first_state, layout.first_energy):
+        total += (errors[i] * position) ** 2
+    loss = layout.first_energy + CONTACT_LOSS
+    if system.has_abrupt and slopes[0, loss] != 0.0:
+        exchange = new[layout.first_energy + DRIVE_EXCHANGE]
+        energy = max(new[loss], exchange, UNEXCHANGED * kinetic_energy(system))
+        total += (errors[loss] / (tolerance * energy)) ** 2
+        count += 1.0
     return total / count
 
 
@@ -174,16 +174,17 @@ def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float
     """Make a trial step; returns its error over the allowed one.
 
     The slopes of the last stage hold dy/dt at the end afterwards.  The error of the integrals
-    follows that of positions and rates, but for the deflections of bristles.
+    follows that of positions, rates and states.
     """
     (run,) = unpack(address)
     system = run.system
     y, new, slopes = run.motion
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
-        # Slopes do not depend on the integrals, but for those of bristles.
-        weighted_sum(new, slopes, tableau.a[stage], stage, system.felt)
-        for i in range(system.felt):
+        # Slopes do not depend on the integrals.
+        count = system.layout.first_energy
+        weighted_sum(new, slopes, tableau.a[stage], stage, count)
+        for i in range(count):
             new[i] = y[i] + h * new[i]
         # Powers are summed with the weights of the step.
         level = RATES if tableau.b[stage] != 0.0 else ACCELERATIONS

@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
@@ -43,9 +44,10 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.equations.function import model_of, written
+from presswear.physics.equations.layout import Layout
 from presswear.physics.equations.writer import write_body_forces
-from presswear.physics.forces import Ledger, stored_energy
-from presswear.physics.packed import has_work, spring_period
+from presswear.physics.ledger import Ledger, stored_energy
+from presswear.physics.packed import spring_period
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
 from presswear.recording.observe import RecorderState
@@ -220,11 +222,20 @@ def frame_of(
         axes=np.zeros(count),
         forces=written(forces, model),
         model=model,
-        y=np.zeros(forces.size),
-        rates=np.zeros(forces.size),
-        has_work=has_work(records.packed),
+        y=np.zeros(forces.layout.size),
+        rates=np.zeros(forces.layout.size),
+        layout=forces.layout,
+        bristles=_bristle_places(records.packed.joints, forces.layout),
+        started=np.zeros((2, len(linkage.clearances))),
         friction=friction,
     )
+
+
+def _bristle_places(joints: Records, layout: Layout) -> NDArray[np.int64]:
+    """Return the places in the state of the bristles of friction, shape (joints,); -1 for none."""
+    has_bristles = joints["friction"]["bristle_stiffness"] > 0.0
+    places = layout.first_state + np.cumsum(has_bristles) - 1
+    return np.where(has_bristles, places, -1).astype(np.int64)
 
 
 def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
@@ -421,13 +432,13 @@ class _Joints:
         return Ledger.of(self.records.ledger[0], self._stored() - self.stored_before)
 
     def _stored(self) -> float:
-        return stored_energy(self.records.packed, self.energies, *self.motion()[1:])
+        return stored_energy(self.linkage, self.records.packed, self.energies, *self.motion()[1:])
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
         frame = self.frame
         arrays = dict(zip(("q", "v", "a", "multipliers"), self.live.values(), strict=True))
-        arrays["force"] = self.drives.force
+        arrays |= {"force": self.drives.force, "started": frame.started}
         if self.omitted:
             arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
             arrays["prescribed"] = frame.prescribed.work

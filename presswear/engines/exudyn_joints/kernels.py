@@ -26,16 +26,17 @@ from presswear.physics.equations.function import (
     Written,
     fill,
 )
-from presswear.physics.equations.integrals import DRIVE_INTEGRALS, bristle_place
-from presswear.physics.forces import (
+from presswear.physics.equations.layout import (
     CONTACT_LOSS,
+    DOSE_COUNT,
     FRICTION_LOSS,
-    JOINT_RATES,
+    LOAD_WORK,
     MADE,
     PRESSURE,
     WORK,
+    Layout,
 )
-from presswear.physics.friction_and_normal import has_bristles
+from presswear.physics.interactions.lugre import next_bristle
 from presswear.physics.loads import (
     greatest_jump,
     next_break,
@@ -46,7 +47,7 @@ from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
-from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, settle
+from presswear.physics.touchdown import LEAST_STEPS, settle
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
@@ -93,7 +94,11 @@ class Frame(NamedTuple):
     model: Model  # the arrays that they read and fill, with the contacts of states on trial
     y: Array  # state for them, and rates of its integrals
     rates: Array
-    has_work: bool  # whether loads or dampers do work
+    layout: Layout  # places of their parts
+    bristles: Indices  # places in ``y`` of the bristles of the joints, -1 for none
+    started: (
+        Array  # their deflections, m, and sliding speeds, m/s, at the start of a step, (2, joints)
+    )
     friction: Friction | None  # None without friction in rigid joints
 
 
@@ -122,12 +127,15 @@ def fill_forces(frame: Frame, t: float, level: int) -> None:
 @compiled
 def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> None:
     """Fill forces at the end of a step of the trapezoidal rule, with the bristles of friction."""
-    contacts, joints = frame.model.contact_records, records.packed.joints
-    if has_bristles(joints):
+    contacts, memory = frame.model.contact_records, records.memory
+    joints, bristles = records.packed.joints, frame.bristles
+    if frame.layout.first_energy > frame.layout.first_state:
         fill_forces(frame, t, END)
-        advance_bristles(joints, records.memory, contacts, t)
-        for k in range(joints.shape[0]):
-            frame.y[bristle_place(2 * frame.q.shape[0], k)] = contacts[k].bristle
+        for k in range(bristles.shape[0]):
+            if bristles[k] >= 0:
+                law, (bristle, sliding) = joints[k].friction, frame.started[:, k]
+                bristle = next_bristle(law, memory[k], contacts[k], bristle, sliding, t)
+                frame.y[bristles[k]] = bristle
     fill_forces(frame, t, level)
 
 
@@ -205,8 +213,9 @@ def place_start(address: PackedArguments, t: float) -> None:
     """
     frame, records = unpack(address)
     refresh(frame, t)
-    for k in range(records.memory.shape[0]):
-        frame.y[bristle_place(2 * frame.q.shape[0], k)] = records.memory[k].bristle
+    for k in range(frame.bristles.shape[0]):
+        if frame.bristles[k] >= 0:
+            frame.y[frame.bristles[k]] = frame.started[0, k]
     fill_forces(frame, t, END)
     copy_contacts(records.contacts, frame.model.contact_records)
 
@@ -267,13 +276,6 @@ def drive_power(frame: Frame, drives: Drives, records: RecorderState, t: float) 
     return power
 
 
-@inlined
-def load_power(frame: Frame) -> float:
-    """Return the power of loads and dampers in the forces filled last, W."""
-    place = frame.rates.shape[0] - 1
-    return frame.rates[place] if frame.has_work else 0.0
-
-
 @compiled
 def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: float) -> None:
     """Fill the wear integrals of a step, and add to the ledger of energy, by the trapezoidal rule.
@@ -281,34 +283,30 @@ def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: fl
     ``power`` is that of the drives. A step that began open has force only since its touchdown. The
     wear of a step that ends open, which has no place any more, is left out.
     """
-    ledger = records.ledger[0]
-    contact_power = made_power = 0.0
-    heat = note_friction(frame.friction, frame.v)
-    first = 2 * frame.q.shape[0] + DRIVE_INTEGRALS
+    ledger, layout = records.ledger[0], frame.layout
+    energies = frame.rates[layout.first_energy : layout.first_dose]
+    heat = energies[FRICTION_LOSS] + note_friction(frame.friction, frame.v)
     for k in range(records.memory.shape[0]):
-        rates = frame.rates[first + JOINT_RATES * k :]
+        doses = frame.rates[layout.first_dose + DOSE_COUNT * k :]
         integrals = records.wear_integrals[k]
         duration = min(h, t - records.memory[k].touchdown_time)
         half = 0.5 * duration if records.contacts[k].penetration > 0.0 else 0.0
-        integrals.work = half * (integrals.work_rate + rates[WORK])
-        integrals.pressure = half * (integrals.pressure_rate + rates[PRESSURE])
-        integrals.work_rate = rates[WORK]
-        integrals.pressure_rate = rates[PRESSURE]
-        contact_power += rates[CONTACT_LOSS]
-        heat += rates[FRICTION_LOSS]
-        made_power += rates[MADE]
+        integrals.work = half * (integrals.work_rate + doses[WORK])
+        integrals.pressure = half * (integrals.pressure_rate + doses[PRESSURE])
+        integrals.work_rate = doses[WORK]
+        integrals.pressure_rate = doses[PRESSURE]
     half = 0.5 * h
     ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(power))
     ledger.drive_work += half * (ledger.drive_power + power)
-    ledger.load_work += half * (ledger.load_power + load_power(frame))
-    ledger.contact_loss += half * (ledger.contact_power + contact_power)
+    ledger.load_work += half * (ledger.load_power + energies[LOAD_WORK])
+    ledger.contact_loss += half * (ledger.contact_power + energies[CONTACT_LOSS])
     ledger.friction_loss += half * (ledger.friction_power + heat)
-    ledger.made += half * (ledger.made_power + made_power)
+    ledger.made += half * (ledger.made_power + energies[MADE])
     ledger.drive_power = power
-    ledger.load_power = load_power(frame)
-    ledger.contact_power = contact_power
+    ledger.load_power = energies[LOAD_WORK]
+    ledger.contact_power = energies[CONTACT_LOSS]
     ledger.friction_power = heat
-    ledger.made_power = made_power
+    ledger.made_power = energies[MADE]
 
 
 @compiled
@@ -325,6 +323,10 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
         return math.nan
     place_forces(frame, records, t, END)
     copy_contacts(records.contacts, frame.model.contact_records)
+    for k in range(frame.bristles.shape[0]):
+        if frame.bristles[k] >= 0:
+            frame.started[0, k] = frame.y[frame.bristles[k]]
+            frame.started[1, k] = records.contacts[k].sliding
     if settle(records, t, LEAST_STEPS) > 0:
         fill_forces(frame, t, END)
         copy_contacts(records.contacts, frame.model.contact_records)
@@ -337,7 +339,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     following = next_step(records, steps, frame.a)
     if changes > 0:
         fill_forces(frame, t, RATES)
-        records.ledger[0].load_power = load_power(frame)
+        records.ledger[0].load_power = frame.rates[frame.layout.first_energy + LOAD_WORK]
         if greatest_jump(packed.loads) > JUMP:
             # The rule begins from accelerations that no longer hold.
             following = steps[0].least

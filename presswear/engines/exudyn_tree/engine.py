@@ -23,15 +23,15 @@ from presswear.engines.exudyn_tree.kernels import (
     TreeSystem,
     accept_tree_step,
     place_start,
-    stage_bristles,
     stage_forces,
+    stage_states,
 )
 from presswear.engines.exudyn_tree.model import add_tree
 from presswear.engines.settings import FINEST, ExudynTree
 from presswear.linkage.linkage import Linkage, branches_of, prescribed_of
 from presswear.physics.equations.function import Model, model_of, written
 from presswear.physics.equations.writer import Equations, write_equations
-from presswear.physics.forces import Ledger, stored_energy
+from presswear.physics.ledger import Ledger, stored_energy
 from presswear.physics.prescribed import begin_motion
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -93,43 +93,43 @@ class _Tree:
         equations = write_equations(linkage, packed, with_forces=True)
         assert isinstance(equations, Equations)
         self.chain = equations.chain
-        self.is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
+        states = len(equations.states)
         # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
         self.force = array("d", bytes(8 * self.chain.size))
-        self.bristle_rates = np.zeros(joints)
+        self.state_rates = np.zeros(states)
         self.container = exu.SystemContainer()
         self.system = self.container.AddSystem()
         add_tree(self.system, self.chain, start, self.stage_forces)
-        if self.is_bristly:
-            _add_bristles(self.system, joints, self.stage_bristles)
+        if states:
+            _add_states(self.system, states, self.stage_states)
         self.system.Assemble()
         self.model = model_of(linkage, equations, packed, np.zeros(joints), self.records.contacts)
         begin_motion(self.model.prescribed, 0.0, start.position)
-        self.live, live = self._live_arrays(joints)
+        self.live, live = self._live_arrays(states)
         self.tree = _tree_system(equations, self.model, live)
         self.tree.pace["longest"] = settings.longest(plan.cycle)
         self.tree.pace["parts"] = settings.impact_steps
         self.tree.start[:] = live[:2]
         self._stage = bind(stage_forces, self.tree, self.records)
         self._place_start = bind(place_start, self.tree, self.records)
-        if self.is_bristly:
-            self._bristles = bind(stage_bristles, self.tree, self.bristle_rates)
+        if states:
+            self._states = bind(stage_states, self.tree, self.state_rates)
         self.solver = self._prepare_solver(plan, recorder)
         self._place_start(0.0)
         self.records.memory["energy"] = self.records.contacts["energy"]  # of pins pressed in
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
 
-    def _live_arrays(self, joints: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
+    def _live_arrays(self, states: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
         """Return Exudyn's live arrays: by name what it is given before a solve; all for kernels."""
         data = self.system.systemData
         initial = {name: getattr(data, f"Get{name}")(copy=False) for name in _INITIAL}
         accelerations = data.GetODE2Coordinates_tt(copy=False)
-        deflections = np.zeros(joints)
-        if self.is_bristly:
-            deflections = initial["ODE1Coordinates"] = data.GetODE1Coordinates(copy=False)
         x, u = (initial[name] for name in _INITIAL)
-        return initial, (x, u, accelerations, deflections, np.frombuffer(self.force))
+        live_states = np.zeros(0)
+        if states:
+            live_states = initial["ODE1Coordinates"] = data.GetODE1Coordinates(copy=False)
+        return initial, (x, u, accelerations, live_states, np.frombuffer(self.force))
 
     def _prepare_solver(self, plan: Plan, recorder: Recorder) -> Solver:
         """Return Exudyn's solver, which calls the kernel of accepted steps."""
@@ -154,10 +154,10 @@ class _Tree:
             raise StuckError
         return self.force
 
-    def stage_bristles(self, system: Any, t: float, item: int, z: Any) -> Array:
-        """Return the rates of the bristles in a stage."""
-        self._bristles(t)
-        return self.bristle_rates
+    def stage_states(self, system: Any, t: float, item: int, z: Any) -> Array:
+        """Return the rates of the states of interactions in a stage."""
+        self._states(t)
+        return self.state_rates
 
     def advance(self, end: float) -> Finding | None:
         """Integrate up to a time, s."""
@@ -179,11 +179,11 @@ class _Tree:
 
     def _stored(self) -> float:
         q, v = self.tree.state[0], self.tree.state[1]
-        return stored_energy(self.records.packed, self.records.memory["energy"], q, v)
+        return stored_energy(self.linkage, self.records.packed, self.records.memory["energy"], q, v)
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
-        names = ("expected", "pace", "state", "start", "bristles")
+        names = ("expected", "pace", "state", "start", "start_states")
         return {
             **{name: np.asarray(array) for name, array in self.live.items()},
             **{name: getattr(self.tree, name) for name in names},
@@ -209,8 +209,8 @@ class _Tree:
         }
 
 
-def _add_bristles(system: Any, joints: int, rates: Callable[..., Any]) -> None:
-    """Add the deflections of the bristles of friction to a system, with their rates.
+def _add_states(system: Any, count: int, rates: Callable[..., Any]) -> None:
+    """Add the states of interactions to a system, with their rates.
 
     Exudyn calls for their rates first, once more a step than for the forces.
     """
@@ -218,9 +218,9 @@ def _add_bristles(system: Any, joints: int, rates: Callable[..., Any]) -> None:
         system,
         "Node",
         "GenericODE1",
-        referenceCoordinates=[0.0] * joints,
-        initialCoordinates=[0.0] * joints,
-        numberOfODE1Coordinates=joints,
+        referenceCoordinates=[0.0] * count,
+        initialCoordinates=[0.0] * count,
+        numberOfODE1Coordinates=count,
     )
     add(system, "Object", "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
 
@@ -228,25 +228,27 @@ def _add_bristles(system: Any, joints: int, rates: Callable[..., Any]) -> None:
 def _tree_system(equations: Equations, model: Model, live: tuple[Array, ...]) -> TreeSystem:
     """Pack a tree for the kernels.
 
-    ``live`` are Exudyn's coordinates, rates, accelerations and deflections of bristles, and the
+    ``live`` are Exudyn's coordinates, rates, accelerations and states of interactions, and the
     forces that it is handed.
     """
-    joints, size = len(model.joints), equations.chain.size
+    layout = equations.layout
+    width = layout.size + layout.coordinates  # with the forces on the coordinates
     pace = np.zeros(1, PACE)
     pace["shortest"] = SHORTEST_STEP
     pace["reach"] = pace["limit"] = FIRST_STEP
-    x, u, u_t, deflections, force = live
+    x, u, u_t, states, force = live
     return TreeSystem(
         written(equations, model),
-        *(x, u, u_t, deflections, force),
+        *(x, u, u_t, states, force),
         expected=model.onset,
         pace=pace,
         state=model.bodies,
-        y=np.zeros(equations.size),
-        stages=np.zeros((STAGES, equations.size + size)),
-        out=np.zeros(equations.size + size),
-        start=np.zeros((2, size)),
-        bristles=np.zeros(joints),
+        y=np.zeros(layout.size),
+        stages=np.zeros((STAGES, width)),
+        out=np.zeros(width),
+        start=np.zeros((2, layout.coordinates)),
+        start_states=np.zeros(len(equations.states)),
+        layout=layout,
     )
 
 

@@ -15,24 +15,22 @@ from presswear.engines.dormand_prince import DOPRI5
 from presswear.physics.contact import penetration_acceleration
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES, Written, fill
-from presswear.physics.equations.integrals import (
+from presswear.physics.equations.layout import (
+    CONTACT_LOSS,
+    DOSE_COUNT,
     DRIVE_EXCHANGE,
-    DRIVE_INTEGRALS,
     DRIVE_WORK,
+    FRICTION_LOSS,
+    LOAD_WORK,
+    MADE,
     POWER,
     POWER_SQUARE,
+    PRESSURE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
-    bristle_place,
-)
-from presswear.physics.forces import (
-    CONTACT_LOSS,
-    FRICTION_LOSS,
-    JOINT_RATES,
-    MADE,
-    PRESSURE,
     WORK,
+    Layout,
 )
 from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_at_start
 from presswear.physics.packed import Packed
@@ -90,7 +88,7 @@ class TreeSystem(NamedTuple):
     x: Array  # Exudyn's live coordinates, rates and accelerations, (coordinates,)
     u: Array
     u_t: Array
-    deflections: Array  # of bristles, live where there are any, m, (joints,)
+    states: Array  # of interactions, live where there are any, m, (states,)
     force: Array  # forces that Exudyn is handed, (coordinates,)
     expected: Array  # closing speed of the next step: latched, or predicted while open, m/s
     pace: Records  # one of PACE
@@ -99,17 +97,17 @@ class TreeSystem(NamedTuple):
     stages: Array  # its rates in the stages and the forces on the coordinates, (7, m + coordinates)
     out: Array  # the same in other states
     start: Array  # coordinates and rates at the start of a step, (2, coordinates)
-    bristles: Array  # deflections there, m, (joints,)
+    start_states: Array  # states there, m, (states,)
+    layout: Layout  # places of the parts of the state
 
 
 @inlined
-def fill_state(y: Array, x: Array, u: Array, deflections: Array) -> None:
+def fill_state(y: Array, x: Array, u: Array, states: Array) -> None:
     """Fill the state for the equations."""
     n = x.shape[0]
     copy_to(y[:n], x)
     copy_to(y[n : 2 * n], u)
-    for k in range(deflections.shape[0]):
-        y[bristle_place(2 * n, k)] = deflections[k]
+    copy_to(y[2 * n : 2 * n + states.shape[0]], states)
 
 
 @compiled
@@ -126,23 +124,22 @@ def stage_forces(address: PackedArguments, t: float) -> int:
     row = system.stages[stage]
     level = RATES if WEIGHTS[stage] != 0.0 else ACCELERATIONS
     pace.evaluations += 1
-    fill_state(system.y, system.x, system.u, system.deflections)
+    fill_state(system.y, system.x, system.u, system.states)
     fill(system.equations, t, system.y, row, level)
     copy_to(system.force, row[system.y.shape[0] :])
     return pace.evaluations - pace.accepted
 
 
 @compiled
-def stage_bristles(address: PackedArguments, t: float) -> None:
-    """Fill the rates of the bristles of friction in a stage, m/s.
+def stage_states(address: PackedArguments, t: float) -> None:
+    """Fill the rates of the states of interactions in a stage, m/s.
 
-    ``address`` packs TreeSystem and these rates, shape (joints,).
+    ``address`` packs TreeSystem and these rates, shape (states,).
     """
     system, rates = unpack(address)
-    fill_state(system.y, system.x, system.u, system.deflections)
+    fill_state(system.y, system.x, system.u, system.states)
     fill(system.equations, t, system.y, system.out, ACCELERATIONS)
-    for k in range(rates.shape[0]):
-        rates[k] = system.out[bristle_place(2 * system.x.shape[0], k)]
+    copy_to(rates, system.out[system.layout.first_state : system.layout.first_energy])
 
 
 @compiled
@@ -255,18 +252,19 @@ def sum_stages(system: TreeSystem, records: RecorderState, h: float) -> None:
 @compiled
 def add_rates(system: TreeSystem, records: RecorderState, rates: Array, weight: float) -> None:
     """Add the rates of a stage, times a weight, s, to energies, wear and torques of the step."""
-    ledger = records.ledger[0]
-    first = 2 * system.x.shape[0]
-    ledger.drive_work += weight * rates[first + DRIVE_WORK]
-    ledger.drive_exchange += weight * rates[first + DRIVE_EXCHANGE]
-    place = first + DRIVE_INTEGRALS
+    ledger, layout = records.ledger[0], system.layout
+    energies = rates[layout.first_energy : layout.first_dose]
+    ledger.drive_work += weight * energies[DRIVE_WORK]
+    ledger.drive_exchange += weight * energies[DRIVE_EXCHANGE]
+    ledger.load_work += weight * energies[LOAD_WORK]
+    ledger.contact_loss += weight * energies[CONTACT_LOSS]
+    ledger.friction_loss += weight * energies[FRICTION_LOSS]
+    ledger.made += weight * energies[MADE]
+    place = layout.first_dose
     for k in range(records.memory.shape[0]):
-        ledger.contact_loss += weight * rates[place + CONTACT_LOSS]
-        ledger.friction_loss += weight * rates[place + FRICTION_LOSS]
-        ledger.made += weight * rates[place + MADE]
         records.wear_integrals[k].work += weight * rates[place + WORK]
         records.wear_integrals[k].pressure += weight * rates[place + PRESSURE]
-        place += JOINT_RATES
+        place += DOSE_COUNT
     for k in range(records.drives.shape[0]):
         drive = records.drives[k]
         drive.torque_integral += weight * rates[place + TORQUE]
@@ -274,20 +272,18 @@ def add_rates(system: TreeSystem, records: RecorderState, rates: Array, weight: 
         drive.work += weight * rates[place + POWER]
         drive.power_square_integral += weight * rates[place + POWER_SQUARE]
         place += TORQUE_INTEGRALS
-    if place < system.y.shape[0]:
-        ledger.load_work += weight * rates[place]
 
 
 @compiled
 def place(
-    system: TreeSystem, records: RecorderState, t: float, x: Array, u: Array, deflections: Array
+    system: TreeSystem, records: RecorderState, t: float, x: Array, u: Array, states: Array
 ) -> None:
     """Fill motion of all bodies, contacts and torques in a state of the tree."""
-    fill_state(system.y, x, u, deflections)
+    fill_state(system.y, x, u, states)
     fill(system.equations, t, system.y, system.out, END)
-    first = 2 * x.shape[0] + DRIVE_INTEGRALS + JOINT_RATES * records.memory.shape[0]
     for k in range(records.torque.shape[0]):
-        records.torque[k] = system.out[first + TORQUE_INTEGRALS * k + TORQUE]
+        place = system.layout.first_torque + TORQUE_INTEGRALS * k
+        records.torque[k] = system.out[place + TORQUE]
 
 
 @compiled
@@ -297,7 +293,7 @@ def place_start(address: PackedArguments, t: float) -> None:
     ``address`` packs TreeSystem and RecorderState.
     """
     system, records = unpack(address)
-    place(system, records, t, system.start[0], system.start[1], system.bristles)
+    place(system, records, t, system.start[0], system.start[1], system.start_states)
 
 
 @compiled
@@ -314,15 +310,15 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     h = t - records.output[0].now
     if h > 0.0:
         sum_stages(system, records, h)
-    place(system, records, t, x, u, system.deflections)
+    place(system, records, t, x, u, system.states)
     copy_to(system.start[0], x)
     copy_to(system.start[1], u)
-    copy_to(system.bristles, system.deflections)
+    copy_to(system.start_states, system.states)
     q, v, a, _, _ = system.state
     events = settle(records, t, int(RESOLVED * system.pace[0].parts + 0.5))
     if events > 0:
         copy_to(system.expected, records.onset)
-        place(system, records, t, x, u, system.deflections)
+        place(system, records, t, x, u, system.states)
     events += settle_loads(records.packed.loads, t, q, v, a)
     observe(records, t, h, q, v, a)
     return next_tree_step(records, system, t, h, events)

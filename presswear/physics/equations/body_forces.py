@@ -5,9 +5,8 @@ import numpy as np
 from presswear.linkage.linkage import Linkage
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import END, FORCE, function_of, model_of
-from presswear.physics.equations.integrals import Layout
+from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.writer import write_body_forces
-from presswear.physics.forces import BRISTLE, JOINT_RATES
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 from presswear.tools.compile import pack_arguments
@@ -20,10 +19,11 @@ class BodyForces:
     ----------
     contacts : ndarray of CONTACT
         Contacts of the state evaluated last, with their forces.
-    joint_rates : ndarray
-        Rates of losses and wear in that state, shape (joints, JOINT_RATES), see ``physics.forces``.
-    bristles : ndarray
-        Deflections of the bristles of the joints' friction, m, shape (joints,).
+    energies, doses : ndarray
+        Powers in that state, W, in the order of ``layout.ENERGIES``; rates of wear of the joints,
+        shape (joints, DOSE_COUNT).
+    states : ndarray
+        States of interactions that the next evaluation takes, m.
     """
 
     def __init__(self, linkage: Linkage, packed: Packed, onset: Array | None = None) -> None:
@@ -35,21 +35,16 @@ class BodyForces:
         self._model = model_of(linkage, equations, packed, onset, self.contacts)
         self._arguments = pack_arguments(self._model)
         self._function = function_of(equations.text)
-        self._layout = Layout.of(packed.mass.size, packed)
-        self._y, self._rates = np.zeros((2, equations.size))
-        joints = slice(self._layout.first_joint, self._layout.first_torque)
-        self.joint_rates = self._rates[joints].reshape(count, JOINT_RATES)
-        self.bristles = self._y[joints].reshape(count, JOINT_RATES)[:, BRISTLE]
+        layout = equations.layout
+        self._y, self._rates = np.zeros((2, layout.size))
+        self.states = self._y[layout.first_state : layout.first_energy]
+        self.energies = self._rates[layout.first_energy : layout.first_dose]
+        self.doses = self._rates[layout.first_dose : layout.first_torque].reshape(count, DOSE_COUNT)
 
     def __call__(self, t: float, q: Array, v: Array) -> Array:
         """Return forces and moments on the bodies, N and N m, shape (3 bodies,)."""
-        n = self._layout.coordinates
+        n = q.size
         self._y[:n] = q
         self._y[n : 2 * n] = v
         self._function(self._arguments, t, self._y, self._rates, END)
         return self._model.bodies[FORCE]
-
-    @property
-    def power(self) -> float:
-        """Power of loads with a law and of dampers in the state evaluated last, W."""
-        return float(self._rates[self._layout.load_work]) if self._layout.has_work else 0.0

@@ -2,6 +2,7 @@
 
 from presswear.physics.equations.articulated import Articulated
 from presswear.physics.equations.chain import Chain, Link
+from presswear.physics.equations.layout import TORQUE_INTEGRALS
 from presswear.physics.equations.text import (
     ZERO,
     Text,
@@ -11,16 +12,12 @@ from presswear.physics.equations.text import (
     square,
     total,
 )
+from presswear.physics.interactions.page import Page
 
 
-def write_drives(
-    text: Text, chain: Chain, bodies: dict[str, Articulated], work: int, first: int
-) -> None:
-    """Write the torques of drives, and the rates of their integrals from two places in ``out``.
-
-    ``work`` is that of the work of all drives, before that of its absolute value; ``first`` that
-    of the torque of the first drive, before its square, its power and its square.
-    """
+def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
+    """Write the torques of drives, their power, and the rates of the integrals of both."""
+    text, chain, layout = page.text, page.chain, page.layout
     text.comment("torques and power of the drives")
     _pass_on(text, chain, bodies)
     torques = [ZERO] * len(chain.linkage.drives)
@@ -38,11 +35,12 @@ def write_drives(
         torque = text.let(f"{link.prefix}_torque", torques[k])
         power = text.let(f"{link.prefix}_power", product(torque, link.omega))
         powers.append(power)
+        first = layout.first_torque + TORQUE_INTEGRALS * k
         for i, rate in enumerate((torque, square(torque), power, square(power))):
-            text.write(f"out[{first + 4 * k + i}] = {rate}")
+            text.write(f"out[{first + i}] = {rate}")
     power = text.let("drive_power", total(*powers))
-    text.write(f"out[{work}] = {power}")
-    text.write(f"out[{work + 1}] = abs({power})")
+    page.add_power("drive_work", power)
+    page.add_power("drive_exchange", f"abs({power})")
 
 
 def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:

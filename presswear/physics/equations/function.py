@@ -10,24 +10,15 @@ import numpy as np
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.closed_loops import drive_torques, place_prescribed
-from presswear.physics.contact import CONTACT, note_foundation, note_radial
+from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of, uneven_motion
 from presswear.physics.equations.writer import Equations
-from presswear.physics.friction_and_normal import (
-    ELASTICITIES,
-    FRICTION_FORCES,
-    ONSET_SPEED_FLOOR,
-    Bristles,
-    bristle_force,
-    bristle_rate,
-    elastic_of,
-    round_foundation,
-)
-from presswear.physics.loads import Loads, load_size, spring_pull
+from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR
+from presswear.physics.interactions.kinds import KINDS
+from presswear.physics.loads import Loads
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, pack_prescribed, subtract_inertia
 from presswear.physics.rotation import cos_sin
-from presswear.physics.wear import contact_area
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
     Kernel,
@@ -76,21 +67,16 @@ class Written(NamedTuple):
     model: int  # address of the arrays that they read and fill
 
 
+_KERNELS = (
+    *(cos_sin, drive_torques, place_prescribed, subtract_inertia, uneven_motion),
+    *(kernel for kind in KINDS for kernel in kind.kernels),
+)
 _NAMES = {
     "math": math,
     "ONSET_SPEED_FLOOR": ONSET_SPEED_FLOOR,
     "RATES": RATES,
     "END": END,
-    **{
-        function.__name__: function
-        for function in (
-            *(Bristles, bristle_force, bristle_rate, contact_area, cos_sin, drive_torques),
-            *(elastic_of, load_size, note_foundation, note_radial, place_prescribed),
-            *(round_foundation, spring_pull, subtract_inertia, uneven_motion),
-            *FRICTION_FORCES.values(),
-            *(law for law in ELASTICITIES.values() if not isinstance(law, int)),
-        )
-    },
+    **{kernel.__name__: kernel for kernel in _KERNELS},
     "call": call,
     "unpack": unpack,
 }
@@ -139,7 +125,7 @@ def model_of(
 
 def written(equations: Equations, model: Model) -> Written:
     """Return equations for ``fill``."""
-    packed, y = pack_arguments(model), np.zeros(equations.size)
+    packed, y = pack_arguments(model), np.zeros(equations.layout.size)
     return Written(entry_of(function_of(equations.text), packed, 0.0, y, y, END), packed)
 
 

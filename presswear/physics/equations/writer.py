@@ -6,7 +6,6 @@ one array, so that another clearance needs no other text.
 """
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,11 +16,10 @@ from presswear.physics.equations.bodies import place_bodies
 from presswear.physics.equations.chain import Chain, Link, loose_chain, open_chain
 from presswear.physics.equations.drives import write_drives
 from presswear.physics.equations.generalized_forces import write_generalized_forces
-from presswear.physics.equations.integrals import Layout
-from presswear.physics.equations.joints import JointText
-from presswear.physics.equations.loads import write_loads, write_springs, write_weights
+from presswear.physics.equations.layout import Layout, State
 from presswear.physics.equations.text import Text, Vector, total
-from presswear.physics.forces import JOINT_RATES
+from presswear.physics.interactions.kinds import interactions_of
+from presswear.physics.interactions.page import Page
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 
@@ -38,14 +36,17 @@ class Equations:
         Numbers of the linkage by the names in the text, SI units.
     chain : Chain
         Open tree with its coordinates.
-    size : int
-        Number of components of the state.
+    states : tuple of State
+        States of interactions.
+    layout : Layout
+        Places of the parts of the state.
     """
 
     text: str
     numbers: dict[str, float]
     chain: Chain
-    size: int
+    states: tuple[State, ...]
+    layout: Layout
 
     @property
     def parameters(self) -> Array:
@@ -69,74 +70,72 @@ def write_equations(
     """Return the equations of a linkage, or the reason why none can be written.
 
     ``packed`` is the linkage for kernels, which tells whether its surfaces are round. With forces,
-    those on the coordinates follow in ``out`` behind the rates; no drive may turn a free body then.
+    those on the coordinates follow in ``out`` behind the state; no drive may turn a free body then.
     """
     text = Text()
     chain = open_chain(linkage, text)
     if isinstance(chain, str):
         return chain
-    layout = Layout.of(chain.size, packed)
     place_bodies(text, chain)
     write_weights(text, chain, packed)
-    rates = _write_interactions(text, chain, packed, layout)
+    page = _written_interactions(text, chain, packed)
+    layout = page.layout
     if with_forces:
         write_generalized_forces(text, chain, layout.size)
     bodies = solve_tree(text, chain)
     text.write("")
     with text.block("if level >= RATES:"):
-        rates()
-        write_drives(text, chain, bodies, layout.drive_work, layout.first_torque)
+        write_drives(page, bodies)
+        page.write_rates()
     text.write("")
     with text.block("if level == END:"):
         text.write("q, v, a, force, axes = data.bodies")
         for link in chain.links:
             _record(text, chain, link)
-    return Equations(_function(linkage, text), text.numbers, chain, layout.size)
+    return _equations(linkage, page)
 
 
 def write_body_forces(linkage: Linkage, packed: Packed) -> Equations:
     """Return forces and moments of contacts, springs and loads as text, whatever holds the bodies.
 
     The coordinates are those of all bodies. The function fills the row of forces in ``bodies``, and
-    in ``out`` the rates of the integrals of joints and loads. Weights and constant loads are left
-    to ``packed.weight``.
+    in ``out`` the rates of states and integrals but for those of drives. Weights and constant loads
+    are left to ``packed.weight``.
     """
     text = Text()
     chain = loose_chain(linkage, text)
-    layout = Layout.of(chain.size, packed)
     place_bodies(text, chain)
-    rates = _write_interactions(text, chain, packed, layout)
+    page = _written_interactions(text, chain, packed)
     text.comment("forces and moments about the mass centres")
     text.write("q, v, a, force, axes = data.bodies")
     for link in chain.links:
         for i, part in enumerate((*Vector().plus(*link.forces), total(*link.moments))):
             text.write(f"force[{link.place + i}] = {part}")
-    if len(packed.joints) or layout.has_work:
+    if page.has_rates:
         text.write("")
         with text.block("if level >= RATES:"):
-            rates()
-    return Equations(_function(linkage, text), text.numbers, chain, layout.size)
+            page.write_rates()
+    return _equations(linkage, page)
 
 
-def _write_interactions(
-    text: Text, chain: Chain, packed: Packed, layout: Layout
-) -> Callable[[], None]:
-    """Write springs, loads and contacts; return what writes the rates of their integrals."""
-    powers = [*write_springs(text, chain), *write_loads(text, chain, packed)]
-    joints = [
-        JointText(text, chain, k, packed.joints[k], layout.first_joint + JOINT_RATES * k)
-        for k in range(layout.joints)
-    ]
-    for joint in joints:
-        joint.write()
+def _written_interactions(text: Text, chain: Chain, packed: Packed) -> Page:
+    """Write springs, loads and contacts; return the page with their states and powers."""
+    page = Page(text, chain)
+    for interaction in interactions_of(chain.linkage, packed):
+        interaction.write(page)
+    return page
 
-    def write_rates() -> None:
-        for joint in joints:
-            joint.write_rates()
-        if layout.has_work:
-            text.write(f"out[{layout.load_work}] = {total(*powers)}")
 
-    return write_rates
+def write_weights(text: Text, chain: Chain, packed: Packed) -> None:
+    """Add weights and constant loads to the forces on the bodies."""
+    for link in chain.links:
+        fx, fy, moment = packed.weight[link.place : link.place + 3]
+        force = Vector(
+            text.parameter(f"{link.prefix}_weight_x", fx),
+            text.parameter(f"{link.prefix}_weight_y", fy),
+        )
+        link.forces.append(force)
+        link.moments.append(text.parameter(f"{link.prefix}_constant_moment", moment))
 
 
 def _record(text: Text, chain: Chain, link: Link) -> None:
@@ -151,6 +150,12 @@ def _record(text: Text, chain: Chain, link: Link) -> None:
     for row, values in motion.items():
         for i, value in enumerate(values):
             text.write(f"{row}[{link.place + i}] = {value}")
+
+
+def _equations(linkage: Linkage, page: Page) -> Equations:
+    """Return what is written on a page."""
+    text, states = page.text, tuple(page.states)
+    return Equations(_function(linkage, text), text.numbers, page.chain, states, page.layout)
 
 
 def _function(linkage: Linkage, text: Text) -> str:

@@ -1,8 +1,6 @@
-"""Forces of contacts on the bodies, their powers, and the ledger of energies.
+"""The ledger of energies.
 
-Both forces of a joint act at one common point, so that linear and angular momentum are exact.
-
-The ledger that every engine keeps: drive work + load work = change of kinetic, potential and
+Every engine keeps it: drive work + load work = change of kinetic, potential and
 elastic contact energy + contact loss + friction loss + residual. Load work is that of loads with a
 law, less what dampers of springs take; constant loads have a potential. The normal force does its
 work along n, on the approach e_dot . n; what it does beyond loading the elastic law is the contact
@@ -14,16 +12,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from presswear.physics.loads import spring_energy
+from presswear.linkage.linkage import Linkage
+from presswear.physics.interactions.kinds import KINDS
 from presswear.physics.packed import Packed, depths_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats
-
-# Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
-# its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s
-CONTACT_LOSS, FRICTION_LOSS, MADE, WORK, PRESSURE, BRISTLE = range(6)
-JOINT_RATES = 6  # their number
-
 
 # Sums that an engine keeps step by step, and the powers they went on from
 LEDGER = np.dtype(
@@ -37,13 +30,16 @@ LEDGER = np.dtype(
 )
 
 
-def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
-    """Return the kinetic, potential and elastic energy of a state, J; the last of each contact."""
+def stored_energy(linkage: Linkage, packed: Packed, elastic: Array, q: Array, v: Array) -> float:
+    """Return the kinetic, potential and elastic energy of a state, J.
+
+    ``elastic`` are the energies of the contacts.
+    """
     with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
         kinetic = 0.5 * float(np.sum(packed.mass * v**2))
     potential = -float(packed.weight @ q)
-    springs = spring_energy(packed.springs, q) if len(packed.springs) else 0.0
-    return kinetic + potential + springs + float(np.sum(elastic))
+    stored = sum(kind.stored_energy(linkage, q) for kind in KINDS)
+    return kinetic + potential + stored + float(np.sum(elastic))
 
 
 # Energy that contacts may make, part of what the drives exchanged, before a run is ended

@@ -1,26 +1,30 @@
-"""Contact of a pin with its bearing in a clearance joint: forces, losses, wear, bristles."""
+"""Contact of a pin with its bearing in a clearance joint: forces, losses and wear."""
 
-from presswear.physics.contact import CONTACT
-from presswear.physics.equations.chain import Chain
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
+from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.equations.text import (
     ONE,
     ZERO,
-    Text,
     Vector,
     difference,
     negative,
     product,
     total,
 )
-from presswear.physics.forces import (
-    BRISTLE,
-    CONTACT_LOSS,
-    FRICTION_LOSS,
-    MADE,
-    PRESSURE,
-    WORK,
+from presswear.physics.friction_and_normal import (
+    ELASTICITIES,
+    elastic_of,
+    round_foundation,
 )
-from presswear.physics.friction_and_normal import ELASTICITIES, FRICTION_FORCES
+from presswear.physics.interactions.friction import FRICTION_KERNELS, friction_of
+from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.packed import Packed
+from presswear.physics.wear import contact_area
+from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
 FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
@@ -31,43 +35,68 @@ _FILLED = (
 )
 
 
-# What the text of a joint gives to the rest, zero while it is open
-_RESULTS = (
-    *("normal_force", "friction_force"),
-    *("force_x", "force_y", "pin_moment", "bearing_moment"),
-)
-_RATES = {
-    "contact_loss": CONTACT_LOSS,
-    "friction_loss": FRICTION_LOSS,
-    "made_power": MADE,
-    "wear_work": WORK,
-    "wear_pressure": PRESSURE,
-}
+@dataclass(frozen=True)
+class ClearanceContact:
+    """The contact in a clearance joint, as text."""
+
+    joint: ClearanceJoint
+    record: Records  # of JOINT
+    number: int  # among the clearance joints
+
+    kernels: ClassVar[Kernels] = (
+        *(contact_area, elastic_of, note_foundation, note_radial, round_foundation),
+        *(law for law in ELASTICITIES.values() if not isinstance(law, int)),
+        *FRICTION_KERNELS,
+    )
+
+    @classmethod
+    def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
+        """Return all clearance joints of a linkage."""
+        pairs = zip(linkage.clearances, packed.joints, strict=True)
+        return [cls(joint, record, k) for k, (joint, record) in enumerate(pairs)]
+
+    @classmethod
+    def stored_energy(cls, linkage: Linkage, position: Array) -> float:
+        """Return nothing: the memory of each joint holds its elastic energy."""
+        return 0.0
+
+    def write(self, page: Page) -> None:
+        """Write the contact, its forces on both bodies, its powers and doses of wear."""
+        _ContactText(page, self).write()
 
 
-class JointText:
-    """Text of a clearance joint.
+class _ContactText:
+    """Text of a contact, with expressions of the fields of CONTACT."""
 
-    ``record`` is that of the joint for kernels, ``number`` its place among the joints, ``rates``
-    the place in ``out`` of the first of its rates.
-    """
-
-    def __init__(self, text: Text, chain: Chain, number: int, record: Records, rates: int) -> None:
-        joint = chain.linkage.clearances[number]
-        self.text, self.joint, self.number, self.record = text, joint, number, record
-        self.rates = rates
+    def __init__(self, page: Page, contact: ClearanceContact) -> None:
+        text, chain, joint = page.text, page.chain, contact.joint
+        self.page, self.text, self.joint = page, text, joint
+        self.number, self.record = contact.number, contact.record
         self.prefix = text.prefix(joint.name)
         self.bearing, self.pin = chain.of(joint.bearing.body), chain.of(joint.pin.body)
         self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
         self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
-        self.is_worn = bool(record["surface_bins"] > 0)
-        self.fields: dict[str, str] = {}  # expressions of the fields of CONTACT
-        law = record["friction"]
-        self.bristles = ""  # parameters of friction with a state
-        if law["bristle_stiffness"] > 0.0:
-            words = ("coefficient", "static", "stribeck", "bristle_stiffness", "bristle_damping")
-            numbers = (self.parameter(f"friction_{word}", law[word]) for word in words)
-            self.bristles = f"Bristles({', '.join(numbers)})"
+        self.is_worn = bool(contact.record["surface_bins"] > 0)
+        self.fields: dict[str, str] = {}
+        self.friction = friction_of(page, self.prefix, joint.friction, self.record["friction"])
+
+    @property
+    def makes_energy(self) -> bool:
+        """True if the normal force may do more work than its elastic energy and damping allow.
+
+        A user law may push harder where it opens, and a worn profile may drive the pin.
+        """
+        return self.is_worn or self.joint.round_normal.user_law is not None
+
+    @property
+    def wears(self) -> bool:
+        """True if an account of wear is kept."""
+        return bool(self.record["wear_coefficient"] > 0.0)
+
+    @property
+    def wears_by_pressure(self) -> bool:
+        """True if the account is of pressure times slip."""
+        return self.wears and not self.record["over_arc"]
 
     def name(self, word: str) -> str:
         """Return the name of a variable of the joint."""
@@ -95,10 +124,10 @@ class JointText:
         bodies = f"pin of {joint.pin.body} in a bearing of {joint.bearing.body}"
         text.comment(f"{joint.name}: {bodies}, with clearance")
         onset = self.let("onset_speed", f"data.onset[{self.number}]")
-        for word in (*_RESULTS, *_RATES):
-            text.write(f"{self.name(word)} = {ZERO}")
-        if self.bristles:
-            # They move in open joints, too.
+        for name in self._results():
+            text.write(f"{name} = {ZERO}")
+        if self.friction.has_state:
+            # It changes in open joints, too.
             self._write_contact(onset)
         else:
             with text.block(f"if {onset} >= {ZERO} or level == END:"):
@@ -108,10 +137,22 @@ class JointText:
             link.forces.append(force.times(sign))
             link.moments.append(self.name(f"{end}_moment"))
 
-    def write_rates(self) -> None:
-        """Write the rates of the integrals of the joint."""
-        for word, place in _RATES.items():
-            self.text.write(f"out[{self.rates + place}] = {self.name(word)}")
+    def _results(self) -> list[str]:
+        """Return the names of what is zero while the joint is open; declare powers and doses."""
+        words = ["normal_force", "friction_force"]
+        words += ["force_x", "force_y", "pin_moment", "bearing_moment"]
+        powers = ["contact_loss"]
+        if self.joint.friction.coefficient > 0.0:
+            powers.append("friction_loss")
+        if self.makes_energy:
+            powers.append("made")
+        for energy in powers:
+            self.page.add_power(energy, self.name(energy))
+        doses = ["work"] * self.wears + ["pressure"] * self.wears_by_pressure
+        for dose in doses:
+            self.page.set_dose(self.number, dose, self.name(f"wear_{dose}"))
+        words += [*powers, *(f"wear_{dose}" for dose in doses)]
+        return [self.name(word) for word in words]
 
     def _write_contact(self, onset: str) -> None:
         """Write the motion of the pin, its forces, and at the end of a step the record."""
@@ -128,9 +169,8 @@ class JointText:
             product(self.pin.omega, self.value("pin_arm")),
             negative(product(self.bearing.omega, self.value("bearing_arm"))),
         )
-        self.fields["sliding"] = self.let("sliding", sliding)
-        if self.bristles:
-            self._write_bristles()
+        sliding = self.fields["sliding"] = self.let("sliding", sliding)
+        self.friction.write_state(sliding, f"{self.value('penetration')} > {ZERO}")
         with text.block(f"if {self.value('penetration')} > {ZERO}:"):
             if not self.is_worn:
                 self._write_elastic()
@@ -236,7 +276,7 @@ class JointText:
         along = normal.times(f"-{size}")
         if self.joint.friction.coefficient > 0.0:
             across = self.name("friction_force")
-            text.write(f"{across} = {self._friction(size)}")
+            text.write(f"{across} = {self.friction.force(size)}")
             along = along.plus(normal.swept(across))
         force = Vector(self.name("force_x"), self.name("force_y"))
         text.write(f"{force.x} = {along.x}")
@@ -244,7 +284,7 @@ class JointText:
         self._write_moments(size, normal, force)
         with text.block("if level >= RATES:"):
             self._write_losses(size, across)
-            if self.record["wear_coefficient"] > 0.0:
+            if self.wears:
                 self._write_wear(size)
 
     def _normal_force(self, onset: str) -> str:
@@ -261,32 +301,6 @@ class JointText:
         if law.user_law is None:
             return f"max({elastic} * ({ONE} + {damping} * {closing} / {started}), {ZERO})"
         return f"max({self._call_normal(self.value('penetration'), closing, started)}, {ZERO})"
-
-    def _friction(self, normal: str) -> str:
-        """Return the friction force along the tangent."""
-        law, sliding = self.joint.friction, self.value("sliding")
-        if self.bristles:
-            state = f"{self.value('bristle')}, {self.value('bristle_rate')}"
-            return f"bristle_force({normal}, {sliding}, {state}, {self.bristles})"
-        rest = (
-            self.parameter("friction_coefficient", law.coefficient),
-            self.parameter("lower_speed", law.lower),
-            self.parameter("upper_speed", law.upper),
-        )
-        arguments = ", ".join((sliding, normal, *rest))
-        if law.user_law is None:
-            return f"{FRICTION_FORCES[law.name].__name__}({arguments})"
-        address = self.parameter("friction_law", self.record["friction"]["force"])
-        return f"call(int({address}), ({arguments}))"
-
-    def _write_bristles(self) -> None:
-        """Write the rate of the deflection of the bristles."""
-        bristle = self.let("bristle", f"y[{self.rates + BRISTLE}]")
-        is_closed = f"{self.value('penetration')} > {ZERO}"
-        arguments = f"{self.value('sliding')}, {bristle}, {is_closed}, {self.bristles}"
-        rate = self.let("bristle_rate", f"bristle_rate({arguments})")
-        self.text.write(f"out[{self.rates + BRISTLE}] = {rate}")
-        self.fields |= {"bristle": bristle, "bristle_rate": rate}
 
     def _write_moments(self, size: str, normal: Vector, force: Vector) -> None:
         """Write the moments about both mass centres of a force at one common point."""
@@ -310,18 +324,20 @@ class JointText:
     def _write_losses(self, normal: str, across: str) -> None:
         """Write the powers lost in contact and in friction, and made by the normal law."""
         write, elastic, closing = self.text.write, self.value("elastic"), self.value("closing")
+        contact_loss = self.name("contact_loss")
         lost = product(difference(normal, elastic), closing)
-        write(f"{self.name('contact_loss')} = {lost}")
-        write(f"{self.name('friction_loss')} = {negative(product(across, self.value('sliding')))}")
-        made = self.name("made_power")
+        write(f"{contact_loss} = {lost}")
+        if across != ZERO:
+            rubbed = product(across, self.value("sliding"))
+            write(f"{self.name('friction_loss')} = {negative(rubbed)}")
+        if not self.makes_energy:
+            return
+        made = self.name("made")
+        write(f"{made} = -min({lost}, {ZERO})")
         if self.is_worn:
             work = product(normal, difference(self.value("approach"), closing))
-            write(f"{made} = {negative(work)}")
-            write(f"{self.name('contact_loss')} += {work}")
-        elif self.joint.round_normal.user_law is None:
-            return
-        # A user law may push harder where it opens, and a worn profile may drive the pin.
-        write(f"{made} -= min({lost}, {ZERO})")
+            write(f"{made} -= {work}")
+            write(f"{contact_loss} += {work}")
 
     def _write_wear(self, normal: str) -> None:
         """Write the rates of wear: of the load distance, or also of pressure times slip."""
@@ -333,7 +349,7 @@ class JointText:
             slip = f"({radius} + {depth}) * abs({turning})"
         work = self.name("wear_work")
         write(f"{work} = {normal} * {slip}")
-        if self.record["over_arc"]:
+        if not self.wears_by_pressure:
             return
         half = f"0.5 * {depth}"
         sizes = (

@@ -1,0 +1,1 @@
+"""What acts between bodies: one file a kind, with its text in the equations and its kernels."""

@@ -1,0 +1,67 @@
+"""Friction laws of a contact, as text."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+from presswear.linkage.laws import FrictionLaw
+from presswear.physics.friction_and_normal import FRICTION_FORCES
+from presswear.physics.interactions.lugre import LuGre
+from presswear.physics.interactions.page import Kernels, Page
+from presswear.tools.compile import Records
+
+
+class FrictionText(Protocol):
+    """A friction law in the text of a contact."""
+
+    kernels: ClassVar[Kernels]  # that its text calls by name
+    has_state: ClassVar[bool]  # it changes in open joints, too
+
+    def write_state(self, sliding: str, is_closed: str) -> None:
+        """Write the rate of its state, from the sliding speed and whether the contact is closed."""
+        ...
+
+    def force(self, normal: str) -> str:
+        """Return the friction force along the tangent, under a normal force."""
+        ...
+
+
+@dataclass
+class FrictionWithoutState:
+    """A function of FRICTION_PARAMETERS: one of FRICTION_FORCES, or that of a user."""
+
+    page: Page
+    prefix: str  # of the joint
+    law: FrictionLaw
+    record: Records  # of FRICTION
+    sliding: str = ""
+
+    kernels: ClassVar[Kernels] = tuple(FRICTION_FORCES.values())
+    has_state: ClassVar[bool] = False
+
+    def write_state(self, sliding: str, is_closed: str) -> None:
+        """Keep the sliding speed."""
+        self.sliding = sliding
+
+    def force(self, normal: str) -> str:
+        """Return the call of the law."""
+        text, law = self.page.text, self.law
+        numbers = (
+            text.parameter(f"{self.prefix}_friction_coefficient", law.coefficient),
+            text.parameter(f"{self.prefix}_lower_speed", law.lower),
+            text.parameter(f"{self.prefix}_upper_speed", law.upper),
+        )
+        arguments = ", ".join((self.sliding, normal, *numbers))
+        if law.user_law is None:
+            return f"{FRICTION_FORCES[law.name].__name__}({arguments})"
+        address = text.parameter(f"{self.prefix}_friction_law", self.record["force"])
+        return f"call(int({address}), ({arguments}))"
+
+
+def friction_of(page: Page, prefix: str, law: FrictionLaw, record: Records) -> FrictionText:
+    """Return the friction law of a joint, whose names in the text begin with a prefix."""
+    if record["bristle_stiffness"] > 0.0:
+        return LuGre(page, prefix, record)
+    return FrictionWithoutState(page, prefix, law, record)
+
+
+FRICTION_KERNELS = (*FrictionWithoutState.kernels, *LuGre.kernels)

@@ -1,0 +1,15 @@
+"""All kinds of interactions. The writer of equations walks them and knows no kind by name."""
+
+from presswear.linkage.linkage import Linkage
+from presswear.physics.interactions.clearance import ClearanceContact
+from presswear.physics.interactions.load import LoadWithLaw
+from presswear.physics.interactions.page import Interaction
+from presswear.physics.interactions.spring import SpringAndDamper
+from presswear.physics.packed import Packed
+
+KINDS: tuple[type[Interaction], ...] = (SpringAndDamper, LoadWithLaw, ClearanceContact)
+
+
+def interactions_of(linkage: Linkage, packed: Packed) -> list[Interaction]:
+    """Return all that acts on the bodies of a linkage, in the order in which it is written."""
+    return [one for kind in KINDS for one in kind.all_of(linkage, packed)]

@@ -1,0 +1,144 @@
+"""LuGre's friction: bristles with a deflection that is a state of the contact.
+
+Stiffness and damping are per unit of normal force (Canudas de Wit, Olsson, Astrom and Lischinsky,
+1995).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.touchdown import joint_crossing
+from presswear.tools.compile import Records, compiled, inlined
+
+
+class Bristles(NamedTuple):
+    """Parameters of LuGre's law; see ``linkage.laws.FrictionLaw``."""
+
+    coefficient: float
+    static: float
+    stribeck: float
+    bristle_stiffness: float
+    bristle_damping: float
+
+
+@inlined
+def stribeck_coefficient(sliding: float, law: Records) -> float:
+    """Return the friction coefficient g of LuGre's law in steady sliding at a speed, m/s."""
+    ratio = sliding / law.stribeck
+    return law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
+
+
+@compiled
+def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
+    """Return the rate of the mean deflection z, m, of the bristles of LuGre's law, m/s.
+
+    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
+    Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that touch nothing bear
+    no force: sigma_0 z + sigma_1 z' = 0.
+    """
+    free = -law.bristle_stiffness / law.bristle_damping * bristle
+    slip_coefficient = stribeck_coefficient(sliding, law)
+    closed = sliding - law.bristle_stiffness * abs(sliding) * bristle / slip_coefficient
+    return closed if is_closed else free
+
+
+@compiled
+def bristle_force(
+    normal: float, sliding: float, bristle: float, rate: float, law: Records
+) -> float:
+    """Return the friction of bristles, N: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
+
+    Damping that did not fade would make energy in steady sliding (Olsson 1996). Where z changes,
+    ``linkage.laws.greatest_bristle_damping`` keeps the force from driving the sliding.
+    """
+    ratio = sliding / law.stribeck
+    damping = law.bristle_damping * math.exp(-ratio * ratio)
+    return -normal * (law.bristle_stiffness * bristle + damping * rate)
+
+
+@dataclass
+class LuGre:
+    """LuGre's friction in the text of a contact."""
+
+    page: Page
+    prefix: str  # of the joint
+    record: Records  # of FRICTION
+    sliding: str = ""
+
+    kernels: ClassVar[Kernels] = (Bristles, bristle_rate, bristle_force)
+    has_state: ClassVar[bool] = True
+
+    @property
+    def _law(self) -> str:
+        """Parameters of the law."""
+        numbers = (
+            self.page.text.parameter(f"{self.prefix}_friction_{word}", self.record[word])
+            for word in Bristles._fields
+        )
+        return f"Bristles({', '.join(numbers)})"
+
+    def write_state(self, sliding: str, is_closed: str) -> None:
+        """Write the rate of the deflection of the bristles."""
+        text, record = self.page.text, self.record
+        name = f"{self.prefix}_bristle"
+        # Bristles slip at the deflection c_s / sigma_0.
+        place = self.page.add_state(name, record["static"] / record["bristle_stiffness"])
+        self.sliding = sliding
+        bristle = text.let(name, f"y[{place}]")
+        rate = f"bristle_rate({sliding}, {bristle}, {is_closed}, {self._law})"
+        text.write(f"out[{place}] = {text.let(f'{name}_rate', rate)}")
+
+    def force(self, normal: str) -> str:
+        """Return the call of the law."""
+        name = f"{self.prefix}_bristle"
+        return f"bristle_force({normal}, {self.sliding}, {name}, {name}_rate, {self._law})"
+
+
+@compiled
+def bristle_in_contact(
+    bristle: float, started: float, sliding: float, h: float, law: Records
+) -> float:
+    """Return the deflection of the bristles, m, after a step h, s, in contact.
+
+    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends,
+    ``started`` and ``sliding``, m/s. The rule is of second order, exact at constant speed, and
+    does not oscillate where b h is large.
+    """
+    b = abs(started) / stribeck_coefficient(started, law)
+    b += abs(sliding) / stribeck_coefficient(sliding, law)
+    b *= 0.5 * law.bristle_stiffness
+    weight = -math.expm1(-b * h) / b if b > 0.0 else h
+    return bristle + weight * (0.5 * (started + sliding) - b * bristle)
+
+
+@compiled
+def bristle_in_flight(bristle: float, h: float, law: Records) -> float:
+    """Return the deflection of the bristles, m, after a time ``h``, s, without contact."""
+    return bristle * math.exp(-law.bristle_stiffness / law.bristle_damping * h)
+
+
+@compiled
+def next_bristle(
+    law: Records, last: Records, contact: Records, bristle: float, started: float, t: float
+) -> float:
+    """Return the deflection of the bristles, m, at ``t``, s, the end of a step.
+
+    ``last`` is a record of MEMORY, ``bristle`` the deflection and ``started`` the sliding speed,
+    m/s, of the start of the step. The trapezoidal rule would swing where bristles are stiff. A step
+    in which the pin touches down or separates is divided there.
+    """
+    h, sliding = t - last.time, contact.sliding
+    is_closed = last.penetration > 0.0
+    event = min(joint_crossing(last, contact, is_closed, h)[0], 1.0) * h
+    if contact.penetration > 0.0:
+        if is_closed:
+            return bristle_in_contact(bristle, started, sliding, h, law)
+        # Only the part behind the touchdown slides in contact, at nearly the final speed.
+        touched = bristle_in_flight(bristle, event, law)
+        return bristle_in_contact(touched, sliding, sliding, h - event, law)
+    if is_closed:
+        left = bristle_in_contact(bristle, started, sliding, event, law)
+        return bristle_in_flight(left, h - event, law)
+    return bristle_in_flight(bristle, h, law)

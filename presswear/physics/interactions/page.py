@@ -1,0 +1,83 @@
+"""The page on which interactions write their part of the equations of a linkage."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol, Self
+
+from presswear.linkage.linkage import Linkage
+from presswear.physics.equations.chain import Chain
+from presswear.physics.equations.layout import DOSES, ENERGIES, Layout, State, layout_of
+from presswear.physics.equations.text import Text, total
+from presswear.physics.packed import Packed
+from presswear.tools.arrays import Array
+
+Kernels = tuple[Callable[..., Any], ...]
+
+
+@dataclass
+class Page:
+    """Equations in writing: their text, bodies, states of interactions, and rates of integrals."""
+
+    text: Text
+    chain: Chain
+    states: list[State] = field(default_factory=list)
+    powers: dict[str, list[str]] = field(default_factory=lambda: {name: [] for name in ENERGIES})
+    doses: dict[tuple[int, str], str] = field(default_factory=dict)  # by joint and name
+
+    def add_state(self, name: str, scale: float) -> int:
+        """Declare a state of an interaction, m; return its place in ``y`` and in ``out``."""
+        self.states.append(State(name, scale))
+        return 2 * self.chain.size + len(self.states) - 1
+
+    def add_power(self, energy: str, expression: str) -> None:
+        """Add a power, W, to one of ENERGIES."""
+        self.powers[energy].append(expression)
+
+    def set_dose(self, joint: int, dose: str, expression: str) -> None:
+        """Give the rate of one of DOSES of a joint."""
+        self.doses[joint, dose] = expression
+
+    @property
+    def layout(self) -> Layout:
+        """Layout of the state with all states that are declared."""
+        linkage = self.chain.linkage
+        sizes = len(self.states), len(linkage.clearances), len(linkage.drives)
+        return layout_of(self.chain.size, *sizes)
+
+    @property
+    def has_rates(self) -> bool:
+        """True if there is a rate to write."""
+        return bool(self.doses) or any(self.powers.values())
+
+    def write_rates(self) -> None:
+        """Write the rates of energies and of doses of wear; those of no interaction stay zero."""
+        layout = self.layout
+        for i, powers in enumerate(self.powers.values()):
+            if powers:
+                self.text.write(f"out[{layout.first_energy + i}] = {total(*powers)}")
+        for (joint, dose), rate in self.doses.items():
+            place = layout.first_dose + len(DOSES) * joint + DOSES.index(dose)
+            self.text.write(f"out[{place}] = {rate}")
+
+
+class Interaction(Protocol):
+    """What acts between two bodies, or on one."""
+
+    kernels: ClassVar[Kernels]  # that its text calls by name
+
+    @classmethod
+    def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
+        """Return all of this kind in a linkage; ``packed`` is the linkage for kernels."""
+        ...
+
+    @classmethod
+    def stored_energy(cls, linkage: Linkage, position: Array) -> float:
+        """Return the energy that all of this kind store in a position of all bodies, J."""
+        ...
+
+    def write(self, page: Page) -> None:
+        """Write forces and moments on the bodies; declare states, powers and doses of wear.
+
+        What is a rate of an integral is needed at level RATES only, what is recorded at level END.
+        """
+        ...

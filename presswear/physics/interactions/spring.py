@@ -1,0 +1,125 @@
+"""Springs with dampers between two points."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.loads import Spring
+from presswear.physics.equations.text import ONE, Vector
+from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.packed import Packed
+from presswear.tools.arrays import Array
+from presswear.tools.compile import inlined
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
+
+ENDS_MEET = 1e-9  # distance of the ends of a spring, part of its length, without a direction
+
+
+@inlined
+def spring_pull(
+    dx: float,
+    dy: float,
+    dvx: float,
+    dvy: float,
+    stiffness: float,
+    damping: float,
+    length: float,
+) -> tuple[float, float, float]:
+    """Return the force on the first end of a spring, N, and the power of its damper, W.
+
+    ``dx`` to ``dvy`` are the way from the first end to the second, m, and its rate. A spring of
+    length 0 is linear, k e, and has no force where its ends meet. With another length the force has
+    no direction there, and is not finite.
+    """
+    distance = math.sqrt(dx * dx + dy * dy)
+    elastic = stiffness * (distance - length)
+    if distance == 0.0 and length == 0.0:
+        # Ends that meet have the direction in which they part.
+        dx = dvx
+        dy = dvy
+        speed = math.sqrt(dvx * dvx + dvy * dvy)
+        distance = speed if speed > 0.0 else 1.0
+    rate = (dx * dvx + dy * dvy) / distance
+    pull = elastic + damping * rate
+    return pull * dx / distance, pull * dy / distance, -damping * rate * rate
+
+
+@dataclass(frozen=True)
+class SpringAndDamper:
+    """A spring with its damper, as text."""
+
+    spring: Spring
+
+    kernels: ClassVar[Kernels] = (spring_pull,)
+
+    @classmethod
+    def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
+        """Return all springs of a linkage."""
+        return [cls(spring) for spring in linkage.springs]
+
+    @classmethod
+    def stored_energy(cls, linkage: Linkage, position: Array) -> float:
+        """Return the elastic energy of all springs, J."""
+        energy = 0.0
+        for spring in linkage.springs:
+            stretch = _distance(linkage, spring, position) - spring.length
+            energy += 0.5 * spring.stiffness * stretch * stretch
+        return energy
+
+    def write(self, page: Page) -> None:
+        """Write the forces on both bodies, and the power of the damper."""
+        text, spring = page.text, self.spring
+        prefix = text.prefix(spring.name)
+        first, second = (page.chain.of(end.body) for end in spring.ends)
+        text.comment(f"{spring.name}: spring between {first.body.name} and {second.body.name}")
+        first_arm, second_arm = (
+            link.arm(text, end, prefix)
+            for link, end in zip((first, second), spring.ends, strict=True)
+        )
+        way = second.position.plus(second_arm).minus(first.position.plus(first_arm))
+        way = text.let_vector(prefix, way)
+        velocity = second.velocity_at(second_arm).minus(first.velocity_at(first_arm))
+        velocity = text.let_vector(f"{prefix}_v", velocity)
+        numbers = [
+            text.parameter(f"{prefix}_{word}", getattr(spring, word))
+            for word in ("stiffness", "damping", "length")
+        ]
+        pull = Vector(f"{prefix}_force_x", f"{prefix}_force_y")
+        arguments = ", ".join((*way, *velocity, *numbers))
+        text.write(f"{pull.x}, {pull.y}, {prefix}_power = spring_pull({arguments})")
+        if spring.damping != 0.0:
+            page.add_power("load_work", f"{prefix}_power")
+        first.add_force(first_arm, pull)
+        second.add_force(second_arm, pull.times(f"-{ONE}"))
+
+
+def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
+    """Return the distance of the ends of a spring, m."""
+    first, second = (_place_of(linkage, end, position) for end in spring.ends)
+    return float(np.hypot(*(second - first)))
+
+
+def _place_of(linkage: Linkage, point: Attachment, position: Array) -> Array:
+    """Return the place of a point of a body, or of the frame, m."""
+    if point.body == GROUND:
+        return np.array([point.x, point.y])
+    x, y, angle = position[3 * linkage.index(point.body) :][:3]
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([x + c * point.x - s * point.y, y + s * point.x + c * point.y])
+
+
+def check_springs(linkage: Linkage, position: Array) -> None:
+    """Raise InputError for a spring whose ends meet in a position, unless its length is 0."""
+    for spring in linkage.springs:
+        distance = _distance(linkage, spring, position)
+        if distance <= ENDS_MEET * spring.length and spring.length > 0.0:
+            raise InputError(
+                f"spring {spring.name}: its ends meet at the start, where a spring of length = "
+                f"{written(spring.length, 'm')} has no direction; allowed is length = 0, a linear "
+                "spring without force there, or ends that lie apart"
+            )
