@@ -24,7 +24,7 @@ from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
+from presswear.recording.columns import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, values_of
 from presswear.tools.arrays import Array, read_arrays, write_arrays

@@ -33,8 +33,8 @@ from presswear.campaign.replicates import (
 from presswear.campaign.settled_motions import settling_of
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
+from presswear.recording.columns import cycle_column
 from presswear.recording.film import Film
-from presswear.recording.observe import column_of
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.settling import Settling
@@ -382,7 +382,7 @@ class _Rounds:
             if run
         ]
         cycles = sum(map(len, rows))
-        steps = sum(float(each[:, column_of("steps")].sum()) for each in rows)
+        steps = sum(float(each[:, cycle_column("steps")].sum()) for each in rows)
         seconds = steps * self.runner.scene.solver.step_time / cycles
         watched = self._size * min(WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size)))
         if cycles < watched:

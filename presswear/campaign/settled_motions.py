@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswear.linkage.elements import ClearanceJoint
-from presswear.recording.observe import column_of
+from presswear.recording.columns import cycle_column
 from presswear.recording.settling import (
     Motion,
     Rest,
@@ -29,8 +29,8 @@ def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
     """Return the motion on which each run came to rest, from its rows of cycles."""
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     indices = range(len(joints))
-    places = [[column_of(f"eccentricity_{axis}", k) for axis in "xy"] for k in indices]
-    forces = [column_of("force_max", k) for k in indices]
+    places = [[cycle_column(f"eccentricity_{axis}", k) for axis in "xy"] for k in indices]
+    forces = [cycle_column("force_max", k) for k in indices]
     return [rest_of(signatures(rows[:, places] / clearances, rows[:, forces])) for rows in runs]
 
 
@@ -69,7 +69,7 @@ def _motion(joints: Joints, runs: Sequence[Array], replicates: int, period: int 
     """Return the motion of some rows of cycles, with two rows of start-up before each."""
 
     def mean(name: str, joint: int | None = None) -> Estimate:
-        return pooled([rows[:, column_of(name, joint)] for rows in runs])[0].positive
+        return pooled([rows[:, cycle_column(name, joint)] for rows in runs])[0].positive
 
     def by_joint(name: str) -> dict[str, Estimate]:
         return {joint.name: mean(name, k) for k, joint in enumerate(joints)}

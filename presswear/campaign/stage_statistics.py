@@ -21,6 +21,7 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.ideal import DWELL, Bottom, bottom_of, dwell_of
 from presswear.physics.wear import worn_volume
+from presswear.recording.columns import JOINT_ARRAYS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
@@ -428,10 +429,8 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
     for k, joint in enumerate(joints):
         name = joint.name
         if recording.series == "all":
-            arrays[f"{name}_eccentricity"] = stacked("eccentricity_x", "eccentricity_y", joint=k)
-            arrays[f"{name}_penetration"] = stacked("penetration", joint=k)
-            arrays[f"{name}_force"] = stacked("normal", "tangential", joint=k)
-            arrays[f"{name}_sliding"] = stacked("sliding", joint=k)
+            for array, names in JOINT_ARRAYS.items():
+                arrays[f"{name}_{array}"] = stacked(*names, joint=k)
         arrays[f"{name}_contacts"] = recorder.stored_contacts(k).copy()
         arrays[f"{name}_flight"] = each[:, len(COLUMNS) + k].copy()
         arrays[f"{name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]

@@ -34,7 +34,7 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.ideal import bottom_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
-from presswear.recording.observe import column_of
+from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
@@ -86,11 +86,11 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
     samples = {}
     for k, joint in enumerate(scene.linkage().clearances):
-        forces = rows[:, :, column_of("force_max", k)]
+        forces = rows[:, :, cycle_column("force_max", k)]
         samples[f"{joint.name}.force_max"] = forces.mean(axis=1)
     ideal = bottom_of(scene.ideal)
     if ideal is not None:
-        off = rows[:, :, column_of("bottom_height")] - ideal.height
+        off = rows[:, :, cycle_column("bottom_height")] - ideal.height
         mean = off.mean(axis=1)
         # Where a history wears out in one stroke, only the histories together have a variance.
         is_single = off.shape[1] == 1

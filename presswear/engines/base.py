@@ -18,6 +18,7 @@ from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wear import map_shape
+from presswear.recording.columns import JOINT_SERIES_COUNT, SERIES_COUNT, cycle_columns
 from presswear.recording.film import empty_film
 from presswear.recording.observe import (
     CONTACTS_AT_MOST,
@@ -27,11 +28,8 @@ from presswear.recording.observe import (
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
     ROWS_IN_ALL,
-    SERIES_FIXED,
-    SERIES_JOINT,
     WEAR_INTEGRALS,
     RecorderState,
-    cycle_columns,
     output_motion,
 )
 from presswear.recording.observer import Observer
@@ -152,7 +150,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         counters=counters,
         stored_contacts=np.empty((count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT),
         output=output,
-        series=np.empty((rows, SERIES_FIXED + SERIES_JOINT * count + drives * plan.torques)),
+        series=np.empty((rows, SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques)),
         film=film,
         sampler=sampler,
         cycle=np.zeros(cycle_columns(count, drives)),

@@ -12,7 +12,7 @@ from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.ledger import Ledger
-from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK, STORED_ENERGY_CHANGE
+from presswear.recording.columns import CONTACT_MADE, DRIVE_WORK, STORED_ENERGY_CHANGE
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine, with_cause
 from presswear.tools.arrays import Array, State, named, part

@@ -13,53 +13,43 @@ from presswear.physics.constraints import lever
 from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
 from presswear.physics.wear import deposit_in_bins, deposit_over_arc
+from presswear.recording.columns import (
+    ACCELERATION,
+    ACCELERATION_MAX,
+    BOTTOM_HEIGHT,
+    BOTTOM_TIME,
+    CONTACTS,
+    CYCLE_COUNT,
+    DISPLACEMENT,
+    DISPLACEMENT_MAX,
+    DRIVE_CYCLE_COUNT,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    FORCE_MAX,
+    GIVEN,
+    JOINT_CYCLE_COUNT,
+    JOINT_SERIES_COUNT,
+    LOAD_DISTANCE,
+    NORMAL,
+    PENETRATION,
+    POWER_PEAK,
+    POWER_SQUARE,
+    RETURNED,
+    SERIES_COUNT,
+    SLIDING,
+    STEPS,
+    TANGENTIAL,
+    TIME,
+    TORQUE,
+    TORQUE_PEAK,
+    TORQUE_SQUARE,
+    VELOCITY,
+    VELOCITY_MAX,
+    VELOCITY_MIN,
+)
 from presswear.recording.film import take_frame
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
-
-SERIES_NAMES = ("time", "displacement", "velocity", "acceleration")
-TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)  # columns of a series row
-SERIES_JOINT_NAMES = (
-    *("eccentricity_x", "eccentricity_y", "penetration"),
-    *("normal", "tangential", "sliding"),
-)
-ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)  # per joint
-SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
-CYCLE_FIXED = (
-    *("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps"),
-    *("contact_made", "bottom_height", "bottom_time", "drive_work", "stored_energy_change"),
-)
-DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
-BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK, STORED_ENERGY_CHANGE = 6, 7, 8, 9
-# Columns of a joint, after those of the linkage. The place of its pin is that at the cycle's end.
-CYCLE_JOINT = ("force_max", "load_distance", "contacts", "eccentricity_x", "eccentricity_y")
-FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y = range(5)
-CYCLE_DRIVE = (
-    *("torque_integral", "torque_square_integral", "power_square_integral"),
-    *("work_given", "work_returned", "torque_peak", "power_peak"),
-)
-TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = range(7)
-# Columns of a cycle for each drive: integrals over time, SI units; peaks with their signs.
-CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
-CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
-CYCLE_DRIVE_COUNT = len(CYCLE_DRIVE)
-
-
-def cycle_columns(joints: int, drives: int) -> int:
-    """Return the number of columns in a cycle's row."""
-    return CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * joints + CYCLE_DRIVE_COUNT * drives
-
-
-def column_of(name: str, joint: int | None = None) -> int:
-    """Return the column of a quantity of the linkage, or of a joint, in a cycle's row."""
-    if joint is None:
-        return CYCLE_FIXED.index(name)
-    return CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * joint + CYCLE_JOINT.index(name)
-
-
-SECTION_NAMES = ("place", "velocity")
-SECTION_JOINT_NAMES = (*("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"), "normal")
-# Columns of a Poincare section: of the output point, then of each joint; see OUTPUT and CONTACT.
 
 ROWS_AT_LEAST = 2000  # series rows in a cycle without contact
 ROWS_AT_MOST = 40_000  # room for series rows, per recorded cycle
@@ -130,7 +120,8 @@ class RecorderState(NamedTuple):
     counters: Records  # of COUNTERS
     stored_contacts: Records  # of STORED_CONTACT, shape (joints, rows)
     output: Records  # one of OUTPUT
-    series: Array  # (rows, SERIES_FIXED + SERIES_JOINT joints + drives where torques are stored)
+    # Rows of SERIES, of JOINT_SERIES for each joint, and of torques where they are stored
+    series: Array
     film: Array  # see ``presswear.recording.film``
     sampler: Records  # one of FRAME_SAMPLER
     cycle: Array  # row of the present cycle, see ``cycle_columns``
@@ -250,10 +241,10 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
     Where the power changes its sign in the step, the smaller part of the work is that of a power
     that is linear over the step.  Given and returned work differ by the work of the step.
     """
-    first = records.cycle.shape[0] - CYCLE_DRIVE_COUNT * records.drives.shape[0]
+    first = records.cycle.shape[0] - DRIVE_CYCLE_COUNT * records.drives.shape[0]
     for k in range(records.drives.shape[0]):
         drive = records.drives[k]
-        cycle = records.cycle[first + CYCLE_DRIVE_COUNT * k :]
+        cycle = records.cycle[first + DRIVE_CYCLE_COUNT * k :]
         torque = records.torque[k]
         power = torque * v[records.packed.driven[k]]
         smaller = 0.0
@@ -291,7 +282,7 @@ def note_output(records: RecorderState, t: float, h: float, q: Array, v: Array, 
 def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
     """Add the force, the load distance and the contacts of a joint in a step to the cycle."""
     contact, counts, last = records.contacts[k], records.counters[k], records.memory[k]
-    row = records.cycle[CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k :]
+    row = records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * k :]
     peak = max(contact.normal, last.step_peak)
     if peak > 0.0:
         counts.peak_force = max(counts.peak_force, peak)
@@ -331,7 +322,7 @@ def is_row_due(records: RecorderState, t: float) -> bool:
     if row == 0 or t - state.last_time >= state.interval:
         return True
     for k in range(records.contacts.shape[0]):
-        written = series[row - 1, SERIES_FIXED + SERIES_JOINT * k + NORMAL]
+        written = series[row - 1, SERIES_COUNT + JOINT_SERIES_COUNT * k + NORMAL]
         change = abs(records.contacts[k].normal - written)
         if change > state.force_step * records.counters[k].peak_force:
             return True
@@ -348,14 +339,14 @@ def write_row(output: Records, series: Array, contacts: Records, torque: Array) 
     row[VELOCITY] = state.velocity
     row[ACCELERATION] = state.acceleration
     for k in range(contacts.shape[0]):
-        contact, joint = contacts[k], row[SERIES_FIXED + SERIES_JOINT * k :]
+        contact, joint = contacts[k], row[SERIES_COUNT + JOINT_SERIES_COUNT * k :]
         joint[ECCENTRICITY_X] = contact.eccentricity_x
         joint[ECCENTRICITY_Y] = contact.eccentricity_y
         joint[PENETRATION] = contact.penetration
         joint[NORMAL] = contact.normal
         joint[TANGENTIAL] = contact.tangential
         joint[SLIDING] = contact.sliding
-    first = SERIES_FIXED + SERIES_JOINT * contacts.shape[0]
+    first = SERIES_COUNT + JOINT_SERIES_COUNT * contacts.shape[0]
     for column in range(first, series.shape[1]):
         row[column] = torque[column - first]
     state.rows += 1

@@ -10,24 +10,23 @@ import numpy as np
 from presswear.linkage.surface import Surface
 from presswear.physics.packed import depths_of, pack_surfaces
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, settle
-from presswear.recording.film import Film
-from presswear.recording.observe import (
-    CYCLE_FIXED_COUNT,
-    CYCLE_JOINT_COUNT,
+from presswear.recording.columns import (
+    CYCLE_COUNT,
     DISPLACEMENT_MAX,
     END_X,
     END_Y,
+    JOINT_CYCLE_COUNT,
+    JOINT_SERIES_COUNT,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
-    SERIES_FIXED,
-    SERIES_JOINT,
-    SERIES_JOINT_NAMES,
-    SERIES_NAMES,
+    SERIES_COUNT,
     VELOCITY_MAX,
     VELOCITY_MIN,
-    RecorderState,
-    column_of,
+    cycle_column,
+    series_column,
 )
+from presswear.recording.film import Film
+from presswear.recording.observe import RecorderState
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 
@@ -42,7 +41,7 @@ class Recorder:
     records: RecorderState  # arrays that the kernels fill
     maps: MapBatches  # depth that the finished cycles added to bearing and pin, m
     sections_per_cycle: int = 0
-    # Rows of the finished cycles: columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE
+    # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE and DRIVE_CYCLE
     cycles: Array = field(init=False)
     # Largest depth added by each cycle, and depth after it, of bearing and pin, m, shape (cycles,
     # 2, joints, 2); no row where the surfaces stay
@@ -56,23 +55,21 @@ class Recorder:
 
     @property
     def rows(self) -> Array:
-        """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
+        """Series rows written so far: SERIES, then JOINT_SERIES of each joint, then torques."""
         return self.records.series[: int(self.records.output["rows"][0])]
 
     def series(self, name: str, joint: int | None = None) -> Array:
         """Return a recorded series of the linkage or of a joint, shape (n,)."""
-        if joint is None:
-            return self.rows[:, SERIES_NAMES.index(name)]
-        return self.rows[:, SERIES_FIXED + SERIES_JOINT * joint + SERIES_JOINT_NAMES.index(name)]
+        return self.rows[:, series_column(name, joint)]
 
     @property
     def torques(self) -> Array:
         """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
-        return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.records.memory.size :]
+        return self.rows[:, SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size :]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,)."""
-        return self.cycles[:, column_of(name, joint)]
+        return self.cycles[:, cycle_column(name, joint)]
 
     def since(self, cycle: int) -> "Recorder":
         """Return a recorder without the rows and maps of the first cycles."""
@@ -171,7 +168,7 @@ class Recorder:
     def _note_pins(self) -> None:
         """Write the places of the pins at the end of the cycle into its row."""
         for k, contact in enumerate(self.records.contacts):
-            joint = self.records.cycle[CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k :]
+            joint = self.records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * k :]
             joint[END_X] = contact["eccentricity_x"]
             joint[END_Y] = contact["eccentricity_y"]
 

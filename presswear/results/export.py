@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from presswear.recording.columns import JOINT_SERIES, SERIES
 from presswear.results.press_analysis import Strokes, curves_of, height_of, process_force
 from presswear.results.result import Result
 from presswear.scene.options import FOLLOWED
@@ -29,21 +30,12 @@ from presswear.tools.files import (
 
 Table = Mapping[str, Array]  # columns by name, all of one length
 
-_SERIES = ("time", "displacement", "velocity", "acceleration")  # of the output, from its start
-_JOINT = {
-    "eccentricity_x": "m",  # pin centre minus bearing centre, global
-    "eccentricity_y": "m",
-    "penetration": "m",  # of the pin into the bearing, negative while open
-    "normal_force": "N",  # 0 while open
-    "tangential_force": "N",  # friction, with the sign of the contact model
-    "sliding": "m/s",  # tangential speed at the contact
-}
 _DRIVE = {"angle": "rad", "torque": "N m", "power": "W"}  # torque, power: if stored
 UNITS = {
-    **dict(zip(_SERIES, ("s", "m", "m/s", "m/s^2"), strict=True)),
+    **{column.table_name: column.unit for column in SERIES},
     "height": "m",  # of the output over the ideal bottom dead centre
     "process_force": "N",  # of the work, if the scene has a process
-    **_JOINT,
+    **{column.table_name: column.unit for column in JOINT_SERIES},
     **_DRIVE,
     "strokes": "1",
     **{name: item.unit for name, item in FOLLOWED.items()},
@@ -82,14 +74,14 @@ def unit_of(column: str) -> str:
 def table_of(result: Result, stage: int) -> dict[str, Array]:
     """Return the recorded series of a stage; InputError if there is no such stage."""
     item = result.stage(stage)
-    columns = {name: getattr(item, name) for name in _SERIES}
+    columns = {column.table_name: getattr(item, column.name) for column in SERIES}
     columns["height"] = height_of(result.scene, item)
     force = process_force(result.scene, item)
     if force is not None:
         columns["process_force"] = force
     for name, joint in item.joints.items() if item.has_joint_series else ():
-        values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
-        columns |= {f"{name}_{key}": row for key, row in zip(_JOINT, values, strict=True)}
+        for column in JOINT_SERIES:
+            columns[f"{name}_{column.table_name}"] = joint.series(column.name)
     for body, curve in curves_of(result.scene, item.time, item.arrays.get("drive_torque")).items():
         series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
         columns |= {name: values for name, values in series.items() if values.size}

@@ -25,7 +25,7 @@ from presswear.physics.statics import (
 )
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
-from presswear.recording.observe import CYCLE_DRIVE
+from presswear.recording.columns import DRIVE_CYCLE, names_of
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
@@ -358,10 +358,10 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
         for k in range(scene.replicate_count)
     ]
     cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
-    last = cycles[:, -len(CYCLE_DRIVE) * len(ideal) :].reshape(len(cycles), len(ideal), -1)
+    last = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(len(cycles), len(ideal), -1)
     numbers, peaks = {}, {}
     for k, body in enumerate(ideal):
-        columns = dict(zip(CYCLE_DRIVE, last[:, k].T, strict=True))
+        columns = dict(zip(names_of(DRIVE_CYCLE), last[:, k].T, strict=True))
         peaks[body] = [_mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")]
         if stage.statistics.high_bumps or (settling and settling.is_mixture):
             peaks[body] = [peak and peak.without_interval for peak in peaks[body]]
@@ -444,7 +444,7 @@ def _farthest(values: Array) -> float:
 
 
 def _duties(numbers: Mapping[str, Mapping[str, float]], period: float) -> dict[str, DriveDuty]:
-    """Return duties of drives from the numbers of a cycle, which are named in ``CYCLE_DRIVE``."""
+    """Return duties of drives from the numbers of a cycle, which are named in ``DRIVE_CYCLE``."""
     duties = {}
     for body, item in numbers.items():
         supplied, returned = item["work_given"], item["work_returned"]

@@ -9,7 +9,17 @@ import numpy as np
 from presswear.engines.base import Status
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.recording import observe
+from presswear.recording.columns import (
+    CYCLE_COUNT,
+    JOINT_ARRAYS,
+    JOINT_CYCLE,
+    JOINT_CYCLE_COUNT,
+    JOINT_SERIES,
+    SECTION_JOINT_NAMES,
+    SECTION_NAMES,
+    cycle_column,
+    names_of,
+)
 from presswear.recording.film import Film
 from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
@@ -21,7 +31,6 @@ from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
 
 T = TypeVar("T")
-JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")  # arrays with a row at each time
 
 
 class Joints(dict[str, T]):
@@ -176,10 +185,18 @@ class JointResult:
 
     def _series(self, name: str) -> Array:
         if name not in self.arrays:
-            has_series = any(one in self.arrays for one in JOINT_SERIES)
+            has_series = any(one in self.arrays for one in JOINT_ARRAYS)
             advice = "run the scene again" if has_series else "use series = all"
             raise NotStored(f"joint {self.name}: its {name} was not stored; {advice}")
         return self.arrays[name]
+
+    def series(self, name: str) -> Array:
+        """Return a recorded series by a name of ``columns.JOINT_SERIES``, shape (n,); SI."""
+        for array, names in JOINT_ARRAYS.items():
+            if name in names:
+                values = self._series(array)
+                return values if len(names) == 1 else values[:, names.index(name)]
+        raise unknown("series of a joint", name, names_of(JOINT_SERIES))
 
     @property
     def eccentricity(self) -> Array:
@@ -211,8 +228,8 @@ class JointResult:
         return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
 
     def each_cycle(self, name: str) -> Array:
-        """Return a quantity of each cycle, by a name of ``CYCLE_JOINT``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, observe.CYCLE_JOINT.index(name)]
+        """Return a quantity of each cycle, by a name of ``JOINT_CYCLE``, shape (cycles,); SI."""
+        return self.arrays["cycles"][:, names_of(JOINT_CYCLE).index(name)]
 
     def depth(self, side: str) -> Array:
         """Return the wear depth of ``bearing`` or ``pin`` in the stage, shape (bins,), m."""
@@ -346,7 +363,7 @@ class StageResult:
         """Joints with clearance by name."""
         joints = Joints[JointResult]()
         for k, name in enumerate(self.joint_names):
-            prefix, first = f"{name}_", len(observe.CYCLE_FIXED) + len(observe.CYCLE_JOINT) * k
+            prefix, first = f"{name}_", CYCLE_COUNT + JOINT_CYCLE_COUNT * k
             parts = {
                 key.removeprefix(prefix): array
                 for key, array in self.arrays.items()
@@ -354,7 +371,7 @@ class StageResult:
             }
             source = getattr(self.arrays, "source", self.name)
             arrays = Arrays(parts, f"{source}, joint {name}")
-            arrays["cycles"] = self.arrays["cycles"][:, first : first + len(observe.CYCLE_JOINT)]
+            arrays["cycles"] = self.arrays["cycles"][:, first : first + JOINT_CYCLE_COUNT]
             joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
         return joints
 
@@ -366,14 +383,14 @@ class StageResult:
         """
         if "sections" not in self.arrays:
             raise InputError(f"{self.name}: no sections were stored; use sections = 1")
-        columns = [*observe.SECTION_NAMES]
+        quantities = [*SECTION_NAMES]
         for prefix in self.joint_names:
-            columns += [f"{prefix}.{each}" for each in observe.SECTION_JOINT_NAMES]
+            quantities += [f"{prefix}.{each}" for each in SECTION_JOINT_NAMES]
         column = f"{joint}.{name}" if joint else name
-        if column not in columns:
-            raise unknown("quantity of a section", column, columns)
-        return self.arrays["sections"][:, :, columns.index(column)]
+        if column not in quantities:
+            raise unknown("quantity of a section", column, quantities)
+        return self.arrays["sections"][:, :, quantities.index(column)]
 
     def each_cycle(self, name: str) -> Array:
-        """Return a quantity of each cycle, by a name of ``CYCLE_FIXED``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, observe.column_of(name)]
+        """Return a quantity of each cycle, by a name of ``CYCLE``, shape (cycles,); SI."""
+        return self.arrays["cycles"][:, cycle_column(name)]

@@ -9,8 +9,15 @@ from presswear.engines.base import Plan
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.recording import observe
+from presswear.recording.columns import (
+    JOINT_ARRAYS,
+    JOINT_SERIES_COUNT,
+    SECTION_JOINT_NAMES,
+    SERIES_COUNT,
+    cycle_columns,
+)
 from presswear.recording.film import FILM_CYCLES, FILM_JOINT_COUNT, FRAMES_PER_CYCLE
+from presswear.recording.observe import CONTACTS_AT_MOST, ROWS_AT_MOST, ROWS_IN_ALL
 from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -34,26 +41,26 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     recorded = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
     recorded = scene.recording.recorded_cycles or recorded
     rows = recorded + math.ceil(scene.run_up / scene.mechanism.period)
-    rows = min(rows * observe.ROWS_AT_MOST, observe.ROWS_IN_ALL)
-    contacts = joints * recorded * observe.CONTACTS_AT_MOST * len(CONTACT_COLUMNS)
+    rows = min(rows * ROWS_AT_MOST, ROWS_IN_ALL)
+    contacts = joints * recorded * CONTACTS_AT_MOST * len(CONTACT_COLUMNS)
     # Two sets of replicates, the second with surfaces of their own
     cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
     bins = max((joint.bins for joint in linkage.clearances), default=0)
-    sections = scene.recording.sections * (2 + len(observe.SECTION_JOINT_NAMES) * joints)
-    columns = observe.cycle_columns(joints, drives) + sections + 8 + joints * (1 + 2 * bins)
-    series = observe.SERIES_FIXED + observe.SERIES_JOINT * joints + drives
-    return _HEADS + 8 * (rows * series + contacts + cycles * columns + 8 * joints * bins)
+    sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
+    width = cycle_columns(joints, drives) + sections + 8 + joints * (1 + 2 * bins)
+    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
+    return _HEADS + 8 * (rows * series + contacts + cycles * width + 8 * joints * bins)
 
 
 def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     """Raise InputError for an array of a stage that is missing or has another shape."""
     joints, drives = linkage.clearances, len(linkage.drives)
-    section = 2 + len(observe.SECTION_JOINT_NAMES) * len(joints)
+    section = 2 + len(SECTION_JOINT_NAMES) * len(joints)
     shapes: dict[str, tuple[str | int, ...]] = {
         "time": ("time",),
         "slider": ("time", 3),
         "drive_torque": ("time", drives),
-        "cycles": ("cycles", observe.cycle_columns(len(joints), drives)),
+        "cycles": ("cycles", cycle_columns(len(joints), drives)),
         "cycle_start": ("cycles",),
         "sections": ("sections", scene.recording.sections, section),
         "deviation": ("deviation", 4),
@@ -62,10 +69,10 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     }
     for joint in joints:
         series: dict[str, tuple[str | int, ...]] = {
-            "eccentricity": ("time", 2),
-            "penetration": ("time",),
-            "force": ("time", 2),
-            "sliding": ("time",),
+            name: ("time", len(names)) if len(names) > 1 else ("time",)
+            for name, names in JOINT_ARRAYS.items()
+        }
+        series |= {
             "contacts": (f"contacts of {joint.name}", len(CONTACT_COLUMNS)),
             "flight": ("deviation",),
             "wear_batches": ("wear_batch_cycles", 2, joint.bins),

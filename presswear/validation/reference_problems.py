@@ -24,7 +24,7 @@ from presswear.linkage.elements import (
 )
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Load, Spring
-from presswear.recording.observe import SERIES_NAMES
+from presswear.recording.columns import SERIES, names_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
 from presswear.validation.cases import Case, Check, contacts_of, finished, first_contact, order_of
@@ -305,7 +305,7 @@ def friction_checks() -> Iterator[Check]:
     before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0.0)
     if len(before) != len(extrema):
         raise RunFailed(f"SDND100: expected {len(extrema)} turning points, found {len(before)}")
-    t, x, v, a = (run.recorder.series(name)[before] for name in SERIES_NAMES)
+    t, x, v, a = (run.recorder.series(name)[before] for name in names_of(SERIES))
     left = -v / a
     positions = released + x + left * (v + 0.5 * a * left)
     millimetres = [1e3 * x for x in extrema]

@@ -21,7 +21,7 @@ from presswear.campaign import replicates, service_life, wear_histories
 from presswear.engines import driver
 from presswear.physics.ideal import bottom_of
 from presswear.physics.wear import map_shape
-from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding
 from presswear.scene.options import FOLLOWED, Limit, Service
@@ -305,10 +305,10 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     around = 2.0 * np.pi * joints[1].bearing_radius * joints[1].width * 1e-6
     assert levels["C.wear_volume"][1] == pytest.approx(around, rel=1e-12, abs=0.0)
     ideal = bottom_of(scene.ideal)
-    rows = np.zeros((2, 4, len(CYCLE_FIXED) + 2 * len(CYCLE_JOINT)))
+    rows = np.zeros((2, 4, cycle_columns(2, 0)))
     off = np.array([[1.0, 2.0, 3.0, 4.0], [5.0, 5.0, 5.0, 5.0]])
-    rows[:, :, CYCLE_FIXED.index("bottom_height")] = ideal.height + off
-    column = len(CYCLE_FIXED) + len(CYCLE_JOINT) + CYCLE_JOINT.index("force_max")
+    rows[:, :, cycle_column("bottom_height")] = ideal.height + off
+    column = cycle_column("force_max", 1)
     rows[0, :, column] = 10.0, 20.0, 30.0, 40.0
     samples = wear_histories.samples_of(scene, rows)
     assert samples["bdc_error"] == pytest.approx([2.5, 5.0])

@@ -11,7 +11,7 @@ import pytest
 import presswear as pw
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint
-from presswear.recording.observe import column_of, cycle_columns
+from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results.motions import needs_warning, sentence_of
 from presswear.results.stage import StageStatistics
 from presswear.scene.scene import Scene
@@ -36,13 +36,13 @@ def rows_of(irregular: int, regular: int, force: float = 300.0, place: float = 0
     """Return rows of a run that is irregular for some cycles, then regular for others."""
     generator = np.random.default_rng(irregular + 100)
     rows = np.zeros((irregular + regular, cycle_columns(1, 0)))
-    forces = rows[:, column_of("force_max", 0)]
+    forces = rows[:, cycle_column("force_max", 0)]
     forces[:irregular] = generator.uniform(200.0, 4000.0, irregular)
     forces[irregular:] = force
-    ends = rows[:, column_of("eccentricity_x", 0)]
+    ends = rows[:, cycle_column("eccentricity_x", 0)]
     ends[:irregular] = generator.uniform(-5e-4, 5e-4, irregular)
     ends[irregular:] = place
-    rows[:irregular, column_of("contacts", 0)] = 20.0
+    rows[:irregular, cycle_column("contacts", 0)] = 20.0
     return rows
 
 

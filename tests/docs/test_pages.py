@@ -24,7 +24,7 @@ import presswear as pw
 from presswear.cli import COMMANDS
 from presswear.cli.parser import joined, parser_for
 from presswear.cli.terminal import parse_settings
-from presswear.recording import observe
+from presswear.recording.columns import CYCLE, DRIVE_CYCLE, JOINT_CYCLE
 from presswear.results.life import LifeResult
 from presswear.scene.settings import changed
 from presswear.show import figures
@@ -262,8 +262,8 @@ def test_arrays_on_the_page_are_those_of_a_stage() -> None:
                 expected = int(word) if word.isdigit() else sizes.setdefault(word, size)
                 assert size == expected or word == "columns", f"{name}: {word}"
     assert listed == set(stage.arrays)
-    columns = {*observe.CYCLE_FIXED, *observe.CYCLE_JOINT, *observe.CYCLE_DRIVE}
-    assert columns <= set(re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :]))
+    names = {column.name for column in (*CYCLE, *JOINT_CYCLE, *DRIVE_CYCLE)}
+    assert names <= set(re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :]))
 
 
 def test_examples_of_the_reference_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ import presswear as pw
 from presswear.linkage.surface import bin_centres
 from presswear.paper.evidence import Evidence
 from presswear.paper.settings import BASE, CASES, JOINTS, base_scene, run_name
-from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.columns import CYCLE, JOINT_CYCLE, names_of
 from presswear.results.stage import StageStatistics
 from presswear.tools.arrays import Array
 
@@ -24,7 +24,7 @@ EVEN = {"A": 200.0, "C": 100.0}  # mean peak forces, N
 def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
     """Return a row per cycle: peaks scatter by a tenth, with seven contacts in each cycle."""
     draw = np.random.default_rng(seed)
-    columns = {name: np.zeros(CYCLES) for name in CYCLE_FIXED}
+    columns = {name: np.zeros(CYCLES) for name in names_of(CYCLE)}
     peaks = {"displacement": (0.107, 1e-4), "velocity": (0.99, 1e-3), "acceleration": (1e3, 0.1)}
     for name, (mean, part) in peaks.items():
         columns[f"{name}_max"] = mean * (1.0 + part * draw.normal(size=CYCLES))
@@ -36,7 +36,7 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
             "eccentricity_x": np.zeros(CYCLES),
             "eccentricity_y": np.zeros(CYCLES),
         }
-        columns |= {f"{joint}_{name}": numbers[name] for name in CYCLE_JOINT}
+        columns |= {f"{joint}_{name}": numbers[name] for name in names_of(JOINT_CYCLE)}
     return np.column_stack(list(columns.values()))
 
 

@@ -11,12 +11,12 @@ from known_results import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 from presswear.paper.evidence import QUANTITIES, Evidence, Measured
 from presswear.paper.printed import Place
 from presswear.paper.settings import BASE, base_scene
-from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.columns import cycle_column
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.bearing import CONVENTIONS
 
 SETTING = "wear-times"
-FORCE = len(CYCLE_FIXED) + CYCLE_JOINT.index("force_max")  # column of the first joint
+FORCE = cycle_column("force_max", 0)  # column of the first joint
 SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
 one = partial(stage, SETTING)
 BODY = replace(CONVENTIONS["standard"], map_frame="body")

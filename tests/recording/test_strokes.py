@@ -12,7 +12,8 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.physics.ideal import bottom_of
-from presswear.recording.observe import BOTTOM_HEIGHT, BOTTOM_TIME, lowest_between, note_bottom
+from presswear.recording.columns import BOTTOM_HEIGHT, BOTTOM_TIME
+from presswear.recording.observe import lowest_between, note_bottom
 from presswear.scene.catalog import ideal
 
 SPEED = 11.0

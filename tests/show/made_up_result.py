@@ -7,7 +7,7 @@ import numpy as np
 
 import presswear as pw
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.recording.observe import CYCLE_FIXED, cycle_columns
+from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results import stage as stages
 from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
 from presswear.scene.bearing import CONVENTIONS
@@ -36,7 +36,7 @@ def _stage(scene: pw.Scene, index: int, status: Any, message: str) -> stages.Sta
         "cycles": np.zeros((2, cycle_columns(len(scene.clearance_joints), 2))),
         "cycle_start": np.zeros(2),
     }
-    arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
+    arrays["cycles"][:, cycle_column("bottom_height")] = -0.5878, -0.5879
     if scene.drive_torque == "on":
         arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
     each, turn = pw.Estimate.symmetric(80.0, 12.0, 2), 6.0 * np.pi * time / time[-1]

@@ -23,7 +23,7 @@ from matplotlib.path import Path as Curve
 import presswear as pw
 from presswear.campaign.campaign import run
 from presswear.linkage.surface import bin_centres
-from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.columns import CYCLE, JOINT_CYCLE, names_of
 from presswear.results.oil_film import oil_films
 from presswear.results.press_analysis import ideal_curves
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
@@ -181,7 +181,7 @@ def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
 def test_peaks_come_from_the_cycles_not_from_the_thinned_series(figure: str, column: str) -> None:
     result = made_up(made.IDEAL if figure == "response" else made.BOTH, 1)
     cycles = result.stages[0].arrays["cycles"]
-    cycles[:, (*CYCLE_FIXED, *CYCLE_JOINT).index(column)] = 2000.0, 3000.0
+    cycles[:, names_of((*CYCLE, *JOINT_CYCLE)).index(column)] = 2000.0, 3000.0
     words = [text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts]
     assert "largest 3\u202f000 " in words[0]
 

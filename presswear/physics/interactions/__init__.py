@@ -1,1 +1,1 @@
-"""What acts between bodies: one file a kind, with its text in the equations and its kernels."""
+"""Forces between bodies: one file a kind, with its text in the equations and its kernels."""

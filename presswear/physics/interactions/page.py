@@ -61,7 +61,7 @@ class Page:
 
 
 class Interaction(Protocol):
-    """What acts between two bodies, or on one."""
+    """Forces between two bodies, or on one."""
 
     kernels: ClassVar[Kernels]  # that its text calls by name
 

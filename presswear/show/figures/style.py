@@ -19,8 +19,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation
 from numpy.typing import ArrayLike
 
+from presswear.recording.columns import JOINT_ARRAYS
 from presswear.results.result import Result
-from presswear.results.stage import JOINT_SERIES, StageResult
+from presswear.results.stage import StageResult
 from presswear.tools.numbers import (
     SUPERSCRIPT,
     large,
@@ -152,7 +153,7 @@ def between(stage: StageResult, start: float, end: float) -> StageResult:
     first = int(np.searchsorted(stage.time, start))
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
     series = ["time", "slider", "drive_torque"]
-    series += [f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_SERIES]
+    series += [f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS]
     cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
     return replace(stage, arrays={**stage.arrays, **cut})
 

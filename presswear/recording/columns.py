@@ -1,0 +1,124 @@
+"""What a run records, each number declared once: series, numbers of each cycle, sections.
+
+Recorder, statistics, stored stages and tables read these lists; ``observe`` fills the columns.
+"""
+
+from typing import NamedTuple
+
+
+class Column(NamedTuple):
+    """A recorded number."""
+
+    name: str
+    unit: str
+    text: str
+    exported: str = ""  # name in tables, if it is another one
+
+    @property
+    def table_name(self) -> str:
+        """Name in tables."""
+        return self.exported or self.name
+
+
+def names_of(columns: tuple[Column, ...]) -> tuple[str, ...]:
+    """Return the names of columns."""
+    return tuple(column.name for column in columns)
+
+
+# Series of the output point, then of each joint
+SERIES = (
+    Column("time", "s", "since the start of the run"),
+    Column("displacement", "m", "of the output point from its start"),
+    Column("velocity", "m/s", "of the output point"),
+    Column("acceleration", "m/s^2", "of the output point"),
+)
+TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(len(SERIES))
+JOINT_SERIES = (
+    Column("eccentricity_x", "m", "pin centre minus bearing centre, to the right"),
+    Column("eccentricity_y", "m", "and upwards"),
+    Column("penetration", "m", "of the pin into the bearing, negative while open"),
+    Column("normal", "N", "normal force, 0 while open", "normal_force"),
+    Column("tangential", "N", "friction, with the sign of the contact model", "tangential_force"),
+    Column("sliding", "m/s", "tangential speed at the contact"),
+)
+ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(len(JOINT_SERIES))
+# Arrays of a joint in a stored stage, and the series that they hold
+JOINT_ARRAYS = {
+    "eccentricity": ("eccentricity_x", "eccentricity_y"),
+    "penetration": ("penetration",),
+    "force": ("normal", "tangential"),
+    "sliding": ("sliding",),
+}
+
+# Numbers of each cycle: of the output point and the energies, then of each joint and each drive
+CYCLE = (
+    Column("displacement_max", "m", "greatest displacement of the output point"),
+    Column("velocity_min", "m/s", "least velocity"),
+    Column("velocity_max", "m/s", "greatest velocity"),
+    Column("acceleration_max", "m/s^2", "greatest size of the acceleration"),
+    Column("steps", "1", "accepted steps"),
+    Column("contact_made", "J", "made by normal laws"),
+    Column("bottom_height", "m", "lowest place of the output point"),
+    Column("bottom_time", "s", "when it is there"),
+    Column("drive_work", "J", "work of the drives"),
+    Column("stored_energy_change", "J", "change of kinetic, potential and elastic energy"),
+)
+(
+    DISPLACEMENT_MAX,
+    VELOCITY_MIN,
+    VELOCITY_MAX,
+    ACCELERATION_MAX,
+    STEPS,
+    CONTACT_MADE,
+    BOTTOM_HEIGHT,
+    BOTTOM_TIME,
+    DRIVE_WORK,
+    STORED_ENERGY_CHANGE,
+) = range(len(CYCLE))
+JOINT_CYCLE = (
+    Column("force_max", "N", "greatest normal force"),
+    Column("load_distance", "N m", "integral of normal force and sliding"),
+    Column("contacts", "1", "contacts that have ended"),
+    Column("eccentricity_x", "m", "of the pin at the end of the cycle"),
+    Column("eccentricity_y", "m", "and upwards"),
+)
+FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y = range(len(JOINT_CYCLE))
+# Integrals over time; peaks with their signs
+DRIVE_CYCLE = (
+    Column("torque_integral", "N m s", "of the torque"),
+    Column("torque_square_integral", "N^2 m^2 s", "of its square"),
+    Column("power_square_integral", "W^2 s", "of the square of the power"),
+    Column("work_given", "J", "that the drive gives"),
+    Column("work_returned", "J", "that it takes"),
+    Column("torque_peak", "N m", "torque of the greatest size"),
+    Column("power_peak", "W", "power of the greatest size"),
+)
+TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = range(
+    len(DRIVE_CYCLE)
+)
+CYCLE_COUNT, JOINT_CYCLE_COUNT, DRIVE_CYCLE_COUNT = map(len, (CYCLE, JOINT_CYCLE, DRIVE_CYCLE))
+SERIES_COUNT, JOINT_SERIES_COUNT = len(SERIES), len(JOINT_SERIES)
+
+# Columns of a Poincare section: of the output point, then of each joint; see ``observe.OUTPUT`` and
+# ``contact.CONTACT``
+SECTION_NAMES = ("place", "velocity")
+SECTION_JOINT_NAMES = (*("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"), "normal")
+
+
+def cycle_columns(joints: int, drives: int) -> int:
+    """Return the number of columns in a cycle's row."""
+    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joints + DRIVE_CYCLE_COUNT * drives
+
+
+def cycle_column(name: str, joint: int | None = None) -> int:
+    """Return the column of a number of the linkage, or of a joint, in a cycle's row."""
+    if joint is None:
+        return names_of(CYCLE).index(name)
+    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joint + names_of(JOINT_CYCLE).index(name)
+
+
+def series_column(name: str, joint: int | None = None) -> int:
+    """Return the column of a series of the linkage, or of a joint, in a row of all series."""
+    if joint is None:
+        return names_of(SERIES).index(name)
+    return SERIES_COUNT + JOINT_SERIES_COUNT * joint + names_of(JOINT_SERIES).index(name)
