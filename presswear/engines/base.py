@@ -12,8 +12,9 @@ from presswear.linkage.loads import Force
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of
+from presswear.physics.equations.layout import ENERGIES
 from presswear.physics.interactions.spring import check_springs
-from presswear.physics.ledger import LEDGER, SETTLED
+from presswear.physics.ledger import SETTLED
 from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
@@ -159,7 +160,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         shares=np.zeros(shape[1:]),
         torque=np.zeros(drives),
         drives=np.zeros(drives, DRIVE),
-        ledger=np.zeros(1, LEDGER),
+        energies=np.zeros(len(ENERGIES)),
+        powers=np.zeros(len(ENERGIES)),
     )
     if records.packed.loads is not None:
         place_loads(records.packed.loads, start.position, start.velocity)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from presswear.engines.base import Plan
+from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.physics.ledger import made_energy, made_remedy
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress
@@ -129,7 +130,7 @@ class Solver:
         """Return a finding if contacts have created energy, or if time stands still."""
         records = self.recorder.records
         if t > self.plan.settled:
-            lost, exchange = records.ledger[0][["contact_loss", "drive_exchange"]]
+            lost, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
             if made := made_energy(records.packed, lost, exchange):
                 return Finding("energy", made, t, "", made_remedy(records.packed, self.remedy))
         return self._progress.judge(int(self.sums["steps"]), t)

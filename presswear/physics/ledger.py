@@ -8,26 +8,15 @@ loss: the damping, less what the law makes of nothing where its force is not the
 energy, as that of radial contact on a sloping profile.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from presswear.linkage.linkage import Linkage
+from presswear.physics.equations.layout import ENERGIES
 from presswear.physics.interactions.kinds import KINDS
 from presswear.physics.packed import Packed, depths_of
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, floats
-
-# Sums that an engine keeps step by step, and the powers they went on from
-LEDGER = np.dtype(
-    [
-        # J; the exchange is the integral of the absolute drive power
-        *floats("drive_work", "drive_exchange", "load_work"),
-        *floats("contact_loss", "friction_loss", "made"),
-        # W, in the last accepted state
-        *floats("drive_power", "load_power", "contact_power", "friction_power", "made_power"),
-    ]
-)
 
 
 def stored_energy(linkage: Linkage, packed: Packed, elastic: Array, q: Array, v: Array) -> float:
@@ -90,10 +79,9 @@ class Ledger:
     load_work: float = 0.0  # of loads with a law, less the loss in the dampers of springs
 
     @staticmethod
-    def of(sums: Records, stored: float) -> "Ledger":
-        """Return the ledger from one record of LEDGER and the change of stored energy, J."""
-        names = (field.name for field in fields(Ledger) if field.name != "stored")
-        return Ledger(stored=stored, **{name: float(sums[name]) for name in names})
+    def of(energies: Array, stored: float) -> "Ledger":
+        """Return the ledger from energies in the order of ENERGIES and the stored change, J."""
+        return Ledger(stored=stored, **dict(zip(ENERGIES, energies.tolist(), strict=True)))
 
     @property
     def dissipated(self) -> float:

@@ -1,4 +1,4 @@
-"""What a run records, each number declared once: series, numbers of each cycle, sections.
+"""Recorded numbers, each declared once: series, numbers of each cycle, sections.
 
 Recorder, statistics, stored stages and tables read these lists; ``observe`` fills the columns.
 """

@@ -130,7 +130,9 @@ class RecorderState(NamedTuple):
     shares: Array  # working space of ``deposit_over_arc``, (2, m)
     torque: Array  # of the drives in the present state, N m
     drives: Records  # of DRIVE
-    ledger: Records  # one of LEDGER, filled by engines that sum powers by steps
+    # In the order of ENERGIES, of engines that sum by steps: J; rates in the last state, W
+    energies: Array
+    powers: Array
 
 
 @inlined

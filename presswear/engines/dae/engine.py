@@ -23,7 +23,7 @@ from presswear.linkage.linkage import Linkage, prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
-from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE, ENERGIES
+from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.physics.equations.writer import Equations, write_body_forces, write_equations
 from presswear.physics.ledger import (
     Ledger,
@@ -236,8 +236,7 @@ class _Solver:
 
     def ledger(self) -> Ledger:
         """Return the energies since the run began."""
-        sums = dict(zip(ENERGIES, self.energies.tolist(), strict=True))
-        return Ledger(stored=self._stored() - self.stored_before, **sums)
+        return Ledger.of(self.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
         records = self.records

@@ -429,7 +429,7 @@ class _Joints:
 
     def ledger(self) -> Ledger:
         """Return the energies since the run began."""
-        return Ledger.of(self.records.ledger[0], self._stored() - self.stored_before)
+        return Ledger.of(self.records.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
         return stored_energy(self.linkage, self.records.packed, self.energies, *self.motion()[1:])

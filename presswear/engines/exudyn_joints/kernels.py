@@ -27,11 +27,11 @@ from presswear.physics.equations.function import (
     fill,
 )
 from presswear.physics.equations.layout import (
-    CONTACT_LOSS,
     DOSE_COUNT,
+    DRIVE_EXCHANGE,
+    DRIVE_WORK,
     FRICTION_LOSS,
     LOAD_WORK,
-    MADE,
     PRESSURE,
     WORK,
     Layout,
@@ -283,9 +283,16 @@ def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: fl
     ``power`` is that of the drives. A step that began open has force only since its touchdown. The
     wear of a step that ends open, which has no place any more, is left out.
     """
-    ledger, layout = records.ledger[0], frame.layout
-    energies = frame.rates[layout.first_energy : layout.first_dose]
-    heat = energies[FRICTION_LOSS] + note_friction(frame.friction, frame.v)
+    layout = frame.layout
+    energies, powers = records.energies, records.powers
+    for i in range(energies.shape[0]):
+        energies[i] += 0.5 * h * powers[i]
+    copy_to(powers, frame.rates[layout.first_energy : layout.first_dose])
+    powers[DRIVE_WORK] = power
+    powers[DRIVE_EXCHANGE] = abs(power)
+    powers[FRICTION_LOSS] += note_friction(frame.friction, frame.v)
+    for i in range(energies.shape[0]):
+        energies[i] += 0.5 * h * powers[i]
     for k in range(records.memory.shape[0]):
         doses = frame.rates[layout.first_dose + DOSE_COUNT * k :]
         integrals = records.wear_integrals[k]
@@ -295,18 +302,6 @@ def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: fl
         integrals.pressure = half * (integrals.pressure_rate + doses[PRESSURE])
         integrals.work_rate = doses[WORK]
         integrals.pressure_rate = doses[PRESSURE]
-    half = 0.5 * h
-    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(power))
-    ledger.drive_work += half * (ledger.drive_power + power)
-    ledger.load_work += half * (ledger.load_power + energies[LOAD_WORK])
-    ledger.contact_loss += half * (ledger.contact_power + energies[CONTACT_LOSS])
-    ledger.friction_loss += half * (ledger.friction_power + heat)
-    ledger.made += half * (ledger.made_power + energies[MADE])
-    ledger.drive_power = power
-    ledger.load_power = energies[LOAD_WORK]
-    ledger.contact_power = energies[CONTACT_LOSS]
-    ledger.friction_power = heat
-    ledger.made_power = energies[MADE]
 
 
 @compiled
@@ -333,13 +328,13 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     sum_step(frame, records, drive_power(frame, drives, records, t), t, h)
     sum_drives(records, h, frame.v)
     packed = records.packed
-    records.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
+    records.energies[LOAD_WORK] += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
     changes = settle_loads(packed.loads, t, frame.q, frame.v, frame.a)
     observe(records, t, h, frame.q, frame.v, frame.a)
     following = next_step(records, steps, frame.a)
     if changes > 0:
         fill_forces(frame, t, RATES)
-        records.ledger[0].load_power = frame.rates[frame.layout.first_energy + LOAD_WORK]
+        records.powers[LOAD_WORK] = frame.rates[frame.layout.first_energy + LOAD_WORK]
         if greatest_jump(packed.loads) > JUMP:
             # The rule begins from accelerations that no longer hold.
             following = steps[0].least

@@ -175,7 +175,7 @@ class _Tree:
 
     def ledger(self) -> Ledger:
         """Return the energies since the run began."""
-        return Ledger.of(self.records.ledger[0], self._stored() - self.stored_before)
+        return Ledger.of(self.records.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
         q, v = self.tree.state[0], self.tree.state[1]

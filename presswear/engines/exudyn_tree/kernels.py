@@ -16,13 +16,7 @@ from presswear.physics.contact import penetration_acceleration
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES, Written, fill
 from presswear.physics.equations.layout import (
-    CONTACT_LOSS,
     DOSE_COUNT,
-    DRIVE_EXCHANGE,
-    DRIVE_WORK,
-    FRICTION_LOSS,
-    LOAD_WORK,
-    MADE,
     POWER,
     POWER_SQUARE,
     PRESSURE,
@@ -252,14 +246,9 @@ def sum_stages(system: TreeSystem, records: RecorderState, h: float) -> None:
 @compiled
 def add_rates(system: TreeSystem, records: RecorderState, rates: Array, weight: float) -> None:
     """Add the rates of a stage, times a weight, s, to energies, wear and torques of the step."""
-    ledger, layout = records.ledger[0], system.layout
-    energies = rates[layout.first_energy : layout.first_dose]
-    ledger.drive_work += weight * energies[DRIVE_WORK]
-    ledger.drive_exchange += weight * energies[DRIVE_EXCHANGE]
-    ledger.load_work += weight * energies[LOAD_WORK]
-    ledger.contact_loss += weight * energies[CONTACT_LOSS]
-    ledger.friction_loss += weight * energies[FRICTION_LOSS]
-    ledger.made += weight * energies[MADE]
+    layout = system.layout
+    for i in range(records.energies.shape[0]):
+        records.energies[i] += weight * rates[layout.first_energy + i]
     place = layout.first_dose
     for k in range(records.memory.shape[0]):
         records.wear_integrals[k].work += weight * rates[place + WORK]
