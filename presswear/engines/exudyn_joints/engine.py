@@ -37,7 +37,7 @@ from presswear.engines.exudyn_joints.kernels import (
     shorter_joint_step,
 )
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import GROUND, Attachment, Bushing
+from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage, bodies_of, prescribed_of
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
@@ -46,8 +46,9 @@ from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.equations.function import model_of, written
 from presswear.physics.equations.layout import Layout
 from presswear.physics.equations.writer import write_body_forces
+from presswear.physics.interactions.kinds import interactions_of
 from presswear.physics.ledger import Ledger, stored_energy
-from presswear.physics.packed import spring_period
+from presswear.physics.packed import Packed, spring_period
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
 from presswear.recording.observe import RecorderState
@@ -308,7 +309,7 @@ class _Joints:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
         self.linkage, self.records, self.omitted = linkage, recorder.records, left_out(linkage)
-        self.joined = _joined_bodies(linkage, self.omitted)
+        self.joined = _joined_bodies(linkage, self.records.packed, self.omitted)
         # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
         self.force = array("d", bytes(8 * 3 * len(self.joined)))
         self.container = exu.SystemContainer()
@@ -460,10 +461,8 @@ class _Joints:
         }
 
 
-def _joined_bodies(linkage: Linkage, omitted: frozenset[str]) -> list[str]:
-    """Return the bodies of the connector: those on which joints, springs or loads act."""
-    joints: list[Bushing] = [*linkage.clearances, *linkage.rubbing_pins]
-    ends = [end for joint in joints for end in (joint.bearing, joint.pin)]
-    ends += [end for spring in linkage.springs for end in spring.ends]
-    names = [end.body for end in ends] + [load.body for load in linkage.live_loads]
+def _joined_bodies(linkage: Linkage, packed: Packed, omitted: frozenset[str]) -> list[str]:
+    """Return the bodies of the connector: those on which interactions or rubbing pins act."""
+    names = [body for one in interactions_of(linkage, packed) for body in one.bodies]
+    names += [end.body for pin in linkage.rubbing_pins for end in (pin.bearing, pin.pin)]
     return [name for name in dict.fromkeys(names) if name not in {GROUND, *omitted}]

@@ -55,6 +55,11 @@ class ClearanceContact:
         pairs = zip(linkage.clearances, packed.joints, strict=True)
         return [cls(joint, record, k) for k, (joint, record) in enumerate(pairs)]
 
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Bodies of bearing and pin."""
+        return self.joint.bearing.body, self.joint.pin.body
+
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
         """Return nothing: the memory of each joint holds its elastic energy."""

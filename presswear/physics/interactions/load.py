@@ -31,6 +31,11 @@ class LoadWithLaw:
         pairs = zip(linkage.live_loads, packed.loads.records, strict=True)
         return [cls(load, record, k) for k, (load, record) in enumerate(pairs)]
 
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The body on which it acts."""
+        return (self.load.body,)
+
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
         """Return nothing: what loads with a law do is load work."""

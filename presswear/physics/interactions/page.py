@@ -70,6 +70,11 @@ class Interaction(Protocol):
         """Return all of this kind in a linkage; ``packed`` is the linkage for kernels."""
         ...
 
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies on which it acts, with the frame if it does."""
+        ...
+
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
         """Return the energy that all of this kind store in a position of all bodies, J."""

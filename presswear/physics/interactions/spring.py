@@ -62,6 +62,12 @@ class SpringAndDamper:
         """Return all springs of a linkage."""
         return [cls(spring) for spring in linkage.springs]
 
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Bodies of both ends."""
+        first, second = self.spring.ends
+        return first.body, second.body
+
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
         """Return the elastic energy of all springs, J."""
