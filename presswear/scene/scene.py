@@ -16,6 +16,7 @@ from presswear.linkage.linkage import Linkage, branches_of, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.scene.servo import servo_fault
@@ -85,7 +86,9 @@ class Scene(Checked):
         "dae: in-house, fastest; exudyn: exudyn-tree, else exudyn-joints",
     )
     purpose: str = choice(
-        "auto", PURPOSES, "purpose, sets the tolerances; auto: wear if joints wear, else trajectory"
+        *("auto", PURPOSES),
+        "purpose, sets the tolerances; auto: wear if joints wear, forces in more than two cycles "
+        "with clearance, else trajectory",
     )
     drive_torque: str = choice(
         "auto", ("auto", "off", "on"), "storage of drive torques; auto: if there is a process"
@@ -418,14 +421,25 @@ class Scene(Checked):
         return replace(ideal, loads=(*ideal.loads, *forces))
 
     @property
+    def auto_purpose(self) -> Purpose:
+        """Purpose of a run for which none is specified.
+
+        With clearance, trajectories diverge within the first cycles: a run that is longer has
+        statistics, which need no trajectory.
+        """
+        if self.wear_updates > 0:
+            return "wear"
+        is_short = self.cycles is not None and self.cycles <= STARTUP_CYCLES
+        return "trajectory" if is_short or not self.clearance_joints else "forces"
+
+    @property
     def solver(self) -> Engine:
         """Engine of a run, tolerances resolved; ``exudyn`` is the smallest model possible."""
         word = self.engine
         if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)
             word = ExudynTree.word if is_tree else ExudynJoints.word
-        default = "wear" if self.wear_updates > 0 else "trajectory"
-        purpose = cast(Purpose, default if self.purpose == "auto" else self.purpose)
+        purpose = cast(Purpose, self.auto_purpose if self.purpose == "auto" else self.purpose)
         numerics = self.numerics.resolved(purpose, self.tolerance)
         engines = numerics.tree, numerics.joints, numerics.dae
         return next(engine for engine in engines if engine.word == word)

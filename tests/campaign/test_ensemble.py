@@ -181,7 +181,7 @@ def test_step_error_falls_with_the_tolerance() -> None:
     # The median, because chaos magnifies a small error in some pieces.
     coarse, fine = (
         median(step_errors(scene, start)["load_distance_step_error"] for start in range(-5, 0))
-        for scene in (tolerance_scene("dae", 1e-4), tolerance_scene("dae", 1e-9))
+        for scene in (tolerance_scene("dae", 1e-5), tolerance_scene("dae", 1e-9))
     )
     assert coarse > 10.0 * fine > 0.0
 

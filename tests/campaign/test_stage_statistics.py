@@ -1,5 +1,7 @@
 """Statistics of a stage from the rows of its cycles."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,8 @@ from presswear.recording.statistics import after_startup, pooled
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
     """The balance of energy over a run, and over the cycles that are samples."""
-    scene = pw.Scene(pw.FourBar(), engine=engine, wear_updates=0, replicates=1, cycles=12)
+    settings: dict[str, Any] = {"engine": engine, "purpose": "trajectory", "wear_updates": 0}
+    scene = pw.Scene(pw.FourBar(), **settings, replicates=1, cycles=12)
     stage = pw.run(scene).stages[0]
     work, stored = map(stage.each_cycle, ("drive_work", "stored_energy_change"))
     energy = {

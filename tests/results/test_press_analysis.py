@@ -183,6 +183,7 @@ def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Resu
 def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str) -> None:
     """The force over the recorded height, and the work that the engine summed step by step."""
     short: dict[str, Any] = {"engine": engine, "wear_updates": 0, "replicates": 1, "cycles": 3}
+    short["purpose"] = "trajectory"
     scene: Any = replace(pw.scenes.press_blanking(), **short, process=SHEET)
     assert scene.stores_torques
     result = pw.run(scene)
