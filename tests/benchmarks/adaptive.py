@@ -2,11 +2,11 @@
 
 usage: python tests/benchmarks/adaptive.py [--repeats N]
 
-It solves the equations of ``by_hand`` and shares no kernel with the engines. Task a is the first
-0.05 s of the unworn press with ten touchdowns; its error is the largest of the slider and of the
-ends of the turning links, relative to the in-house solver at 1e-12. Task b is a number of cycles;
-its error is that of the work per cycle (normal force times slip) at A and C, as in ``presswear
-benchmark``. All times are CPU times per simulated second.
+It solves the equations of ``by_hand``, keeps ``accounts``, and shares no kernel with the engines.
+Task a is the first 0.05 s of the unworn press with ten touchdowns; its error is the largest of the
+slider and of the ends of the turning links, relative to the in-house solver at 1e-12. Task b is a
+number of cycles; its error is that of the work per cycle (normal force times slip) at A and C, as
+in ``presswear benchmark``. All times are CPU times per simulated second.
 """
 
 import argparse
@@ -14,8 +14,32 @@ import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from accounts import (
+    CONTACT_COLUMNS,
+    CONTACT_LOSS,
+    CONTACTS,
+    DEPTH,
+    DISTANCE,
+    DOSE,
+    DRIVES,
+    EXCHANGE,
+    FRICTION_LOSS,
+    JOINTS,
+    LOAD,
+    RATE,
+    WIDTH,
+    WORK,
+    Accounts,
+    accounts_for,
+    clear,
+    note_contact,
+    note_step,
+    stored_energy,
+    torques,
+)
 from by_hand import OPEN, SIZE, accelerations, cranks, parameters, state_of
 from side_by_side import distance, methods
 
@@ -38,20 +62,39 @@ ENGINES = {  # with tolerances, or steps in a contact
     "exudyn-joints": (50.0, 200.0),
 }
 STAGES = 7
-WIDTH = SIZE + 2  # of the state: with the load distance at A and C
 NEAR = 1e-14  # m, penetration at which a touchdown or a separation is located
 
 
 @compiled
-def rates(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
-    """Fill rates of coordinates, velocities and load distances, and the gaps, shape (2, 2)."""
+def rates(press: Records, t: float, y: Array, onset: Array, out: Array) -> None:
+    """Fill the rates of coordinates and velocities."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
-    a, _, one, two = accelerations(press, cranks(press, t), onset, x, u)
+    a, _, _, _, _ = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
         out[i], out[4 + i] = u[i], a[i]
-    out[8], out[9] = one.load, two.load
-    gaps[0, 0], gaps[0, 1] = one.depth, one.rate
-    gaps[1, 0], gaps[1, 1] = two.depth, two.rate
+
+
+@compiled
+def all_rates(press: Records, t: float, y: Array, onset: Array, out: Array, now: Array) -> None:
+    """Fill the rates of the whole state, and the contacts, shape (2, CONTACT_COLUMNS)."""
+    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
+    at = cranks(press, t)
+    a, _, one, two, levers = accelerations(press, at, onset, x, u)
+    for i in range(4):
+        out[i], out[4 + i] = u[i], a[i]
+    out[LOAD], out[LOAD + 1] = one.load, two.load
+    out[DOSE], out[DOSE + 1] = one.pressure_load, two.pressure_load
+    out[CONTACT_LOSS] = one.contact_loss + two.contact_loss
+    out[FRICTION_LOSS] = one.friction_loss + two.friction_loss
+    torque_2, torque_7 = torques(press, at, u, a, levers, one, two)
+    power_2, power_7 = -press[0].speed * torque_2, press[0].speed * torque_7
+    out[WORK], out[EXCHANGE] = power_2 + power_7, abs(power_2 + power_7)
+    out[DRIVES], out[DRIVES + 1] = torque_2, torque_2 * torque_2
+    out[DRIVES + 2], out[DRIVES + 3] = power_2, power_2 * power_2
+    out[DRIVES + 4], out[DRIVES + 5] = torque_7, torque_7 * torque_7
+    out[DRIVES + 6], out[DRIVES + 7] = power_7, power_7 * power_7
+    note_contact(now[0], one)
+    note_contact(now[1], two)
 
 
 @compiled
@@ -61,33 +104,33 @@ def step(
     h: float,
     y: Array,
     onset: Array,
-    k: Array,
-    z: Array,
-    gaps: Array,
+    work: Array,
+    now: Array,
     tolerance: float,
 ) -> float:
-    """Step from ``y``, whose rates are ``k[0]``, to ``z``; return the error over the allowed."""
-    for i in range(WIDTH):
+    """Step from ``y``, whose rates are ``work[0]``, to the last row; return its relative error."""
+    k, z = work[:STAGES], work[STAGES]
+    for i in range(SIZE):
         z[i] = y[i] + h * 0.2 * k[0, i]
-    rates(press, t + 0.2 * h, z, onset, k[1], gaps)
-    for i in range(WIDTH):
+    rates(press, t + 0.2 * h, z, onset, k[1])  # its weight is zero
+    for i in range(SIZE):
         z[i] = y[i] + h * (3 / 40 * k[0, i] + 9 / 40 * k[1, i])
-    rates(press, t + 0.3 * h, z, onset, k[2], gaps)
-    for i in range(WIDTH):
+    all_rates(press, t + 0.3 * h, z, onset, k[2], now)
+    for i in range(SIZE):
         z[i] = y[i] + h * (44 / 45 * k[0, i] - 56 / 15 * k[1, i] + 32 / 9 * k[2, i])
-    rates(press, t + 0.8 * h, z, onset, k[3], gaps)
-    for i in range(WIDTH):
+    all_rates(press, t + 0.8 * h, z, onset, k[3], now)
+    for i in range(SIZE):
         part = 19372 / 6561 * k[0, i] - 25360 / 2187 * k[1, i]
         z[i] = y[i] + h * (part + 64448 / 6561 * k[2, i] - 212 / 729 * k[3, i])
-    rates(press, t + 8 / 9 * h, z, onset, k[4], gaps)
-    for i in range(WIDTH):
+    all_rates(press, t + 8 / 9 * h, z, onset, k[4], now)
+    for i in range(SIZE):
         part = 9017 / 3168 * k[0, i] - 355 / 33 * k[1, i] + 46732 / 5247 * k[2, i]
         z[i] = y[i] + h * (part + 49 / 176 * k[3, i] - 5103 / 18656 * k[4, i])
-    rates(press, t + h, z, onset, k[5], gaps)
+    all_rates(press, t + h, z, onset, k[5], now)
     for i in range(WIDTH):
         part = 35 / 384 * k[0, i] + 500 / 1113 * k[2, i] + 125 / 192 * k[3, i]
         z[i] = y[i] + h * (part - 2187 / 6784 * k[4, i] + 11 / 84 * k[5, i])
-    rates(press, t + h, z, onset, k[6], gaps)
+    all_rates(press, t + h, z, onset, k[6], now)
     worst = 0.0
     for i in range(SIZE):
         part = 71 / 57600 * k[0, i] - 71 / 16695 * k[2, i] + 71 / 1920 * k[3, i]
@@ -100,79 +143,132 @@ def step(
 def crossing(h: float, before: Array, after: Array) -> float:
     """Return the part of a step at which a penetration is zero, from a cubic through both ends."""
     low, high = 0.0, 1.0
-    if before[0] * after[0] >= 0.0:
+    if before[DEPTH] * after[DEPTH] >= 0.0:
         return 1.0
     for _ in range(50):
         s = 0.5 * (low + high)
         rest = 1.0 - s
-        depth = rest * rest * ((1.0 + 2.0 * s) * before[0] + s * h * before[1])
-        depth += s * s * ((1.0 + 2.0 * rest) * after[0] - rest * h * after[1])
-        if depth * before[0] > 0.0:
+        depth = rest * rest * ((1.0 + 2.0 * s) * before[DEPTH] + s * h * before[RATE])
+        depth += s * s * ((1.0 + 2.0 * rest) * after[DEPTH] - rest * h * after[RATE])
+        if depth * before[DEPTH] > 0.0:
             low = s
         else:
             high = s
     return high
 
 
+class Loop(NamedTuple):
+    """Arrays of the loop."""
+
+    y: Array  # state, (WIDTH,)
+    onset: Array  # stored closing speeds at A and C, m/s, or OPEN
+    work: Array  # slopes of the stages, and the state on trial
+    contacts: Array  # at both ends of the step, (2, 2, CONTACT_COLUMNS)
+    steps: Array  # next step, s, attempted steps, and evaluations of the accelerations
+
+
 @compiled
 def march(
     press: Records,
-    start: float,
+    loop: Loop,
+    accounts: Accounts,
+    t: float,
     end: float,
-    y: Array,
-    onset: Array,
     tolerance: float,
     longest: float,
-    work: Array,
-    gaps: Array,
 ) -> None:
-    """Integrate ``y`` to the end; steps end on touchdowns and separations."""
-    k, z, before, now = work[:STAGES], work[STAGES], gaps[0], gaps[1]
-    t, h = start, 1e-6
-    rates(press, t, y, onset, k[0], before)
+    """Integrate to the end; steps end on touchdowns and separations."""
+    y, onset, work, contacts, steps = loop
+    k, z, before, now = work[:STAGES], work[STAGES], contacts[0], contacts[1]
+    h = steps[0]
+    all_rates(press, t, y, onset, k[0], before)
     while t < end:
-        h = min(h, longest, end - t)
-        error = step(press, t, h, y, onset, k, z, now, tolerance)
+        h = min(h, longest)
+        is_last = h >= end - t
+        if is_last:
+            h = end - t
+        error = step(press, t, h, y, onset, work, now, tolerance)
+        steps[1] += 1.0
+        steps[2] += STAGES - 1
         if error > 1.0:
             h *= max(0.2, 0.9 * error**-0.2)
             continue
         following = h * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
         part, joint = 2.0, -1
         for i in range(2):
-            if (now[i, 0] > 0.0) != (onset[i] >= 0.0):
+            if (now[i, DEPTH] > 0.0) != (onset[i] >= 0.0):
                 at = crossing(h, before[i], now[i])
                 if at < part:
                     part, joint = at, i
         if joint >= 0 and part < 1.0:
+            is_last = False
             h *= part
             for trial in range(5):
-                step(press, t, h, y, onset, k, z, now, tolerance)
-                if abs(now[joint, 0]) < NEAR or trial == 4:
+                step(press, t, h, y, onset, work, now, tolerance)
+                steps[2] += STAGES - 1
+                if abs(now[joint, DEPTH]) < NEAR or trial == 4:
                     break
-                h -= now[joint, 0] / now[joint, 1]
-        t += h
+                h -= now[joint, DEPTH] / now[joint, RATE]
+        t = end if is_last else t + h
         for i in range(WIDTH):
             y[i], k[0, i] = z[i], k[6, i]
         if joint >= 0:
-            onset[joint] = OPEN if onset[joint] >= 0.0 else max(now[joint, 1], 0.0)
-            rates(press, t, y, onset, k[0], now)
+            accounts.cycle[JOINTS + 3 * joint + CONTACTS] += onset[joint] >= 0.0
+            onset[joint] = OPEN if onset[joint] >= 0.0 else max(now[joint, RATE], 0.0)
+            all_rates(press, t, y, onset, k[0], now)
+            steps[2] += 1.0
+        note_step(press, accounts, t, h, y, k[0], onset, contacts)
         for i in range(2):
-            before[i, 0], before[i, 1] = now[i, 0], now[i, 1]
+            for column in range(CONTACT_COLUMNS):
+                before[i, column] = now[i, column]
         h = following
+    steps[0] = h
+
+
+class Outcome(NamedTuple):
+    """Outcome of a run; the wear maps are those of all cycles."""
+
+    states: Array  # at each end, (ends, WIDTH)
+    cycles: Array  # rows, (ends, ROW)
+    maps: Array  # m, (2, 2, BINS)
+    accounts: Accounts
+    residual: float  # of the balance of energy, J
+    steps: int  # attempted, without those that locate events
+    evaluations: int  # of the accelerations
+    cpu: float  # s
 
 
 def run(
-    press: Records, start: Array, ends: Sequence[float], tolerance: float, longest: float
-) -> tuple[Array, float]:
-    """Return the state at each end, shape (ends, 10), and the CPU time, s."""
-    y, onset = np.append(start, (0.0, 0.0)), np.full(2, OPEN)
-    work, gaps, states, t = np.zeros((STAGES + 1, WIDTH)), np.zeros((2, 2, 2)), [], 0.0
+    press: Records,
+    start: Array,
+    ends: Sequence[float],
+    tolerance: float,
+    longest: float,
+    recorded: int = 1,
+) -> Outcome:
+    """Run to each end, s, with the accounts of each; rows of series in the recorded ones."""
+    y = np.append(start, np.zeros(WIDTH - SIZE))
+    work = np.zeros((STAGES + 1, WIDTH))
+    contacts = np.zeros((2, 2, CONTACT_COLUMNS))
+    loop = Loop(y, np.full(2, OPEN), work, contacts, np.array([1e-6, 0.0, 0.0]))
+    accounts = accounts_for(ends[0], len(ends), recorded, float(start[2]))
+    states, rows, maps, t = [], [], np.zeros_like(accounts.maps), 0.0
+    stored = stored_energy(press, t, y, contacts[0])
     started = clock.process_time()
-    for end in ends:
-        march(press, t, end, y, onset, tolerance, longest, work, gaps)
+    for number, end in enumerate(ends):
+        if number == recorded:
+            accounts.counts[2] = 0
+        march(press, loop, accounts, t, end, tolerance, longest)
         states.append(y.copy())
+        rows.append(accounts.cycle.copy())
+        maps += accounts.maps
+        clear(accounts)
         t = end
-    return np.array(states), clock.process_time() - started
+    cpu = clock.process_time() - started
+    stored = stored_energy(press, t, y, contacts[0]) - stored
+    residual = float(y[WORK] - stored - y[CONTACT_LOSS] - y[FRICTION_LOSS])
+    counts = int(loop.steps[1]), int(loop.steps[2])
+    return Outcome(np.array(states), np.array(rows), maps, accounts, residual, *counts, cpu)
 
 
 def main() -> None:
@@ -221,14 +317,14 @@ def main() -> None:
     for tolerance in TOLERANCES:
         one = [run(press, y, [END], tolerance, longest) for _ in range(repeats + 1)]
         two = [run(press, y, cycles, tolerance, longest) for _ in range(repeats + 1)]
-        apart = distance(press, one[0][0][0, :SIZE], end)
-        work = after_startup(np.diff(two[0][0][:, SIZE:], axis=0, prepend=0.0))
+        apart = distance(press, one[0].states[0, :SIZE], end)
+        work = after_startup(two[0].cycles[:, [JOINTS + DISTANCE, JOINTS + 3 + DISTANCE]])
         show(
             f"by hand, DOPRI5 {tolerance:g}",
             apart,
-            min(cpu for _, cpu in one) / END,
+            min(outcome.cpu for outcome in one) / END,
             100.0 * float(np.abs(work.mean(axis=0) / mean - 1.0).max()),
-            min(cpu for _, cpu in two) / cycles[-1],
+            min(outcome.cpu for outcome in two) / cycles[-1],
         )
     if apart > MAX_APART:
         raise SystemExit(f"at {TOLERANCES[-1]:g} the loop is {apart:.2g} m off the in-house solver")

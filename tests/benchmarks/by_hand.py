@@ -29,10 +29,16 @@ SIZE = 8  # coordinates, rad and m, and their rates
 OPEN = -1.0  # closing speed of a joint without contact
 MIN_CLOSING = 1e-6  # m/s, in the damping term
 
-_CONTACT = ("bearing_radius", "clearance", "stiffness", "damping", "friction", "lower", "upper")
+_CONTACT = (
+    *("bearing_radius", "clearance", "stiffness", "damping", "friction", "lower", "upper"),
+    *("width", "wear_coefficient", "bearing_share"),
+)
+_GIVEN = (  # fields of ``Press``
+    *("speed", "gravity", "length_2", "length_3", "length_5", "length_7"),
+    *(f"mass_{k}" for k in range(2, 8)),
+)
 _PRESS = (
-    *("speed", "gravity", "o2_x", "o2_y", "length_2", "length_3", "length_5", "length_7"),
-    *("mass_3", "mass_4", "mass_5", "mass_6", "plate_inertia", "rod_3_inertia", "rod_5_inertia"),
+    *(*_GIVEN, "o2_x", "o2_y", "plate_inertia", "rod_3_inertia", "rod_5_inertia"),
     *("centre_x", "centre_y", "b_x", "b_y", "c_x", "c_y", "start_2", "start_7"),
 )
 CONTACT = np.dtype([(name, np.float64) for name in _CONTACT])
@@ -41,9 +47,10 @@ PRESS = np.dtype([*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c"
 
 
 class Push(NamedTuple):
-    """Force on a bearing, N, its point, m, penetration, m, its rate, m/s, and wear load, W.
+    """Force on a bearing, N, its point, m, penetration, m, its rate, m/s, and its accounts.
 
-    The load is the normal force times the slip of equation 24 of the paper.
+    The load is the normal force times the slip of equation 24 of the paper, W; the pressure load is
+    the mean pressure of equations 25 to 28 times this slip, W/m^2. Losses are powers, W.
     """
 
     x: float
@@ -53,6 +60,26 @@ class Push(NamedTuple):
     depth: float
     rate: float
     load: float
+    pressure_load: float
+    contact_loss: float
+    friction_loss: float
+    normal: float  # N
+    tangential: float  # N, on the pin along the direction of positive sliding
+    sliding: float  # m/s
+    turning: float  # of the eccentricity, rad/s
+    ex: float  # eccentricity, m
+    ey: float
+
+
+class Levers(NamedTuple):
+    """Vectors from D to the centre and to B of the plate, and from B to A, m."""
+
+    gx: float
+    gy: float
+    bx: float
+    by: float
+    rx: float
+    ry: float
 
 
 class Cranks(NamedTuple):
@@ -75,7 +102,7 @@ def parameters(scene: Scene) -> Records:
     corner = press.plate_corners()
     start = corner["D"].x, corner["D"].y
     record = np.zeros(1, PRESS)
-    for name in _PRESS[:2] + _PRESS[4:12]:
+    for name in _GIVEN:
         record[name] = getattr(press, name)
     record["o2_x"], record["o2_y"] = press.geometry.hx, press.geometry.hy
     record["centre_x"], record["centre_y"] = -start[0], -start[1]
@@ -94,7 +121,8 @@ def parameters(scene: Scene) -> Records:
         normal, friction = joint.normal, joint.friction
         record[joint.name.lower()] = (
             *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
-            *(friction.coefficient, friction.lower, friction.upper),
+            *(friction.coefficient, friction.lower, friction.upper, joint.width),
+            *((joint.wear.coefficient, joint.wear.bearing_share) if joint.wear else (0.0, 0.5)),
         )
     return record
 
@@ -128,34 +156,44 @@ def push(
     distance = math.sqrt(ex * ex + ey * ey)
     depth = distance - joint.clearance
     if distance == 0.0:
-        return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0, 0.0)
+        return no_push(pin_x, pin_y, depth, 0.0, ex, ey)
     nx, ny = ex / distance, ey / distance
     rate = vx * nx + vy * ny
     if depth <= 0.0:
-        return Push(0.0, 0.0, pin_x, pin_y, depth, rate, 0.0)
+        return no_push(pin_x, pin_y, depth, rate, ex, ey)
     closing = max(onset if onset >= 0.0 else rate, MIN_CLOSING)
-    normal = joint.stiffness * depth * math.sqrt(depth) * (1.0 + joint.damping * rate / closing)
-    normal = max(normal, 0.0)
-    arm = joint.bearing_radius - joint.clearance - 0.5 * depth
-    sliding = vy * nx - vx * ny + pin_spin * arm - bearing_spin * (arm + distance)
+    elastic = joint.stiffness * depth * math.sqrt(depth)
+    normal = max(elastic * (1.0 + joint.damping * rate / closing), 0.0)
+    pin_radius = joint.bearing_radius - joint.clearance
+    arm = pin_radius - 0.5 * depth
+    across = vy * nx - vx * ny
+    sliding = across + pin_spin * arm - bearing_spin * (arm + distance)
     ramp = min(max((abs(sliding) - joint.lower) / (joint.upper - joint.lower), 0.0), 1.0)
     along = math.copysign(joint.friction * ramp * normal, sliding)
+    turning = across / distance
+    load = normal * (pin_radius + depth) * abs(turning)
+    # Half the chord over the bearing radius, from the penetration without cancellation.
+    above = depth * (distance + pin_radius + joint.bearing_radius) / (2.0 * distance * pin_radius)
+    area = 2.0 * joint.width * joint.bearing_radius * math.sqrt(above * (2.0 - above))
     return Push(
         *(normal * nx - along * ny, normal * ny + along * nx),
         *(pin_x + arm * nx, pin_y + arm * ny),
-        *(depth, rate),
-        normal
-        * (joint.bearing_radius - joint.clearance + depth)
-        * abs(vy * nx - vx * ny)
-        / distance,
+        *(depth, rate, load, load / area),
+        *((normal - elastic) * rate, along * sliding),
+        *(normal, -along, sliding, turning, ex, ey),
     )
+
+
+@compiled
+def no_push(x: float, y: float, depth: float, rate: float, ex: float, ey: float) -> Push:
+    return Push(0.0, 0.0, x, y, depth, rate, *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ex, ey)
 
 
 @compiled
 def accelerations(
     press: Records, at: Cranks, onset: Array, x: Four, u: Four
-) -> tuple[Four, Four, Push, Push]:
-    """Return the accelerations, the generalized contact forces and both contact forces."""
+) -> tuple[Four, Four, Push, Push, Levers]:
+    """Return accelerations, generalized contact forces, both contact forces, and levers."""
     plate, rod_3, slider, rod_5 = x
     plate_t, rod_3_t, slider_t, rod_5_t = u
     p = press[0]
@@ -208,6 +246,7 @@ def accelerations(
         (force_1, force_2, two.y, force_4),
         one,
         two,
+        Levers(gx, gy, bx, by, rx, ry),
     )
 
 
@@ -215,7 +254,7 @@ def accelerations(
 def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
     """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
-    a, forces, one, two = accelerations(press, cranks(press, t), onset, x, u)
+    a, forces, one, two, _ = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
         out[i], out[4 + i], out[8 + i] = u[i], a[i], forces[i]
     gaps[0, 0], gaps[0, 1] = one.depth, one.rate

@@ -140,8 +140,8 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
 
     def loop(start: Start, value: float) -> tuple[Array, float]:
         longest = numerics.dae.longest(period)
-        states, seconds = run_loop(press, state_of(linkage, start), [END], value, longest)
-        return states[0, :SIZE], seconds / END
+        outcome = run_loop(press, state_of(linkage, start), [END], value, longest)
+        return outcome.states[0, :SIZE], outcome.cpu / END
 
     table["by hand, loop"] = fine, loop
     for package, (name, simulate, has_equal_steps) in SIMULATORS.items():
