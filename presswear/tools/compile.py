@@ -29,6 +29,7 @@ from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
 
 from presswear.tools.arrays import Array
+from presswear.tools.callees import COMPILER, CalleeCompiler
 from presswear.tools.compile_errors import short_errors
 from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
@@ -100,7 +101,7 @@ class Kernel:
         dispatcher = numba.njit(**options)(self.py_func)
         if self._is_stored:
             code = function_digest(self.py_func)
-            dispatcher._cache = KernelCache(self._name, options, code)
+            dispatcher._cache = KernelCache(self._name, options, code, COMPILER)
         return dispatcher
 
     @cached_property
@@ -111,7 +112,8 @@ class Kernel:
     @cached_property
     def _numba_type_(self) -> Any:
         options = {**self.options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        self._from_kernels = numba.njit(**options)(self.py_func)  # its type does not keep it
+        compiler = numba.njit(**options, pipeline_class=CalleeCompiler)
+        self._from_kernels = compiler(self.py_func)  # its type does not keep it
         return self._from_kernels._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:

@@ -58,3 +58,15 @@ def test_earlier_callers_do_not_change_the_machine_code(earlier: str, kind: str)
     _machine_code(_caller(CALLERS[earlier], leaf))
     kernel = _caller(CALLERS[kind], leaf)
     assert _machine_code(kernel) == expected
+
+
+def test_callees_have_no_machine_code_but_within_their_callers() -> None:
+    leaf = _leaf()
+    caller = _caller(compiled, leaf)
+    assert _machine_code(caller)
+    (code,) = leaf._from_kernels.overloads.values()
+    assert not code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+    # From Python it is compiled apart, with equal results.
+    x, y = 0.1, 0.7
+    assert caller(x, y) == leaf(x, y) + leaf(y, x * y)
+    assert caller.py_func(x, y) == pytest.approx(caller(x, y), rel=1e-15)
