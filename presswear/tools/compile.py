@@ -120,7 +120,7 @@ class Kernel:
         """Call the compiled function; with NUMBA_DISABLE_JIT=1 the function in plain Python."""
         if config.DISABLE_JIT:
             return self.py_func(*map(_readable, arguments))
-        with short_errors():
+        with short_errors:
             return self.from_python(*arguments)
 
 
@@ -168,7 +168,7 @@ class _LazyKernel(Kernel):
         it again.
         """
         try:
-            with short_errors():
+            with short_errors:
                 self.from_python.compile(self._parameters)
             code = self.from_python.overloads[self._parameters]
             name = code.fndesc.llvm_func_name
@@ -241,7 +241,7 @@ def specialised(kernel: F, *arguments: Any) -> F:
         return kernel
     dispatcher = cast(Kernel, kernel).from_python
     kinds = tuple(map(numba.typeof, arguments))
-    with short_errors():
+    with short_errors:
         dispatcher.compile(kinds)
     return cast(F, dispatcher.overloads[kinds].entry_point)
 
@@ -301,7 +301,7 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
         entry = id(kernel)
     else:
         dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
-        with short_errors():
+        with short_errors:
             dispatcher.compile(kinds)
         code = dispatcher.overloads[kinds]
         _called.append(code)

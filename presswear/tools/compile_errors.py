@@ -2,8 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -46,19 +45,24 @@ _failures = _Failures()
 event.register("numba:compile", _failures)
 
 
-@contextmanager
-def short_errors() -> Iterator[None]:
-    """Raise RunFailed with file, line, statement and reason where numba cannot compile."""
-    _failures.function = None
-    try:
-        yield
-    # Numba has no common base for its errors: a wrong field of a record is a KeyError.
-    except Exception as error:
-        function, _failures.function = _failures.function, None
-        if function is None:
-            raise
-        text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
-        raise RunFailed(describe(function, text)) from None
+class ShortErrors:
+    """Context that raises RunFailed with file, line, statement and reason of a failed compilation.
+
+    Kernels are called in it from Python, which a generator would delay more than the call takes.
+    """
+
+    def __enter__(self) -> None:
+        _failures.function = None
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        # Numba has no common base for its errors: a wrong field of a record is a KeyError.
+        if isinstance(error, Exception) and _failures.function is not None:
+            function, _failures.function = _failures.function, None
+            text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
+            raise RunFailed(describe(function, text)) from None
+
+
+short_errors = ShortErrors()
 
 
 def describe(function: Callable[..., Any], text: str) -> str:
