@@ -178,6 +178,8 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     if linkage.rubbing_pins:
         rubs = listed(joint.name for joint in linkage.rubbing_pins)
         model = f"{model}; friction without clearance: {rubs}"
+    if linkage.elastic_pins:
+        model = f"{model}; elastic: {listed(pin.name for pin in linkage.elastic_pins)}"
     joints = linkage.clearances
     if not joints:
         return f"{model}; clearance: none"

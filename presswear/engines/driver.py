@@ -54,7 +54,8 @@ def _balance(running: Simulation) -> Ledger:
 def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
     """Run a linkage from its start; see ``Plan`` and ``Run``."""
     linkage, start, plan = case
-    recorder = recorder_of(*case)
+    linkage = linkage.released
+    recorder = recorder_of(linkage, start, plan)
     running = prepare(linkage, start, settings, plan, recorder)
     began = clock.process_time()
     running.sums.update(dict.fromkeys((_WORN_OFF, *_ENERGIES.values()), 0.0))

@@ -139,19 +139,27 @@ def Bar(  # noqa: N802 - in a linkage it is a kind of body
 
 @dataclass(frozen=True)
 class Pin(Checked):
-    """Ideal pin joint between two points, as names or coordinates; see ``Revolute``."""
+    """Pin joint between two points, as names or coordinates; see ``Revolute``."""
 
     name: str
     first: End
     second: End
+    stiffness: float | None = quantity(
+        *(None, "N/m", 1e3, 1e12, "chosen"),
+        "stiffness of pin and rods in any direction; default: rigid",
+    )
+    damping_ratio: float = quantity(
+        0.02, "", 0.0, 1.0, "assumed", "damping of an elastic pin, part of the critical one"
+    )
 
 
 @dataclass(frozen=True)
 class Revolute:
-    """Ideal pin joint between two points, without friction or with that of a bearing.
+    """Pin joint between two points, ideal or elastic, or with the friction of a bearing.
 
-    The friction is a moment r F_t(r omega, F) against the relative spin omega, with the radius r of
-    the bearing, the joint force F and the force F_t of the friction law.
+    An elastic one is ideal in the ideal motion of its linkage; see ``Linkage.released``. Friction
+    is a moment r F_t(r omega, F) against the relative spin omega, with the radius r of the bearing,
+    the joint force F and the force F_t of the friction law.
     """
 
     name: str
@@ -159,6 +167,13 @@ class Revolute:
     second: Attachment
     bearing_radius: float = 0.0  # m
     friction: FrictionLaw = field(default_factory=FrictionLaw)
+    stiffness: float | None = None  # N/m; None: rigid
+    damping_ratio: float = 0.02
+
+    @property
+    def ends(self) -> tuple[Attachment, Attachment]:
+        """Centres of bearing and pin."""
+        return self.first, self.second
 
     @property
     def bearing(self) -> Attachment:

@@ -78,10 +78,20 @@ class Linkage(Checked):
     springs: tuple[Spring, ...] = ()
     loads: tuple[AnyLoad, ...] = ()
     clearances: tuple[ClearanceJoint, ...] = ()
+    elastic_pins: tuple[Revolute, ...] = ()  # that stretch; see ``released``
 
     def changed(self, **changes: Any) -> "Linkage":
         """Return the linkage assembled again with arguments of ``assemble`` changed."""
-        return assemble(**(vars(self) | changes))
+        arguments = vars(self) | changes
+        elastic_pins = arguments.pop("elastic_pins")
+        return replace(assemble(**arguments), elastic_pins=elastic_pins)
+
+    @property
+    def released(self) -> "Linkage":
+        """The linkage for the dynamics, in which pins with a stiffness hold nothing but pull."""
+        elastic = tuple(pin for pin in self.revolutes if pin.stiffness is not None)
+        joints = tuple(joint for joint in self.joints if joint not in elastic)
+        return replace(self, joints=joints, elastic_pins=(*self.elastic_pins, *elastic))
 
     @property
     def revolutes(self) -> tuple[Revolute, ...]:
@@ -117,7 +127,7 @@ class Linkage(Checked):
     @property
     def allowed_joints(self) -> tuple[str, ...]:
         """Names of the joints that may have clearance."""
-        return tuple(joint.name for joint in self.revolutes)
+        return tuple(joint.name for joint in self.revolutes if joint.stiffness is None)
 
     def linkage(self) -> "Linkage":
         """Return the linkage itself, as any mechanism returns its linkage."""
@@ -292,7 +302,8 @@ def assemble(
             ends = point(part.first, where), point(part.second, where)
             if isinstance(part, Revolute):
                 return replace(part, first=ends[0], second=ends[1])
-            return Revolute(part.name, *ends)
+            pin = Revolute(part.name, *ends)
+            return replace(pin, stiffness=part.stiffness, damping_ratio=part.damping_ratio)
         if isinstance(part, Spring):
             first, second = point(part.first, where), point(part.second, where)
             if first.body == second.body:
@@ -413,7 +424,8 @@ def _parts_of(linkage: Linkage) -> _Parts:
             names = [name for name, place in points.items() if place == (part.x, part.y)]
             return f"{part.body}.{names[0]}" if names else part
         if isinstance(part, Revolute):
-            return Pin(part.name, named(part.first), named(part.second))
+            ends = named(part.first), named(part.second)
+            return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
         if not isinstance(part, Spring | Force | Drive | Follow):
             return part
         return type(part)(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
@@ -428,6 +440,15 @@ def _parts_of(linkage: Linkage) -> _Parts:
         linkage.gravity,
         *(tuple(map(named, getattr(linkage, table))) for table in _TABLES),
     )
+
+
+def place_of(linkage: Linkage, point: Attachment, position: Sequence[float]) -> tuple[float, float]:
+    """Return the place of a point of a body, or of the frame, m, in a position of all bodies."""
+    if point.body == GROUND:
+        return point.x, point.y
+    x, y, angle = position[3 * linkage.index(point.body) :][:3]
+    c, s = math.cos(angle), math.sin(angle)
+    return x + c * point.x - s * point.y, y + s * point.x + c * point.y
 
 
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:

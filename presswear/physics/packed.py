@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.elements import GROUND, Attachment, Revolute
 from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.linkage.loads import Spring
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import (
     BEARING,
@@ -152,15 +153,14 @@ def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
 
 
 def spring_period(linkage: Linkage) -> float:
-    """Return the shortest period of a body on a spring, s: 2 pi sqrt(m / k)."""
-    return min(
-        (
-            2.0 * math.pi * math.sqrt(effective_mass(linkage, spring.ends) / spring.stiffness)
-            for spring in linkage.springs
-            if spring.stiffness > 0.0
-        ),
-        default=math.inf,
-    )
+    """Return the shortest period of a body on a spring or elastic pin, s: 2 pi sqrt(m / k)."""
+    shortest = math.inf
+    springs: list[Spring | Revolute] = [*linkage.springs, *linkage.elastic_pins]
+    for spring in springs:
+        if spring.stiffness:
+            mass = effective_mass(linkage, spring.ends)
+            shortest = min(shortest, 2.0 * math.pi * math.sqrt(mass / spring.stiffness))
+    return shortest
 
 
 def mass_of(linkage: Linkage) -> Array:

@@ -267,11 +267,14 @@ class Equilibrium(NamedTuple):
 def closed(linkage: Linkage) -> Linkage:
     """Return the linkage with ideal joints in place of those with clearance."""
     pins = (Revolute(joint.name, joint.bearing, joint.pin) for joint in linkage.clearances)
-    return replace(linkage, joints=(*linkage.joints, *pins), clearances=())
+    joints = (*linkage.joints, *pins, *linkage.elastic_pins)
+    return replace(linkage, joints=joints, clearances=(), elastic_pins=())
 
 
 class _Rest:
     """Position and unbalanced forces of a linkage as functions of the eccentricities of its pins.
+
+    Those are the pins of clearance joints, then elastic ones.
 
     The drives are held and the output point is pulled. The eccentricities are added to the rows of
     the linkage with ideal joints, whose multipliers under all forces are unbalanced at the pins.
@@ -294,7 +297,8 @@ class _Rest:
         self._linkage, self._time, self._pull = linkage, time, pull
         self._rows = constraints_of(closed(linkage))
         first = 2 * len(linkage.revolutes)
-        self._pins = slice(first, first + 2 * len(linkage.clearances))
+        self.pins = len(linkage.clearances) + len(linkage.elastic_pins)
+        self._pins = slice(first, first + 2 * self.pins)
         self._still = np.zeros(self.position.size)
 
     def equilibrium(self) -> Equilibrium:
@@ -304,7 +308,7 @@ class _Rest:
         return Equilibrium(self.position, float(height), self.contacts)
 
     def move(self, eccentricities: Array) -> None:
-        """Move all bodies to eccentricities of the pins, shape (joints, 2), m."""
+        """Move all bodies to eccentricities of the pins, shape (pins, 2), m."""
         for _ in range(20):
             phi, _, _, jacobian = self._rows.evaluate(self._time, self.position, self._still)
             phi[self._pins] += eccentricities.ravel()
@@ -314,7 +318,7 @@ class _Rest:
         self._forces(self._time, self.position, self._still)  # fills the contacts
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
-        """Return the forces that push the pins out of the middle, shape (joints, 2), N."""
+        """Return the forces that push the pins out of the middle, shape (pins, 2), N."""
         q, output = self.position, self._linkage.output
         i = 3 * self._linkage.index(output.body)
         self._onset[:] = 0.0 if with_contacts else HELD_OPEN
@@ -324,6 +328,15 @@ class _Rest:
         force[i : i + 3] += fx, fy, x * fy - y * fx
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
         return np.asarray(-np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2))
+
+
+def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array]:
+    """Return the clearances of all pins, and how far forces, N, press or stretch them, m."""
+    law, elastic = joints["normal"], linkage.elastic_pins
+    stiffness = [*law["estimated_stiffness"], *(pin.stiffness for pin in elastic)]
+    exponent = [*law["estimated_exponent"], *np.ones(len(elastic))]
+    clearance = np.array([*joints["clearance"], *np.zeros(len(elastic))])
+    return clearance, (size / np.array(stiffness)) ** (1.0 / np.array(exponent))
 
 
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:
@@ -340,14 +353,13 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
         rest.move(eccentricities)
         return rest.equilibrium()
     direction = needed[loaded] / size[loaded, np.newaxis]
-    joints = rest.packed.joints[loaded]
-    law = joints["normal"]
-    depth = (size[loaded] / law["estimated_stiffness"]) ** (1.0 / law["estimated_exponent"])
-    distance = joints["clearance"]
+    distance, depth = _reach(linkage, rest.packed.joints, size)
     for _ in range(3):  # to the bottom of a worn surface
-        eccentricities[loaded] = direction * distance[:, np.newaxis]
+        eccentricities[loaded] = (direction.T * distance[loaded]).T
         rest.move(eccentricities)
-        distance = distance + depth - rest.contacts["penetration"][loaded]
+        stretch = np.hypot(*eccentricities[len(rest.contacts) :].T)
+        distance += depth - np.concatenate([rest.contacts["penetration"], stretch])
+    depth = depth[loaded]
     scale = np.repeat(size[loaded], 2)
 
     def residual(x: Array) -> Array:

@@ -356,7 +356,7 @@ class Scene(Checked):
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
         surfaces |= {**self.surfaces, **worn}
         names = self.clearance_joints
-        clearances = (
+        loose = tuple(
             self.bearing(joint.name).joint(joint, self.conventions, surfaces[joint.name])
             for joint in ideal.revolutes
             if joint.name in names
@@ -369,7 +369,8 @@ class Scene(Checked):
             for one in ideal.joints
             if one.name not in names
         )
-        return replace(ideal, joints=joints, clearances=(*ideal.clearances, *clearances))
+        clearances = (*ideal.clearances, *loose)
+        return replace(ideal, joints=joints, clearances=clearances).released
 
     @property
     def stroke(self) -> float:

@@ -48,7 +48,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3},
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
-    "N/m": {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "kN/mm": 1e6},
+    "N/m": {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "MN/m": 1e6, "kN/mm": 1e6, "GN/m": 1e9},
     "N/m^n": dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0),
     "N": {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
     "N m": {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},

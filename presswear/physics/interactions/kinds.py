@@ -2,12 +2,18 @@
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.clearance import ClearanceContact
+from presswear.physics.interactions.elastic_pin import ElasticPin
 from presswear.physics.interactions.load import LoadWithLaw
 from presswear.physics.interactions.page import Interaction
 from presswear.physics.interactions.spring import SpringAndDamper
 from presswear.physics.packed import Packed
 
-KINDS: tuple[type[Interaction], ...] = (SpringAndDamper, LoadWithLaw, ClearanceContact)
+KINDS: tuple[type[Interaction], ...] = (
+    SpringAndDamper,
+    ElasticPin,
+    LoadWithLaw,
+    ClearanceContact,
+)
 
 
 def interactions_of(linkage: Linkage, packed: Packed) -> list[Interaction]:

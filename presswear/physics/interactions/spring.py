@@ -4,10 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-import numpy as np
-
-from presswear.linkage.elements import GROUND, Attachment
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.linkage import Linkage, place_of
 from presswear.linkage.loads import Spring
 from presswear.physics.equations.text import ONE, Vector
 from presswear.physics.interactions.page import Kernels, Page
@@ -106,17 +103,8 @@ class SpringAndDamper:
 
 def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
     """Return the distance of the ends of a spring, m."""
-    first, second = (_place_of(linkage, end, position) for end in spring.ends)
-    return float(np.hypot(*(second - first)))
-
-
-def _place_of(linkage: Linkage, point: Attachment, position: Array) -> Array:
-    """Return the place of a point of a body, or of the frame, m."""
-    if point.body == GROUND:
-        return np.array([point.x, point.y])
-    x, y, angle = position[3 * linkage.index(point.body) :][:3]
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([x + c * point.x - s * point.y, y + s * point.x + c * point.y])
+    first, second = (place_of(linkage, end, position.tolist()) for end in spring.ends)
+    return math.dist(first, second)
 
 
 def check_springs(linkage: Linkage, position: Array) -> None:

@@ -1,0 +1,118 @@
+"""Elastic pins: closed forms of a mass on one, the rigid limit, statics, bad input."""
+
+import math
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.physics.ideal import ideal_motion
+from presswear.physics.statics import equilibrium
+
+MASS, STIFFNESS, RATIO = 2.0, 8e4, 0.05
+OMEGA = math.sqrt(STIFFNESS / MASS)
+ENGINES: list[Engine] = [
+    InHouse(integration_tolerance=1e-10),
+    ExudynTree(tree_tolerance=1e-10),
+    ExudynJoints(),
+]
+
+
+def hung(ratio: float = RATIO, gravity: float = 9.81) -> Linkage:
+    """A block that hangs by an elastic pin through its mass centre."""
+    block = pw.Body("block", MASS, 1e-2)
+    pin = pw.Pin("P", (0.0, 0.0), "block.centre", STIFFNESS, ratio)
+    return pw.assemble([block], [pin], output="block", gravity=gravity, cycle=0.1)
+
+
+def simulated(engine: Engine, linkage: Linkage, start: Start, duration: float) -> Run:
+    run = engine.for_cycle(duration).simulate(linkage, start, Plan(duration, 1))
+    assert run.status == "completed", run.message
+    return run
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
+def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
+    """Displaced to one side and turned loose without weight."""
+    linkage, duration = hung(gravity=0.0), 0.05
+    start = Start(np.array([1e-3, 0.0, 0.3]), np.array([0.0, 0.0, 2.0]))
+    run = simulated(engine, linkage, start, duration)
+    damped = OMEGA * math.sqrt(1.0 - RATIO**2)
+    decay = math.exp(-RATIO * OMEGA * duration)
+    phase = damped * duration
+    ratio = RATIO * OMEGA / damped
+    exact = 1e-3 * decay * (math.cos(phase) + ratio * math.sin(phase))
+    error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
+    assert run.end.position[0] == pytest.approx(exact, abs=error * 1e-3)
+    # The forces act through the middle of e, half a stretch from the mass centre.
+    assert run.end.velocity[2] == pytest.approx(2.0, abs=1e-2)
+    stored = 0.5 * STIFFNESS * 1e-6
+    allowed = 1e-3 if isinstance(engine, ExudynJoints) else 1e-8
+    assert abs(float(run.diagnostics["energy_residual_J"])) < allowed * stored
+
+
+def test_momentum_of_two_blocks_stays() -> None:
+    """Linear and angular, where neither block is held."""
+    blocks = [pw.Body("one", 1.0, 1e-2), pw.Body("two", 3.0, 2e-2, {"tip": (0.1, 0.02)})]
+    pin = pw.Pin("P", "one.centre", "two.tip", STIFFNESS, RATIO)
+    linkage = pw.assemble(blocks, [pin], output="one", gravity=0.0, cycle=0.1)
+    start = Start(np.array([0.0, 0.0, 0.0, -0.1, 0.01, 0.0]), np.array([1.0, 0.2, 3, 0.0, 0.5, -1]))
+    run = simulated(ENGINES[0], linkage, start, 0.05)
+
+    def momentum(state: Start) -> np.ndarray:
+        q, v = state.position.reshape(2, 3), state.velocity.reshape(2, 3)
+        mass, inertia = np.array([1.0, 3.0]), np.array([1e-2, 2e-2])
+        spin = mass * (q[:, 0] * v[:, 1] - q[:, 1] * v[:, 0]) + inertia * v[:, 2]
+        return np.array([*(mass @ v[:, :2]), spin.sum()])
+
+    np.testing.assert_allclose(momentum(run.end), momentum(start), rtol=1e-9)
+
+
+def test_a_block_hangs_lower_by_its_weight_over_the_stiffness() -> None:
+    linkage = hung().changed(drives=[pw.Drive("block", 0.0)])
+    drop = equilibrium(linkage.released, 0.0).position[1]
+    assert drop == pytest.approx(-MASS * 9.81 / STIFFNESS, rel=1e-12)
+
+
+def four_bar(stiffness: float | None) -> pw.Linkage:
+    bodies = [pw.Bar("crank", 0.05, 0.4), pw.Bar("coupler", 0.2, 0.5), pw.Bar("rocker", 0.12, 0.4)]
+    joints = [
+        pw.Pin("O", (0.0, 0.0), "crank.tail"),
+        pw.Pin("A", "crank.head", "coupler.tail"),
+        pw.Pin("B", "coupler.head", "rocker.head", stiffness),
+        pw.Pin("P", (0.18, 0.0), "rocker.tail"),
+    ]
+    drives = [pw.Drive("crank", 10.0 * math.pi)]
+    guess = {"coupler": 0.5, "rocker": 1.2}
+    return pw.assemble(bodies, joints, drives, "rocker", guess=guess, direction=0.0)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
+def test_a_stiff_pin_is_nearly_rigid(engine: Engine) -> None:
+    """The elastic four-bar follows the ideal one to F / k, and stretches by it."""
+    linkage = four_bar(1e7)
+    motion = ideal_motion(four_bar(None), linkage.period).at(np.array([0.0, 0.1]))
+    start = Start(motion.position[0], motion.velocity[0])
+    run = simulated(engine, linkage, start, 0.1)
+    off = np.abs(run.end.position - motion.position[1])[:2].max()
+    assert str(run.diagnostics["model"]).endswith("elastic: B; clearance: none")
+    assert off < 1e-9  # the crank is driven
+    stretch = np.abs(run.end.position - motion.position[1]).reshape(3, 3)[1:, :2].max()
+    assert 1e-8 < stretch < 2e-5
+
+
+def test_a_joint_with_stiffness_has_no_clearance() -> None:
+    with pytest.raises(pw.InputError, match="B"):
+        pw.Scene(four_bar(1e7), bearings={"B": pw.Bearing(clearance=1e-4)})
+    with pytest.raises(pw.InputError, match="stiffness of B = 10 N/m: allowed is 1000"):
+        pw.Pin("B", (0.0, 0.0), "a.tail", 10.0)
+
+
+def test_stiffness_is_stored_with_the_linkage() -> None:
+    linkage = four_bar(1e7)
+    assert linkage_from(linkage.as_plain(), "file") == linkage
+    (pin,) = linkage.released.elastic_pins
+    assert (pin.name, pin.stiffness, pin.damping_ratio) == ("B", 1e7, 0.02)
