@@ -46,9 +46,17 @@ def needed_torques(
 def constraint_forces(
     linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[Bushing] = ()
 ) -> Array:
+    """Return the forces that hold the constraint rows at times, s; see ``forces_in_motion``."""
+    return forces_in_motion(linkage, ideal, ideal.at(time), bushings)
+
+
+def forces_in_motion(
+    linkage: Linkage, ideal: IdealMotion, motion: Motion, bushings: Sequence[Bushing] = ()
+) -> Array:
     """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m.
 
-    Laws of loads that depend on the way are followed from the first instant of ``time``, s.
+    Laws of loads that depend on the way are followed from the first instant of ``motion``, which
+    is ``ideal`` at some instants.
 
     Parameters
     ----------
@@ -62,7 +70,7 @@ def constraint_forces(
     RunFailed
         If friction blocks the motion, so that no forces hold it.
     """
-    motion, packed = ideal.at(time), pack(linkage)
+    packed = pack(linkage)
     right = packed.mass * motion.acceleration
     if packed.loads is not None:
         place_loads(packed.loads, motion.position[0], motion.velocity[0])
@@ -70,10 +78,10 @@ def constraint_forces(
     if linkage.springs or linkage.live_loads:
         forces = BodyForces(linkage, packed)
         levels = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
-        for k, (t, (q, v, a)) in enumerate(zip(time, levels, strict=True)):
+        for k, (t, (q, v, a)) in enumerate(zip(motion.time, levels, strict=True)):
             settle_loads(packed.loads, t, q, v, a)
             right[k] -= forces(t, q, v)
-    forces_of = partial(ideal.rows.forces, motion.position.reshape(time.size, -1, 3))
+    forces_of = partial(ideal.rows.forces, motion.position.reshape(motion.time.size, -1, 3))
     held = forces_of(right[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
     return _Friction(linkage, motion, rubbing, forces_of).added(held) if rubbing else held
