@@ -370,7 +370,7 @@ def curves(points: Points) -> list[Drawing]:
 
 def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None) -> list[Drawing]:
     """Draw the points over two parameters, with the surrogate at the median of the others."""
-    sheet, ((axes,),) = style.panels(1, 1, 4.2)
+    sheet, ((axes,),) = style.panels(1, 1, 4.2, is_measured=True)
     across, up = (points.points[:, k] for k in pair)
     x_axis = _axis(axes, "x", points.parameters[pair[0]], across, style.WIDTH)
     y_axis = _axis(axes, "y", points.parameters[pair[1]], up, 4.0)

@@ -217,7 +217,9 @@ def draw_orders(diagram: "Diagram") -> Drawing:
     names = [f"acceleration of\n{diagram.scene.output} (m/s²)"]
     names += [f"force at {joint} (N)" for joint in joints]
     height = 0.9 + 2.2 * len(names)
-    sheet, grid = style.panels(len(names), len(branches), height, sharex=True, sharey=True)
+    sheet, grid = style.panels(
+        len(names), len(branches), height, is_measured=True, sharex=True, sharey=True
+    )
     factor, label = _axis(diagram)
     ring = Pen("contact resonance", style.REFERENCE, (0.0, (6.0, 1.2, 1.5, 1.2)), 0.9)
     for k, (row, name) in enumerate(zip(grid, names, strict=True)):

@@ -21,7 +21,7 @@ from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
 
 _HEIGHTS = (3.2, 5.2)  # least and greatest height of the figure, inches
-_EDGES = 0.75, 0.55  # width and height of the figure beside the axes, inches
+_EDGES = 0.95, 0.63  # width and height of the figure beside the axes, inches
 _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring

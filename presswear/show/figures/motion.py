@@ -127,7 +127,7 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
     curves = {
         "displacement\n(m)": ([stage.data.displacement for stage in shown], place),
-        f"displacement\nminus ideal ({unit})": ([factor * d for d in deviations], 0.0 * time),
+        f"displacement\nminus\nideal ({unit})": ([factor * d for d in deviations], 0.0 * time),
         "velocity\n(m/s)": ([stage.data.velocity for stage in shown], velocity),
     }
     for axes, (label, (lines, ideal)) in zip(column, curves.items(), strict=False):

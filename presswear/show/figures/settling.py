@@ -27,7 +27,7 @@ def drawings_of(result: FinalMotions) -> list[Drawing]:
 @matplotlib.rc_context(style.SETTINGS)
 def draw_settling(result: FinalMotions, settled: FinalMotionsAt) -> Drawing:
     """Return the survival curve of the irregular motion, and the starts by final motion."""
-    sheet, grid = style.panels(1, 2, 3.4)
+    sheet, grid = style.panels(1, 2, 3.4, is_measured=True)
     _draw_survival(grid[0, 0], settled)
     joint = _draw_starts(grid[0, 1], result, settled)
     pens = [CURVE, *([FIT] if settled.half_life else [])]
@@ -92,7 +92,7 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     assert result.parameter is not None
     parameter = result.parameter
     factor, unit = unit_scale(parameter.unit, parameter.values[-1])
-    sheet, grid = style.panels(3, 1, 6.0, sharex=True)
+    sheet, grid = style.panels(3, 1, 6.0, is_measured=True, sharex=True)
     colour = style.LINES[0][0]
     for settled in result.values:
         value = factor * (settled.value or 0.0)

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from presswear.recording.columns import JOINT_ARRAYS
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
+from presswear.show.figures.margins import Margins
 from presswear.tools.numbers import (
     SUPERSCRIPT,
     large,
@@ -169,12 +170,15 @@ def angle_label(result: Result, side: str) -> str:
     return f"{where} (degrees)"
 
 
-def panels(rows: int, columns: int, height: float, **sharing: Any) -> tuple[Sheet, Any]:
+def panels(
+    rows: int, columns: int, height: float, is_measured: bool = False, **sharing: Any
+) -> tuple[Sheet, Any]:
     """Return a sheet of the common width and its grid of axes, an array of shape (rows, columns).
 
-    The height is in inches; ``sharing`` goes to ``Figure.subplots``.
+    The height is in inches; ``sharing`` goes to ``Figure.subplots``. Sheets with colour bars, or
+    with legends beside a panel, are laid out by measured texts.
     """
-    sheet = Sheet(figsize=(WIDTH, height), layout="constrained")
+    sheet = Sheet(figsize=(WIDTH, height), layout="constrained" if is_measured else Margins())
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
 
 
