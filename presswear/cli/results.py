@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def report(arguments: argparse.Namespace, console: Console) -> int:
-    """Write figures and report of a stored run or sweep."""
+    """Write the report of a stored run or sweep with all figures."""
     check_folder(arguments.folder)
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep

@@ -131,7 +131,9 @@ def run_scene(
         from presswear.show.report import write_report
 
         with console.status("drawing the figures") as line:
-            report = write_report(result, lambda count: line.update(f"drawing {count} figures"))
+            report = write_report(
+                result, lambda count: line.update(f"drawing {count} figures"), has_all_figures=False
+            )
         terminal.print_lines(console, f"results in {folder}, report in {report}")
     terminal.print_lines(console, *contact_warnings(result.scene, result.stages))
     if result.status == "failed":

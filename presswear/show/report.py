@@ -5,6 +5,7 @@ A table has a column per stage, or a line per record; a record holds the values 
 """
 
 import math
+import shlex
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -43,7 +44,7 @@ from presswear.scene.catalog import base_of, changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT, SET, Setting, settings_of, used_settings_of
 from presswear.show import page
-from presswear.show.figures import drawings
+from presswear.show.figures import drawings, first_drawings
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.figures.style import TEMPLATES, maps_turn, stage_names
 from presswear.show.key_numbers import (
@@ -76,23 +77,34 @@ def prepare(scene: Scene) -> None:
     _heights_at_rest(scene)
 
 
-def write_report(result: Result, notify: Callable[[int], None] = lambda count: None) -> Path:
+def write_report(
+    result: Result,
+    notify: Callable[[int], None] = lambda count: None,
+    has_all_figures: bool = True,
+) -> Path:
     """Draw the figures and write ``report.html`` into the folder of a result; return the page.
 
-    ``notify`` is called with the number of figures before they are drawn.
+    ``notify`` is called with the number of figures before they are drawn. Without all figures
+    there are those of ``first_drawings``, and the page states the command that draws the others.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
-    sheets = list(drawings(result))
+    sheets = list(drawings(result) if has_all_figures else first_drawings(result))
     notify(len(sheets))
     figures = page.illustrated(sheets, inside(result.path, "figures"))
+    command = "" if has_all_figures else f"presswear report {shlex.quote(str(result.path))}"
     file = result.path / "report.html"
-    write_bytes(file, render_report(result, figures).encode())
+    write_bytes(file, render_report(result, figures, command).encode())
     return file
 
 
-def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
-    """Return the report of a result as HTML, with some figures."""
+def render_report(
+    result: Result, figures: Sequence[Illustration] = (), figures_command: str = ""
+) -> str:
+    """Return the report of a result as HTML, with some figures.
+
+    The page states the command that draws all figures, unless it is empty.
+    """
     scene, changes = result.scene, changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
@@ -122,6 +134,7 @@ def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
         "words_of": words_of,
         "limit_text": limit_text,
         "span_of": span_of,
+        "figures_command": figures_command,
     }
     return page.render_page(
         title_of(scene),
@@ -405,27 +418,28 @@ def setting_tables(result: Result) -> dict[str, Table]:
     """Return the tables ``parameters``, of all settings, and ``chosen``, of those the user set."""
     scene = result.scene
     before = {setting.key: setting.value for setting in settings_of(base_of(scene))}
+    is_named = named_scene(scene) is not None
     records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
     for setting in used_settings_of(scene):
         meaning, value = setting.meaning, setting.value
         record: Record = {"setting": setting, "value": "none" if value is None else str(value)}
         if isinstance(meaning, Quantity) and isinstance(value, int | float):
             record["value"] = _engineers(meaning, value)
-        record["origin"] = _origin(scene, setting, before)
+        record["origin"] = _origin(scene, setting, before, is_named)
         records["parameters"].append(record)
         if record["origin"].startswith(SET):
             records["chosen"].append(record)
     return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
 
 
-def _origin(scene: Scene, setting: Setting, before: Mapping[str, Any]) -> str:
+def _origin(scene: Scene, setting: Setting, before: Mapping[str, Any], is_named: bool) -> str:
     """Return the origin of a value; ``before`` are the values of the named scene, or defaults."""
     origin = scene.origins.get(setting.key, DEFAULT)
     if origin != DEFAULT:
         return origin
     if setting.value != before.get(setting.key, before):
         return SET
-    if named_scene(scene) is None or not isinstance(setting.meaning, Quantity):
+    if not (is_named and isinstance(setting.meaning, Quantity)):
         return DEFAULT
     return setting.meaning.origin
 

@@ -275,7 +275,7 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
         store.interrupt()
 
     monkeypatch.setattr(campaign, "run_into", run_into)
-    monkeypatch.setattr(report, "write_report", lambda *arguments: "")
+    monkeypatch.setattr(report, "write_report", lambda *arguments, **options: "")
     assert "has changed" not in command(line)
     Path("laws.py").write_text(law)
     assert "has changed" not in command(line)

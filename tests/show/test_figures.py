@@ -28,7 +28,7 @@ from presswear.results.oil_film import oil_films
 from presswear.results.press_analysis import ideal_curves
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.settings import changed
-from presswear.show.figures import NAMES, drawings, save
+from presswear.show.figures import NAMES, drawings, first_drawings, save
 from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.style import LINES, Drawing, label_values, panels
 from presswear.show.figures.wear import seam
@@ -58,6 +58,7 @@ RESULTS = [made_up(made.BOTH, 3), lived(made_up(made.BODY, 2)), grown(), made_up
 RESULTS.append(made_up(replace(made.BODY, joints="A,B,C,D"), 1))
 OILED = made_up(changed(made.BOTH, {"viscosity": "0.1 Pa s", "clearance": "0.05 mm"}), 1)
 RESULTS.append(OILED)
+RESULTS.append(made_up(made.BOTH, 9))
 
 
 @pytest.mark.parametrize("result", RESULTS)
@@ -98,6 +99,21 @@ def test_figures_are_drawn(scene: pw.Scene, stages: int, files: list[str], tmp_p
         pairs = [(axes.get_xlabel(), axes.get_ylabel()) for axes in drawing.sheet.axes]
         assert all(UNIT.search(label) for pair in pairs for label in pair if label), pairs
     assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == sorted(files)
+
+
+@pytest.mark.parametrize(
+    ("result", "files"),
+    [
+        (made_up(made.BOTH, 2), ["contact-force.png", "wear-depth.png", "stroke.png"]),
+        (lived(made_up(made.BODY, 2)), ["life.png", "contact-force.png", "wear-depth.png"]),
+        (made_up(made.IDEAL, 1), ["stroke.png", "response.png"]),
+        (made_up(made.IDEAL, 1, "failed"), []),
+    ],
+)
+def test_figures_after_a_run_are_the_first_that_show_something(
+    result: pw.Result, files: list[str]
+) -> None:
+    assert [one.file for one in first_drawings(result)] == ["mechanism.png", *files]
 
 
 def test_plot_returns_the_axes_of_every_figure() -> None:

@@ -42,6 +42,17 @@ def test_one_file_without_references(tmp_path: Path) -> None:
         write_report(replace(result, path=None))
 
 
+def test_a_short_report_states_the_command_that_draws_the_other_figures(tmp_path: Path) -> None:
+    folder = tmp_path / "two words"
+    folder.mkdir()
+    result = replace(made_up(made.BOTH, 2), path=folder)
+    page = Page(write_report(result, has_all_figures=False).read_text())
+    assert len(list((folder / "figures").iterdir())) == 4
+    assert f"This command adds the others: presswear report '{folder}'" in page.text
+    assert page.row("first wear")
+    assert "adds the others" not in Page(write_report(result).read_text()).text
+
+
 def test_stages_are_columns() -> None:
     result = made_up(made.ONE, 3)
     page = page_of(result)

@@ -4,6 +4,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, WIDTH, Axes, D
 from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.files import write_whole
 
-__all__ = ["NAMES", "Drawing", "drawings", "plot", "rendered", "save", "write"]
+__all__ = ["NAMES", "Drawing", "drawings", "first_drawings", "plot", "rendered", "save", "write"]
 
 # Figures by name, in the order of the report: the stages that are drawn, and the function that
 # returns the drawings of at least one stage, none where it would be empty.
@@ -43,6 +44,8 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "drives": ("moving", motion.drive_work),
     "oil": ("all", motion.film_thickness),
 }
+# Figures that are drawn after a run, the most important first, and how many of them
+FIRST, FIRST_COUNT = ("life", "force", "wear", "stroke", "bottom", "response", "drives"), 3
 _PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets only shown ones
 
 
@@ -58,18 +61,34 @@ def drawings(
         if not (isinstance(name, str) and name in NAMES):
             raise unknown("figure", name, NAMES)
     stages = result.stages if stage is None else (result.stage(stage),)
-    for name in names or NAMES:
+    if not names:
+        for name in NAMES:
+            yield from _drawn_if_stored(name, result, stages)
+    for name in names:
         try:
             figures = drawn(name, result, stages)
         except NotStored as error:
-            if not names:
-                continue  # an earlier version did not record what the figure shows
             version = result.provenance["packages"]["presswear"]
             raise NotStored(f"{error}; presswear {version} wrote the result") from None
-        if names and not figures:
+        if not figures:
             of_stage = f"stage {stage} of " if stage is not None else ""
             raise InputError(f"{of_stage}{result.scene.name} has nothing to draw as {name!r}")
         yield from figures
+
+
+def first_drawings(result: Result) -> list[Drawing]:
+    """Draw the mechanism and the first ``FIRST_COUNT`` figures of ``FIRST`` that show something."""
+    drawings_by_name = (_drawn_if_stored(name, result, result.stages) for name in FIRST)
+    first = islice(filter(None, drawings_by_name), FIRST_COUNT)
+    return [*drawn("mechanism", result, result.stages), *chain.from_iterable(first)]
+
+
+def _drawn_if_stored(name: str, result: Result, stages: Stages) -> list[Drawing]:
+    """Return the drawings of a figure; none if an earlier version did not record its series."""
+    try:
+        return drawn(name, result, stages)
+    except NotStored:
+        return []
 
 
 def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
