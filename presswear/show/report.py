@@ -56,7 +56,7 @@ from presswear.show.key_numbers import (
 )
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table
 from presswear.tools import numbers
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import InputError, NotStored, RunFailed
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.quantities import Quantity
 
@@ -108,6 +108,7 @@ def render_report(
     scene, changes = result.scene, changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
+    missing: list[str] = []  # what an earlier version did not store
     content: Record = {
         "result": result,
         "scene": scene,
@@ -125,9 +126,7 @@ def render_report(
             **setting_tables(result),
             **mechanism_tables(result),
             "changes": _line_table("changes", result, changes) if changes else None,
-            "drives": drive_table(result),
-            "growth": growth_table(result),
-            "motion": motion_table(result),
+            **{name: _if_stored(table, result, missing) for name, table in _OPTIONAL.items()},
             "provenance": provenance_table(result),
         },
         "life": result.life and _life(result, result.life),
@@ -142,7 +141,7 @@ def render_report(
             status=_status(result),
             style=result.status if result.status in FINISHED else "unfinished",
             key_numbers=key_numbers(result),
-            warnings=warnings(result),
+            warnings=[*warnings(result), *missing],
             picture=next((figure for figure in figures if figure.file == "mechanism.png"), None),
         ),
         template="report.html",
@@ -486,6 +485,21 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
 def _place(point: Attachment) -> str:
     x, y = (numbers.short_number(round(1e3 * value, 6) + 0.0) for value in (point.x, point.y))
     return f"{point.body}: {x}, {y}"
+
+
+_OPTIONAL = {"drives": drive_table, "growth": growth_table, "motion": motion_table}
+
+
+def _if_stored(
+    table: Callable[[Result], Table | None], result: Result, missing: list[str]
+) -> Table | None:
+    """Return a table; None, and a sentence in ``missing``, if its series are not in the result."""
+    try:
+        return table(result)
+    except NotStored as error:
+        version = result.provenance["packages"]["presswear"]
+        missing.append(f"A table is left out. {error}; presswear {version} wrote the result.")
+        return None
 
 
 def provenance_table(result: Result) -> Table | None:

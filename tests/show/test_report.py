@@ -53,6 +53,17 @@ def test_a_short_report_states_the_command_that_draws_the_other_figures(tmp_path
     assert "adds the others" not in Page(write_report(result).read_text()).text
 
 
+def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out() -> None:
+    result = made_up(made.BOTH, 2)
+    assert "Recorded cycles after the start-up" in page_of(result).text
+    for stage in result.stages:
+        del stage.arrays["A_sliding"]  # type: ignore[attr-defined]
+    text = page_of(result).text
+    assert "A table is left out. joint A: its sliding was not stored; run the scene again" in text
+    assert "presswear 0.1.0 wrote the result." in text
+    assert "Recorded cycles after the start-up" not in text
+
+
 def test_stages_are_columns() -> None:
     result = made_up(made.ONE, 3)
     page = page_of(result)

@@ -4,6 +4,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from importlib.resources import as_file, files
 from itertools import product
@@ -156,7 +157,9 @@ def between(stage: StageResult, start: float, end: float) -> StageResult:
     series = ["time", "slider", "drive_torque"]
     series += [f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS]
     cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
-    return replace(stage, arrays={**stage.arrays, **cut})
+    arrays: Any = copy(stage.arrays)  # which names its file where an array is missing
+    arrays.update(cut)
+    return replace(stage, arrays=arrays)
 
 
 def maps_turn(result: Result) -> bool:
