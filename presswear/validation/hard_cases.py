@@ -339,7 +339,7 @@ def in_engines(
 ) -> Iterator[Case]:
     """Yield the case of a scene in some engines; ``more`` are fields of `Case`."""
     for engine in engines:
-        chosen = replace(scene, engine=engine)
+        chosen = replace(scene, engine=engine, purpose="trajectory")
         yield Case(name, reason, chosen.solver.word, partial(checks, chosen), **more)
 
 
