@@ -67,7 +67,8 @@ def _room_around(axes: Axes) -> Room:
 
 def _numbers_of(axis: Axis) -> list[str]:
     """Return the numbers of an axis; none if they are not shown."""
-    if not axis.get_tick_params()["labelleft" if axis.axis_name == "y" else "labelbottom"]:
+    side = "labelleft" if axis is axis.axes.yaxis else "labelbottom"
+    if not axis.get_tick_params()[side]:
         return []
     low, high = sorted(axis.get_view_interval())
     result = []
@@ -75,7 +76,7 @@ def _numbers_of(axis: Axis) -> list[str]:
         (axis.get_minorticklocs(), axis.get_minor_formatter()),
         (axis.get_majorticklocs(), axis.get_major_formatter()),
     ):
-        texts = zip(places, formatter.format_ticks(places), strict=True)
+        texts = zip(places, formatter.format_ticks(list(map(float, places))), strict=True)
         result += [text for place, text in texts if low <= place <= high]
     return result
 
