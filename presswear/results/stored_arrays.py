@@ -26,7 +26,6 @@ from presswear.tools.errors import InputError
 
 CURVE_BYTES = 2**26  # room for the curves of a service life
 _HEADS = 2**20  # bytes for the headers of arrays
-_ROW_COUNTS = {"time", "cycles", "deviation", "wear_batch_cycles"}
 
 
 def most_film_bytes(linkage: Linkage) -> int:

@@ -45,7 +45,7 @@ from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
 from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, unpack
 
-RUNNING, DONE, BROKEN, STUCK, TRYING, IDLE = range(6)
+RUNNING, DONE, BROKEN, STUCK, TRYING = range(5)
 
 FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0

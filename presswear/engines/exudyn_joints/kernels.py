@@ -96,9 +96,7 @@ class Frame(NamedTuple):
     rates: Array
     layout: Layout  # places of their parts
     bristles: Indices  # places in ``y`` of the bristles of the joints, -1 for none
-    started: (
-        Array  # their deflections, m, and sliding speeds, m/s, at the start of a step, (2, joints)
-    )
+    started: Array  # their deflections, m, and sliding, m/s, where a step starts, (2, joints)
     friction: Friction | None  # None without friction in rigid joints
 
 

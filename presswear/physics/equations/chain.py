@@ -128,6 +128,18 @@ class Chain:
                     u[first] -= v[link.parent.place + 2]
         return x, u
 
+    def way(
+        self, text: Text, ends: tuple[Attachment, Attachment], prefix: str
+    ) -> tuple[Vector, Vector]:
+        """Write the way from one point of a body to another, m, and its rate, m/s."""
+        first, second = (self.of(end.body) for end in ends)
+        first_arm = first.arm(text, ends[0], prefix)
+        second_arm = second.arm(text, ends[1], prefix)
+        way = second.position.plus(second_arm).minus(first.position.plus(first_arm))
+        rate = second.velocity_at(second_arm).minus(first.velocity_at(first_arm))
+        way = text.let_vector(f"{prefix}_way", way)
+        return way, text.let_vector(f"{prefix}_way_rate", rate)
+
     def of(self, body: str) -> Link:
         """Return a body, or the frame, by its name."""
         return next((link for link in self.links if link.body.name == body), self.frame)

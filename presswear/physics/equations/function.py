@@ -36,8 +36,8 @@ ACCELERATIONS, RATES, END = range(3)
 """Parts that the equations fill: accelerations, also rates of integrals, also what is recorded."""
 
 
-POSITION, VELOCITY, ACCELERATION, FORCE, AXES = range(5)
-"""Rows of ``Model.bodies``."""
+FORCE = 3
+"""Row of ``Model.bodies``."""
 
 
 class Model(NamedTuple):

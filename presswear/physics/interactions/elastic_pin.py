@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage, place_of
-from presswear.physics.equations.text import ONE, product, total
+from presswear.physics.equations.text import ONE, negative, product
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.packed import Packed, effective_mass
 from presswear.tools.arrays import Array
@@ -48,22 +48,16 @@ class ElasticPin:
         prefix = text.prefix(pin.name)
         bearing, body = (page.chain.of(end.body) for end in pin.ends)
         text.comment(f"{pin.name}: elastic pin of {pin.second.body} in {pin.first.body}")
-        bearing_arm = bearing.arm(text, pin.first, prefix)
-        pin_arm = body.arm(text, pin.second, prefix)
-        stretch = body.position.plus(pin_arm).minus(bearing.position.plus(bearing_arm))
-        stretch = text.let_vector(f"{prefix}_stretch", stretch)
-        rate = body.velocity_at(pin_arm).minus(bearing.velocity_at(bearing_arm))
-        rate = text.let_vector(f"{prefix}_rate", rate)
+        stretch, rate = page.chain.way(text, pin.ends, prefix)
         stiffness = text.parameter(f"{prefix}_stiffness", pin.stiffness or 0.0)
         damping = text.parameter(f"{prefix}_damping", self.damping)
         force = stretch.times(f"-{stiffness}").plus(rate.times(damping).times(f"-{ONE}"))
         force = text.let_vector(f"{prefix}_force", force)
         half = text.let_vector(f"{prefix}_half", stretch.times("0.5"))
-        body.add_force(pin_arm.minus(half), force)
-        bearing.add_force(bearing_arm.plus(half), force.times(f"-{ONE}"))
+        body.add_force(body.arm(text, pin.second, prefix).minus(half), force)
+        bearing.add_force(bearing.arm(text, pin.first, prefix).plus(half), force.times(f"-{ONE}"))
         if self.damping != 0.0:
-            lost = product(damping, total(product(rate.x, rate.x), product(rate.y, rate.y)))
-            page.add_power("load_work", f"-{lost}")
+            page.add_power("load_work", negative(product(damping, rate.dot(rate))))
 
 
 def damping_of(linkage: Linkage, pin: Revolute) -> float:

@@ -80,14 +80,7 @@ class SpringAndDamper:
         prefix = text.prefix(spring.name)
         first, second = (page.chain.of(end.body) for end in spring.ends)
         text.comment(f"{spring.name}: spring between {first.body.name} and {second.body.name}")
-        first_arm, second_arm = (
-            link.arm(text, end, prefix)
-            for link, end in zip((first, second), spring.ends, strict=True)
-        )
-        way = second.position.plus(second_arm).minus(first.position.plus(first_arm))
-        way = text.let_vector(prefix, way)
-        velocity = second.velocity_at(second_arm).minus(first.velocity_at(first_arm))
-        velocity = text.let_vector(f"{prefix}_v", velocity)
+        way, velocity = page.chain.way(text, spring.ends, prefix)
         numbers = [
             text.parameter(f"{prefix}_{word}", getattr(spring, word))
             for word in ("stiffness", "damping", "length")
@@ -97,8 +90,8 @@ class SpringAndDamper:
         text.write(f"{pull.x}, {pull.y}, {prefix}_power = spring_pull({arguments})")
         if spring.damping != 0.0:
             page.add_power("load_work", f"{prefix}_power")
-        first.add_force(first_arm, pull)
-        second.add_force(second_arm, pull.times(f"-{ONE}"))
+        first.add_force(first.arm(text, spring.ends[0], prefix), pull)
+        second.add_force(second.arm(text, spring.ends[1], prefix), pull.times(f"-{ONE}"))
 
 
 def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
