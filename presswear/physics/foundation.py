@@ -395,7 +395,12 @@ def cell_of_eccentricity(surfaces: Array, nodes: int, place: Place, angle: float
     across = place.dy * nx - place.dx * ny
     if abs(across) < NEAR * along:
         t = across / along
-        return nodes + node + t * (1.0 - t * t * (1 / 3 - t * t * (1 / 5))) / place.width
+        cell = node + t * (1.0 - t * t * (1 / 3 - t * t * (1 / 5))) / place.width
+        if cell < 0.0:
+            cell += nodes
+        elif cell >= nodes:
+            cell -= nodes
+        return nodes + cell
     node, x = cell_of(math.atan2(place.dy, place.dx), nodes)
     return nodes + node + x
 

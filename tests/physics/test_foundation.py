@@ -53,9 +53,17 @@ class Arc(NamedTuple):
 
 
 def arc_of(
-    bearing: Surface, pin: Surface, eccentricity: float, at_bearing: float, at_pin: float
+    bearing: Surface,
+    pin: Surface,
+    eccentricity: float,
+    at_bearing: float,
+    at_pin: float,
+    before: float = 0.0,
 ) -> Arc:
-    """Return the integrals for directions of the eccentricity in the maps of bearing and pin."""
+    """Return the integrals for directions of the eccentricity in the maps of bearing and pin.
+
+    The overlap was greatest ``before`` at an angle of the bearing's map.
+    """
     joint = replace(
         JOINT, bearing_surface=bearing, pin_surface=pin, contact="foundation", clearance=C
     )
@@ -66,7 +74,7 @@ def arc_of(
     cosine, sine = math.cos(at_bearing), math.sin(at_bearing)
     dx, dy = eccentricity * cosine, eccentricity * sine
     place = place_of(record, dx, dy, eccentricity, at_pin - at_bearing)
-    overlap, cell, sums = integrate_overlap(packed.surfaces[0], record, place, 0.0)
+    overlap, cell, sums = integrate_overlap(packed.surfaces[0], record, place, before)
     x, y = sums.x, sums.y
     along, across = cosine * x + sine * y, cosine * y - sine * x
     at = math.remainder((cell + 0.5) * place.width - at_bearing, TURN)
@@ -248,6 +256,16 @@ def test_rates_of_overlap_and_energy_are_derivatives() -> None:
     h = 1e-8
     ahead, behind = (pair.after(d).contact().energy for d in (h, -h))
     assert contact.elastic * contact.closing == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
+
+
+@given(direction=st.floats(-0.1, 0.1), way=st.floats(-0.1, 0.1), turn=st.floats(3.1, 3.2))
+@example(direction=0.05, way=-0.055, turn=3.13)  # across the seams of both maps
+@example(direction=-0.05, way=0.055, turn=-3.13)
+def test_the_place_before_changes_nothing(direction: float, way: float, turn: float) -> None:
+    # So rough that the whole turn is searched
+    case = rough(1), rough(2), C + 1e-6, direction, direction + turn
+    near, far = (arc_of(*case, before=direction + angle) for angle in (way, 3.0))
+    np.testing.assert_allclose(near, far, rtol=1e-9, atol=1e-15)
 
 
 @given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
