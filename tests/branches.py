@@ -10,7 +10,7 @@ from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.packed import pack
 from presswear.tools.arrays import Array
-from presswear.tools.compile import pack_arguments
+from presswear.tools.packing import pack_arguments
 
 
 def branching() -> pw.Linkage:

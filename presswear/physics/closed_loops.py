@@ -41,7 +41,8 @@ def place_prescribed(
     Not finite where their loops do not close near where they are expected, on the same side.
     ``axes`` are those of ``place_parts``.
     """
-    parts, closings, motions, work = prescribed
+    parts, work = prescribed.parts, prescribed.work
+    closings, motions = prescribed.closings, prescribed.motions
     ahead = t - work[LAST, TIME]
     work[LAST, TIME] = t
     for i in range(parts.shape[0]):
@@ -88,7 +89,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 
     Returns the greatest change; leaves the determinant.
     """
-    parts, closings, _, work = prescribed
+    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
     count = 2 * closings.shape[0]
     matrix, right, target = work[HEAD + count :], work[RIGHT], work[row]
     column = 0
@@ -131,7 +132,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 @compiled
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a step towards closed loops; returns its size, leaves the rows."""
-    parts, closings, _, work = prescribed
+    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
     work[RIGHT] = 0.0
     work[HEAD : HEAD + 2 * closings.shape[0]] = 0.0
     for row in range(0, 2 * closings.shape[0], 2):
@@ -167,7 +168,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
 @compiled
 def _follow(prescribed: Prescribed) -> None:
     """Fill the rates and accelerations sought, in a place where all loops are closed."""
-    parts, closings, _, work = prescribed
+    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
     right = work[RIGHT]
     for level in (RATE, ACCELERATION):
         for i in range(parts.shape[0]):
@@ -197,7 +198,7 @@ def drive_torques(
     virtual work: the force on the coordinate of each part, times its rate per rate of the drive.
     Torques of drives of other bodies stay.
     """
-    parts, _, _, work = prescribed
+    parts, work = prescribed.parts, prescribed.work
     for i in range(parts.shape[0] - 1, -1, -1):
         part = parts[i]
         b = part.body
@@ -222,7 +223,7 @@ def drive_torques(
 @compiled
 def _force_of_others(prescribed: Prescribed, i: int) -> float:
     """Return the moment, N m, at the drive of a part of the forces on parts without a drive."""
-    parts, closings, _, work = prescribed
+    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
     if closings.shape[0] == 0:
         return 0.0
     for r in range(2 * closings.shape[0]):

@@ -17,14 +17,7 @@ from presswear.linkage.laws import (
     NormalLaw,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    Records,
-    address_of,
-    call,
-    compiled,
-    floats,
-    inlined,
-)
+from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
 from presswear.tools.user_function import compile_function
 
 # Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp, too

@@ -22,14 +22,7 @@ from presswear.linkage.loads import (
 )
 from presswear.physics.constraints import lever
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    Records,
-    address_of,
-    call,
-    compiled,
-    floats,
-    inlined,
-)
+from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
 from presswear.tools.user_function import UserFunction, compile_function
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws

@@ -117,7 +117,7 @@ def place_parts(prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Arra
 
     ``axes`` are cosine and sine of each body's angle, in the places of its x and y.
     """
-    parts, _, _, work = prescribed
+    parts, work = prescribed.parts, prescribed.work
     for i in range(parts.shape[0]):
         part = parts[i]
         b = part.body

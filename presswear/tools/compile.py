@@ -25,18 +25,16 @@ import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba.core import cgutils, config, event, types, typing
-from numba.core.registry import cpu_target
-from numba.extending import NativeValue, intrinsic, lower_builtin, typeof_impl, unbox
+from numba.extending import lower_builtin
 
 from presswear.tools.arrays import Array
-from presswear.tools.callees import COMPILER, CalleeCompiler
 from presswear.tools.compile_errors import short_errors
 from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
+from presswear.tools.kernel_compiler import COMPILER, CalleeCompiler, KernelCompiler
 from presswear.tools.kernel_digest import function_digest
 
 F = TypeVar("F", bound=Callable[..., Any])
-T = TypeVar("T")
 Records = Any  # structured array; kernels read ``records[k].name``, a type checker cannot
 
 
@@ -98,7 +96,7 @@ class Kernel:
     def dispatcher(self, **wrappers: bool) -> Any:
         """Return the function compiled by numba and stored, with all that it calls."""
         options = {**self.options, **wrappers}
-        dispatcher = numba.njit(**options)(self.py_func)
+        dispatcher = numba.njit(**options, pipeline_class=KernelCompiler)(self.py_func)
         if self._is_stored:
             code = function_digest(self.py_func)
             dispatcher._cache = KernelCache(self._name, options, code, COMPILER)
@@ -113,13 +111,20 @@ class Kernel:
     def _numba_type_(self) -> Any:
         options = {**self.options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         compiler = numba.njit(**options, pipeline_class=CalleeCompiler)
-        self._from_kernels = compiler(self.py_func)  # its type does not keep it
-        return self._from_kernels._numba_type_
+        self._from_kernels = callee = compiler(self.py_func)  # its type does not keep it
+        template = callee.get_call_template
+
+        def template_for_numbers(arguments: Any, named: Any) -> Any:
+            return template(tuple(map(types.unliteral, arguments)), named)
+
+        # Numba would compile the callee once for each literal number.
+        callee.get_call_template = template_for_numbers
+        return callee._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the compiled function; with NUMBA_DISABLE_JIT=1 the function in plain Python."""
         if config.DISABLE_JIT:
-            return self.py_func(*map(_readable, arguments))
+            return self.py_func(*map(readable, arguments))
         with short_errors:
             return self.from_python(*arguments)
 
@@ -344,103 +349,13 @@ def all_finite(first: Array, second: Array) -> bool:
     return total == 0.0
 
 
-class PackedArguments(int):
-    """Address of unpacked arguments, which it keeps alive; for numba a pointer to their tuple.
-
-    Numba unpacks every array in each call. These are unpacked once for a million calls.
-    """
-
-    arguments: tuple[Any, ...]
-    kind: Any  # of the pointer; numba takes milliseconds to find it
-    memory: Any
-
-
-@typeof_impl.register(PackedArguments)
-def _type_of(packed: PackedArguments, context: Any) -> Any:
-    return packed.kind
-
-
-@unbox(types.CPointer)
-def _unbox_address(kind: Any, packed: Any, context: Any) -> Any:
-    address = context.pyapi.long_as_longlong(packed)
-    return NativeValue(context.builder.inttoptr(address, context.context.get_value_type(kind)))
-
-
-@intrinsic
-def _store(typing: Any, packed: Any, arguments: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        address, value = values
-        builder.store(value, builder.bitcast(address, value.type.as_pointer()))
-        return context.get_dummy_value()
-
-    return types.none(packed, arguments), generate
-
-
-@compiled
-def _fill(packed: PackedArguments, arguments: Any) -> None:
-    _store(packed, arguments)
-
-
-def _readable(arguments: Any) -> Any:
+def readable(arguments: Any) -> Any:
     """Return arguments whose records have attributes, as they have in kernels."""
     if isinstance(arguments, tuple):
-        parts = map(_readable, arguments)
+        parts = map(readable, arguments)
         return type(arguments)(*parts) if hasattr(arguments, "_fields") else tuple(parts)
     if isinstance(arguments, np.void) and not isinstance(arguments, np.record):
         return arguments.view((np.record, arguments.dtype))
     if isinstance(arguments, np.ndarray) and arguments.dtype.names:
         return arguments.view(np.recarray)
     return arguments
-
-
-@intrinsic_with(lambda packed: packed.arguments)
-def _load(typing: Any, packed: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        pointer = context.get_value_type(packed.dtype).as_pointer()
-        return builder.load(builder.bitcast(values[0], pointer))
-
-    return packed.dtype(packed), generate
-
-
-# In a kernel: the arguments of ``PackedArguments``.
-unpack = cast(Callable[[PackedArguments], Any], _load)
-
-
-def _layout(argument: Any) -> Any:
-    """Return a key that is equal for arguments of the same type."""
-    if isinstance(argument, tuple):
-        return type(argument), *map(_layout, argument)
-    if isinstance(argument, np.ndarray):
-        return type(argument), argument.dtype, argument.ndim, f"{argument.flags}"
-    return numba.typeof(argument)
-
-
-# By layout: type of the pointer, size, function that stores; numba takes milliseconds to find them
-_packing: dict[Any, tuple[Any, int, Any]] = {}
-
-
-def pack_arguments(*arguments: Any) -> PackedArguments:
-    """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
-    if config.DISABLE_JIT:
-        packed = PackedArguments()
-        packed.arguments = _readable(arguments)
-        return packed
-    layout = _layout(arguments)
-    if layout not in _packing:
-        context, kind = cpu_target.target_context, numba.typeof(arguments)
-        fill, kinds = cast(Any, _fill).from_python, (types.CPointer(kind), kind)
-        size = context.get_abi_sizeof(context.get_value_type(kind))
-        fill.compile(kinds)
-        _packing[layout] = kinds[0], size, fill.overloads[kinds].entry_point
-    pointer, size, store = _packing[layout]
-    memory = np.zeros(size, np.uint8)
-    packed = PackedArguments(memory.ctypes.data)
-    packed.arguments, packed.kind, packed.memory = _readable(arguments), pointer, memory
-    store(packed, arguments)
-    return packed
-
-
-def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> "partial[T]":
-    """Return a kernel of packed arguments and a number as a function of the number."""
-    packed = pack_arguments(*arguments)
-    return partial(specialised(kernel, packed, 0.0), packed)

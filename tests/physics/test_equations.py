@@ -34,7 +34,7 @@ from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.prescribed import begin_motion
 from presswear.tools.arrays import Array
-from presswear.tools.compile import pack_arguments
+from presswear.tools.packing import pack_arguments
 from presswear.tools.user_function import UserFunction
 
 TIME = 0.0137  # s

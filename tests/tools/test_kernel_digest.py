@@ -13,7 +13,8 @@ TEXT = """
 import math
 from typing import NamedTuple
 import numpy as np
-from presswear.tools.compile import compiled, inlined, lazily_compiled, unpack
+from presswear.tools.compile import compiled, inlined, lazily_compiled
+from presswear.tools.packing import unpack
 
 FACTOR = 2.0
 NODES = np.array([1.0, 2.0])

@@ -35,12 +35,7 @@ from presswear.physics.equations.writer import Equations
 from presswear.physics.packed import Packed
 from presswear.physics.rubbing import add_friction, friction_power
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    Records,
-    compiled,
-    copy_to,
-    inlined,
-)
+from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 
 class System(NamedTuple):

@@ -35,8 +35,9 @@ from presswear.physics.prescribed import begin_motion
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, bind
+from presswear.tools.compile import Records
 from presswear.tools.errors import InputError
+from presswear.tools.packing import bind
 
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"

@@ -5,10 +5,6 @@ step that holds one is repeated until it ends there, so that no step crosses a c
 steps are cut in two where a load's law changes; contacts change between them only.
 """
 
-from typing import Any
-
-import numpy as np
-
 from presswear.engines.dae.dynamics import place_held
 from presswear.engines.dae.runge_kutta import SPARE, START, classical_step, embedded_step, rates
 from presswear.engines.dormand_prince import Tableau
@@ -43,13 +39,13 @@ from presswear.physics.touchdown import (
 )
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
-from presswear.tools.compile import PackedArguments, Records, compiled, copy_to, unpack
+from presswear.tools.compile import Records, compiled, copy_to
+from presswear.tools.packing import PackedArguments, unpack
 
 RUNNING, DONE, BROKEN, STUCK, TRYING = range(5)
 
 FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
-NO_JOINTS: Any = np.int64(0)  # not a literal, for which numba would compile the search twice
 # Most repetitions that locate an event; four do, halving helps where Newton strays.
 NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
@@ -479,7 +475,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         h = min(step_to_break(records.motions, t, h), next_break(system.packed.loads) - t)
         classical_step(address, t, h)
         start_search(control, h)
-        while search_event(address, tableau, classical, t, NO_JOINTS):
+        while search_event(address, tableau, classical, t, 0):
             classical_step(address, t, state.length)
         if not state.is_located:
             classical_step(address, t, h)

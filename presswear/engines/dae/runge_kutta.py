@@ -11,14 +11,8 @@ from presswear.physics.equations.function import ACCELERATIONS, END, RATES
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.recording.observe import RecorderState
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    PackedArguments,
-    Records,
-    compiled,
-    floats,
-    inlined,
-    unpack,
-)
+from presswear.tools.compile import Records, compiled, floats, inlined
+from presswear.tools.packing import PackedArguments, unpack
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
@@ -98,7 +92,7 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
     """Make a trial step of order 4."""
     (run,) = unpack(address)
     classical, control, motion = run.classical, run.control, run.motion
-    y, new, slopes = motion
+    y, new, slopes = motion.y, motion.trial, motion.slopes
     control[0].evaluations += classical
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
@@ -138,7 +132,8 @@ def mean_error(run: Integration, weights: Array) -> float:
     """
     system, tolerance = run.system, run.control[0].tolerance
     layout = system.layout
-    y, new, slopes = run.motion
+    motion = run.motion
+    y, new, slopes = motion.y, motion.trial, motion.slopes
     position = 1.0 / (tolerance * POSITION_SCALE)
     errors = slopes[SPARE]
     checked = layout.first_dose if system.has_abrupt else layout.first_energy
@@ -178,7 +173,8 @@ def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float
     """
     (run,) = unpack(address)
     system = run.system
-    y, new, slopes = run.motion
+    motion = run.motion
+    y, new, slopes = motion.y, motion.trial, motion.slopes
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
         # Slopes do not depend on the integrals.

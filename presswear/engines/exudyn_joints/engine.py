@@ -55,8 +55,9 @@ from presswear.recording.observe import RecorderState
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, bind
+from presswear.tools.compile import Records
 from presswear.tools.exudyn import exudyn_module
+from presswear.tools.packing import bind
 
 exu = exudyn_module()
 

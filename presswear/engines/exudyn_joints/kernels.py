@@ -50,15 +50,8 @@ from presswear.physics.step_length import next_step, shorter_step
 from presswear.physics.touchdown import LEAST_STEPS, settle
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    PackedArguments,
-    Records,
-    all_finite,
-    compiled,
-    copy_to,
-    inlined,
-    unpack,
-)
+from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
+from presswear.tools.packing import PackedArguments, unpack
 
 Indices = NDArray[np.int64]
 

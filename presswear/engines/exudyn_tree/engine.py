@@ -36,9 +36,9 @@ from presswear.physics.prescribed import begin_motion
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
-from presswear.tools.compile import bind
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
+from presswear.tools.packing import bind
 
 exu = exudyn_module()
 

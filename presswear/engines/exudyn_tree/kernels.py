@@ -32,15 +32,8 @@ from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import settle, step_to_event, time_across, time_to_event
 from presswear.recording.observe import RecorderState, observe
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    PackedArguments,
-    Records,
-    all_finite,
-    compiled,
-    copy_to,
-    inlined,
-    unpack,
-)
+from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
+from presswear.tools.packing import PackedArguments, unpack
 
 WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size

@@ -9,7 +9,7 @@ from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.writer import write_body_forces
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
-from presswear.tools.compile import pack_arguments
+from presswear.tools.packing import pack_arguments
 
 
 class BodyForces:

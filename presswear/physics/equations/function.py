@@ -20,17 +20,9 @@ from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, pack_prescribed, subtract_inertia
 from presswear.physics.rotation import cos_sin
 from presswear.tools.arrays import Array
-from presswear.tools.compile import (
-    Kernel,
-    Records,
-    call,
-    call_entry,
-    entry_of,
-    inlined,
-    pack_arguments,
-    unpack,
-)
+from presswear.tools.compile import Kernel, Records, call, call_entry, entry_of, inlined
 from presswear.tools.files import digest
+from presswear.tools.packing import pack_arguments, unpack
 
 ACCELERATIONS, RATES, END = range(3)
 """Parts that the equations fill: accelerations, also rates of integrals, also what is recorded."""

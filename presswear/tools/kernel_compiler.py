@@ -1,0 +1,129 @@
+"""Compilers for kernels, and for functions that only kernels call.
+
+Numba optimises each function in full, together with all that it calls, and again in each of its
+callers, and makes machine code of it. A callee needs the simple passes only, and no machine code:
+its callers contain it. Most of the time goes into passes for what no kernel has, and into types
+that numba finds again for each sum and product; both are left out here.
+"""
+
+import operator
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from numba.core import typed_passes as typed
+from numba.core import types
+from numba.core import untyped_passes as untyped
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
+from numba.core.registry import cpu_target
+from numba.extending import lower_builtin
+
+from presswear.tools.files import digest
+
+_FILES = Path(__file__), Path(__file__).with_name("packing.py")
+COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))  # machine code depends on it
+
+# Those of numba but for closures, ``with``, generators and formulas with arrays
+_PASSES = (
+    untyped.TranslateByteCode,
+    untyped.FixupArgs,
+    untyped.IRProcessing,
+    untyped.RewriteSemanticConstants,
+    untyped.DeadBranchPrune,
+    untyped.GenericRewrites,
+    untyped.ReconstructSSA,
+    untyped.DeadBranchPrune,
+    typed.NopythonTypeInference,
+    typed.PreLowerStripPhis,
+    typed.IRLegalization,
+    typed.AnnotateTypes,
+    typed.NativeLowering,
+    typed.NoPythonBackend,
+)
+# Python stores the frames of calls in pieces of 16 kB. Nested compilations cross the end of a piece
+# 70 000 times, and each time the system gives and takes one, which is a seventh of the whole time.
+# A frame of so many words gets a piece of 2 MB, whose other half has room for all that follow.
+_FRAME = 140_000
+
+_OPERATORS = {bool, *filter(callable, vars(operator).values())}
+_NUMBERS = types.Number, types.Boolean, types.Literal
+_signatures: dict[Any, Any] = {}  # of operators between numbers
+
+
+# Numba looks for this function at each use of an array, and loads all its modules where there is
+# none.
+lower_builtin("__array__", types.Array)(lambda context, builder, signature, arrays: arrays[0])
+
+
+@contextmanager
+def _types_found_once() -> Iterator[None]:
+    """Find the type of a sum or product of numbers once."""
+    typing = cpu_target.typing_context
+    find = typing.resolve_function_type
+
+    def resolve(function: Any, arguments: Any, named: Any) -> Any:
+        is_operator = getattr(function, "typing_key", None) in _OPERATORS
+        if not (is_operator and all(isinstance(one, _NUMBERS) for one in arguments)):
+            return find(function, arguments, named)
+        key = function, arguments
+        if key not in _signatures:
+            _signatures[key] = find(*key, named)
+        return _signatures[key]
+
+    typing.resolve_function_type = resolve
+    try:
+        yield
+    finally:
+        del typing.resolve_function_type
+
+
+class KernelCompiler(Compiler):
+    """Compiler of kernels with all that they call."""
+
+    def define_pipelines(self) -> Any:
+        """Return the passes; numba calls this before the first one."""
+        manager = PassManager("kernel")
+        for one in _PASSES:
+            manager.add_pass(one, one.__name__)
+        manager.finalize()
+        return [manager]
+
+    def _compile_core(self) -> Any:
+        with _types_found_once():
+            return super()._compile_core()
+
+    _compile_core.__code__ = _compile_core.__code__.replace(co_stacksize=_FRAME)
+
+
+class _CalleeLibrary(JITCodeLibrary):
+    def _optimize_final_module(self) -> None:
+        manager, builder = self._codegen._module_pass_manager(
+            cost="cheap", opt=self._codegen._opt_level, loop_vectorize=False, slp_vectorize=False
+        )
+        manager.run(self._final_module, builder)
+
+    def _finalize_final_module(self) -> None:
+        self._finalized = True
+
+
+class CalleeCompiler(KernelCompiler):
+    """Compiler whose code is optimised in part, for callers that optimise it in full."""
+
+    def define_pipelines(self) -> Any:
+        """Return the passes; numba calls this before the first one."""
+        codegen = self.state.targetctx.codegen()
+        self.state.library = _CalleeLibrary(codegen, self.state.func_id.func_qualname)
+        self.state.flags.no_compile = True
+        return super().define_pipelines()
+
+    def _compile_core(self) -> Any:
+        code = Compiler._compile_core(self)
+        # In place of the function for Python: any built-in function of its own, which numba finds
+        # the callee by
+        key = [code].append
+        code.library._ensure_finalized()
+        code.target_context.insert_user_function(key, code.fndesc, [code.library])
+        return code._replace(entry_point=key)

@@ -1,0 +1,165 @@
+"""Arguments of kernels, stored once as machine code reads them.
+
+Numba unpacks every array of a call from Python. A kernel that is called a million times takes the
+address of its arguments instead, and reads from there what it needs. Named tuples that are stored
+are passed on between kernels by their addresses, too: as values they are hundreds of numbers.
+"""
+
+import ctypes
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any, TypeVar, cast
+
+import numba
+from llvmlite import ir
+from numba.core import config, types
+from numba.core.datamodel.models import OpaqueModel
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    lower_getattr_generic,
+    register_model,
+    typeof_impl,
+    unbox,
+)
+
+from presswear.tools.compile import readable, specialised
+from presswear.tools.files import digest
+from presswear.tools.intrinsic import intrinsic_with
+from presswear.tools.kernel_digest import fields_of
+
+T = TypeVar("T")
+
+
+class _Reference(types.Type):
+    """Type of the address of a stored tuple, which does not change.
+
+    Its name is short, and no other tuple has it.
+    """
+
+    def __init__(self, kind: Any) -> None:
+        self.kind = kind
+        word = kind.instance_class.__name__ if isinstance(kind, types.BaseNamedTuple) else "tuple"
+        short = digest(f"{kind} {[*fields_of(kind)]}".encode())[:16]
+        super().__init__(name=f"{word}_{short}")
+
+
+register_model(_Reference)(OpaqueModel)
+
+
+class PackedArguments(int):
+    """Address of stored arguments, which it keeps alive."""
+
+    arguments: tuple[Any, ...]
+    kind: _Reference
+    memory: Any
+
+
+@typeof_impl.register(PackedArguments)
+def _type_of(packed: PackedArguments, context: Any) -> Any:
+    return packed.kind
+
+
+@unbox(_Reference)
+def _unbox_address(kind: Any, packed: Any, context: Any) -> Any:
+    address = context.pyapi.long_as_longlong(packed)
+    return NativeValue(context.builder.inttoptr(address, context.context.get_value_type(kind)))
+
+
+_NUMBERS = {types.float64: ctypes.c_double, types.int64: ctypes.c_int64}
+_NUMBERS |= {types.boolean: ctypes.c_bool}
+
+
+@cache
+def _layout(kind: Any) -> Any:
+    """Return the layout of a type of numba in memory.
+
+    That of an array: owners, number and size of items, address, shape and strides.
+    """
+    if isinstance(kind, types.BaseTuple):
+        parts = [_layout(part) for part in kind]
+    elif isinstance(kind, types.Array):
+        pointer, count, counts = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64 * kind.ndim
+        parts = [pointer, pointer, count, count, pointer, counts, counts]
+    else:
+        return _NUMBERS.get(kind, ctypes.c_void_p)  # of None and of an address
+    fields = [(f"part_{k}", part) for k, part in enumerate(parts)]
+    return type("Layout", (ctypes.Structure,), {"_fields_": fields})
+
+
+def _stored(kind: Any, value: Any) -> Any:
+    """Return an argument in the layout of its type."""
+    if value is None:
+        return None
+    if isinstance(kind, types.BaseTuple):
+        return _layout(kind)(*map(_stored, kind, value))
+    if isinstance(kind, types.Array):
+        items = value.size, value.itemsize, value.ctypes.data
+        return _layout(kind)(None, None, *items, value.shape, value.strides)
+    return value
+
+
+def pack_arguments(*arguments: Any) -> PackedArguments:
+    """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
+    if config.DISABLE_JIT:
+        packed = PackedArguments()
+        packed.arguments = readable(arguments)
+        return packed
+    kind = numba.typeof(arguments)
+    memory = _stored(kind, arguments)
+    packed = PackedArguments(ctypes.addressof(memory))
+    packed.arguments, packed.kind, packed.memory = arguments, _Reference(kind), memory
+    return packed
+
+
+def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> "partial[T]":
+    """Return a kernel of packed arguments and a number as a function of the number."""
+    packed = pack_arguments(*arguments)
+    return partial(specialised(kernel, packed, 0.0), packed)
+
+
+@cache
+def _read_kind(kind: Any) -> Any:
+    """Return what kernels read of a part: the address of a named tuple, else the value."""
+    return _Reference(kind) if isinstance(kind, types.BaseNamedTuple) else kind
+
+
+def _read(context: Any, builder: Any, reference: _Reference, address: Any, index: int) -> Any:
+    """Generate code that reads a part of a stored tuple."""
+    kind = reference.kind[index]
+    offset = getattr(_layout(reference.kind), f"part_{index}").offset
+    place = builder.gep(address, [ir.IntType(64)(offset)], inbounds=True)
+    if isinstance(kind, types.BaseNamedTuple):
+        return place
+    return builder.load(builder.bitcast(place, context.get_value_type(kind).as_pointer()))
+
+
+@infer_getattr
+class _Attributes(AttributeTemplate):
+    key = _Reference
+
+    def generic_resolve(self, reference: _Reference, name: str) -> Any:
+        fields = getattr(reference.kind, "fields", ())
+        return _read_kind(reference.kind[fields.index(name)]) if name in fields else None
+
+
+@lower_getattr_generic(_Reference)
+def _read_attribute(context: Any, builder: Any, reference: Any, address: Any, name: str) -> Any:
+    return _read(context, builder, reference, address, reference.kind.fields.index(name))
+
+
+@intrinsic_with(lambda packed: packed.arguments)
+def _load(typing: Any, packed: Any) -> Any:
+    kinds = types.Tuple([_read_kind(kind) for kind in packed.kind])
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        count = range(len(packed.kind))
+        parts = [_read(context, builder, packed, values[0], index) for index in count]
+        return context.make_tuple(builder, signature.return_type, parts)
+
+    return kinds(packed), generate
+
+
+# In a kernel: the arguments of ``PackedArguments``.
+unpack = cast(Callable[[PackedArguments], Any], _load)
