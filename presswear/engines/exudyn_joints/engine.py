@@ -17,6 +17,7 @@ import math
 import time as clock
 from array import array
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,15 +27,16 @@ from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import Solver, add, settings_of
 from presswear.engines.exudyn_joints.kernels import (
+    ACCEPTED,
+    FORCES,
+    SHORTER,
+    START,
     Drives,
     Frame,
     Friction,
-    accept_joint_step,
     begin_friction,
-    connector_forces,
-    place_start,
     refresh,
-    shorter_joint_step,
+    run_task,
 )
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import GROUND, Attachment
@@ -55,9 +57,9 @@ from presswear.recording.observe import RecorderState
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records
+from presswear.tools.compile import Records, specialised
 from presswear.tools.exudyn import exudyn_module
-from presswear.tools.packing import bind
+from presswear.tools.packing import pack_arguments
 
 exu = exudyn_module()
 
@@ -332,8 +334,7 @@ class _Joints:
             self.system, linkage, self.objects, multipliers, self.records.packed.mass
         )
         self.solver = self._prepare_solver(settings, plan, recorder)
-        self._place = bind(place_start, frame, self.records)
-        self._place(0.0)
+        self.place()
         if friction is not None:
             packed = self.records.packed
             held = constraints_of(linkage).held(packed.mass)
@@ -374,23 +375,28 @@ class _Joints:
         steps["least"] = settings.least_step
         steps["per_contact"] = settings.steps_per_contact
         steps["sustained"] = settings.steps_sustained
-        frame, records = self.frame, self.records
+        rows = [3 * self.linkage.index(name) + c for name in self.joined for c in range(3)]
+        out = np.frombuffer(self.force) if self.joined else np.zeros(0)
+        packed = pack_arguments(
+            self.frame, self.drives, self.records, steps, np.array(rows, np.int64), out
+        )
+        run = specialised(run_task, packed, START, 0.0)
+        tasks = FORCES, START, ACCEPTED, SHORTER
+        self._fill, self._place, accept, self._shorter = (
+            partial(run, packed, task) for task in tasks
+        )
         solver = Solver(
             recorder,
             plan,
-            bind(accept_joint_step, frame, self.drives, records, steps),
+            accept,
             exu.DynamicSolverType.TrapezoidalIndex2,
-            _settings(settings, longest, rubs=frame.friction is not None),
+            _settings(settings, longest, rubs=self.frame.friction is not None),
             longest,
             REMEDY,
             {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
         )
         solver.install(self.system)
         if self.joined:
-            rows = [3 * self.linkage.index(name) + c for name in self.joined for c in range(3)]
-            places, out = np.array(rows, np.int64), np.frombuffer(self.force)
-            self._fill = bind(connector_forces, frame, records, places, out)
-            self._shorter = bind(shorter_joint_step, frame, records, steps)
             self.system.SetPostNewtonUserFunction(self.send_back)
         return solver
 

@@ -57,6 +57,8 @@ Indices = NDArray[np.int64]
 
 # Change of a load on passing from one piece of its law to the next that is a jump, part of it.
 JUMP = 1e-3
+FORCES, START, ACCEPTED, SHORTER = range(4)
+"""Tasks of ``run_task``."""
 
 
 class Friction(NamedTuple):
@@ -166,10 +168,10 @@ def add_moments(friction: Friction | None, out: Array) -> None:
 def connector_forces(address: PackedArguments, t: float) -> None:
     """Fill the generalized forces of joints, springs and loads.
 
-    ``address`` packs Frame; RecorderState; where each of the connector's coordinates belongs in q;
-    the forces.
+    The last two parts of ``address`` are where each of the connector's coordinates belongs in q,
+    and the forces.
     """
-    frame, records, places, out = unpack(address)
+    frame, _, records, _, places, out = unpack(address)
     refresh(frame, t)
     place_forces(frame, records, t, ACCELERATIONS)
     for i in range(out.shape[0]):
@@ -198,11 +200,8 @@ def all_forces(frame: Frame, packed: Packed, force: Array) -> None:
 
 @compiled
 def place_start(address: PackedArguments, t: float) -> None:
-    """Fill contacts and forces in the present state.
-
-    ``address`` packs Frame and RecorderState.
-    """
-    frame, records = unpack(address)
+    """Fill contacts and forces in the present state."""
+    frame, _, records, _, _, _ = unpack(address)
     refresh(frame, t)
     for k in range(frame.bristles.shape[0]):
         if frame.bristles[k] >= 0:
@@ -297,11 +296,8 @@ def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: fl
 
 @compiled
 def accept_joint_step(address: PackedArguments, t: float) -> float:
-    """Settle contact, account for an accepted step and choose the next; NaN if it is broken.
-
-    ``address`` packs Frame, Drives, RecorderState and one record of STEPS.
-    """
-    frame, drives, records, steps = unpack(address)
+    """Settle contact, account for an accepted step and choose the next; NaN if it is broken."""
+    frame, drives, records, steps, _, _ = unpack(address)
     h = t - records.output[0].now
     refresh(frame, t)
     hold(frame, drives, drives.held, t)
@@ -336,13 +332,28 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
 
 @compiled
 def shorter_joint_step(address: PackedArguments, t: float) -> float:
-    """Return the step with which a trial step has to be repeated; see ``shorter_step``.
-
-    ``address`` packs Frame, RecorderState and one record of STEPS.
-    """
-    frame, records, steps = unpack(address)
+    """Return the step with which a trial step has to be repeated; see ``shorter_step``."""
+    frame, _, records, steps, _, _ = unpack(address)
     refresh(frame, t)
     fill_forces(frame, t, END)
     h = t - records.output[0].now
     contacts = frame.model.contact_records
     return shorter_step(records, steps, contacts, h, frame.q, frame.v, frame.a)
+
+
+@compiled
+def run_task(address: PackedArguments, task: int, t: float) -> float:
+    """Call one of the kernels above; returns a step, s, for those that choose one.
+
+    They are compiled together, because they share what places the bodies. ``address`` packs Frame,
+    Drives, RecorderState, one record of STEPS, and two arrays for ``connector_forces``.
+    """
+    if task == FORCES:
+        connector_forces(address, t)
+    elif task == START:
+        place_start(address, t)
+    elif task == ACCEPTED:
+        return accept_joint_step(address, t)
+    elif task == SHORTER:
+        return shorter_joint_step(address, t)
+    return 0.0
