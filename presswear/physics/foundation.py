@@ -18,18 +18,18 @@ from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
-# Rows of each surface, of the bearing from 0 and of the pin from 4: depth at the nodes, and the
-# coefficients of x, x^2 and x^3 of the cubic after each, with x from 0 to 1 over a cell, m. Cosine
-# and sine of the angles of the nodes. As working space, the places where arcs of overlap start and
-# end, in cells, and the place of the pin for which they are and their number. The columns are the
-# nodes of three turns, so that no search crosses a seam.
-BEARING, PIN, COSINE, SINE, ARC_START, ARC_END, ARC_PLACE, ROWS = 0, 4, 8, 9, 10, 11, 12, 13
-SLOPE, SQUARE, CUBE, SIDE_ROWS = 1, 2, 3, 4
+# Rows of each surface, of the bearing from 0 and of the pin from 5: depth at the nodes, the
+# coefficients of x, x^2 and x^3 of the cubic after each, with x from 0 to 1 over a cell, m, and a
+# lower bound of the depth in the cell. Cosine and sine of the angles of the nodes. As working
+# space, the places where arcs of overlap start and end, in cells, and the place of the pin for
+# which they are and their number. The columns are the nodes of three turns, so that no search
+# crosses a seam.
+BEARING, PIN, COSINE, SINE, ARC_START, ARC_END, ARC_PLACE, ROWS = 0, 5, 10, 11, 12, 13, 14, 15
+SLOPE, SQUARE, CUBE, LEAST, SIDE_ROWS = 1, 2, 3, 4, 5
 TURNS = 3
 SURFACES = np.zeros((ROWS, 1))  # example of the type of packed surfaces, contiguous
 
 MAX_SPACING = 0.02  # rad, of nodes; over wider cells neglected terms of the cosine would show
-MARGIN = 0.01  # of a cell, by which a direction may be off
 NEAR = 0.1  # tangent of an angle that is computed from its series
 NEWTON_TOL = 1e-3  # part of a cell; the next Newton step would be about its square
 ROOT_TOL = 1e-8  # part of a cell; integrals change with the square of it
@@ -53,7 +53,12 @@ def pack_rows(bearing: Surface, pin: Surface, bins: int) -> Array:
     for side, surface in ((BEARING, bearing), (PIN, pin)):
         if surface.is_worn:
             cubics = _cubics(surface, parts)
-            rows[side : side + SIDE_ROWS] = np.pad(cubics, ((0, 0), (0, 2 * nodes + 2)), "wrap")
+            least = _least_depths(cubics)
+            if side == PIN:
+                # A cell of the bearing lies over two of the pin.
+                least = np.minimum(least, np.roll(least, -1))
+            filled = np.vstack((cubics, least))
+            rows[side : side + SIDE_ROWS] = np.pad(filled, ((0, 0), (0, 2 * nodes + 2)), "wrap")
     return rows
 
 
@@ -76,15 +81,23 @@ def _cubics(surface: Surface, parts: int) -> Array:
     return np.roll(np.reshape(coefficients, (4, -1)), parts // 2, axis=1)
 
 
-def steepest_of(rows: Array) -> float:
-    """Return a bound on the slope of the depths of both surfaces together, m per cell."""
-    bound = 0.0
-    for side in (BEARING, PIN):
-        slope, square, cube = rows[side + SLOPE : side + SIDE_ROWS]
-        # A slope differs from that of the nearer node by half of the curvature at most.
-        curvature = 2.0 * np.maximum(abs(square), abs(square + 3.0 * cube))
-        bound += float((abs(slope) + 0.5 * curvature).max())
-    return bound
+def _least_depths(cubics: Array) -> Array:
+    """Return a lower bound of the depth in each cell, and of that of any cubic through its depths.
+
+    A cubic lies within its Bezier points. Those of one through depths and slopes of the surface are
+    its depths, and these plus or minus a third of the slopes.
+    """
+    depth, slope, square, cube = cubics
+    points = [depth, depth + slope / 3, depth + (2.0 * slope + square) / 3]
+    points.append(depth + slope + square + cube)
+    first, second, third = np.diff(points, axis=0)
+    thirds = [first, (first + 2.0 * second) / 3, (2.0 * second + third) / 3, third]
+    return np.asarray((np.array(points) - np.abs(thirds)).min(axis=0))
+
+
+def least_depth(rows: Array) -> float:
+    """Return a lower bound of the depths of both surfaces together, m."""
+    return float(rows[BEARING + LEAST].min() + rows[PIN + LEAST].min())
 
 
 def foundation_stiffness(stiffness: float, clearance: float) -> float:
@@ -406,14 +419,55 @@ def cell_of_eccentricity(surfaces: Array, nodes: int, place: Place, angle: float
 
 
 @inlined
-def reach_of_peaks(joint: Records, place: Place) -> float:
-    """Return how far from the eccentricity a maximum can be, in cells; equation W3."""
-    least = place.width * place.eccentricity
-    if not least > joint.steepest:
+def reach_of_overlap(joint: Records, place: Place, least: float) -> float:
+    """Return how far from the eccentricity an overlap can exceed ``least``, in cells.
+
+    Equation W3; at most half a turn.
+    """
+    along = joint.clearance + joint.least_depth + least
+    if not along > -place.eccentricity:
         return 0.5 * joint.surface_nodes
-    sine = joint.steepest / least
-    # Above the arc sine, and by as much as the series of a tangent is off
-    return sine * (1.0 + (0.5 * math.pi - 1.0) * sine * sine) / place.width + MARGIN
+    return math.acos(min(along / place.eccentricity, 1.0)) / place.width
+
+
+@inlined
+def greatest_within(
+    left: Node, right: Node, p: Cubic, node: int, greatest: float, peak: float
+) -> tuple[float, float]:
+    """Return the greatest overlap so far with that of a cell, and its place, in cells."""
+    if left.overlap > greatest:
+        greatest, peak = left.overlap, float(node)
+    if right.overlap > greatest:
+        greatest, peak = right.overlap, node + 1.0
+    # A cubic lies within its Bezier points.
+    second = left.overlap + (1 / 3) * left.rise
+    third = right.overlap - (1 / 3) * right.rise
+    if max(second, third) + abs(p.a4) > greatest and not is_monotone(left, right):
+        x, _ = turning_points(p)
+        x -= slope_at(p, x) / (2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4))
+        if 0.0 < x < 1.0 and value_at(p, x) > greatest:
+            greatest, peak = value_at(p, x), node + x
+    return greatest, peak
+
+
+@inlined
+def with_cell(
+    surfaces: Array,
+    place: Place,
+    node: int,
+    left: Node,
+    right: Node,
+    a4: float,
+    sums: ArcIntegrals,
+) -> ArcIntegrals:
+    """Return the integrals with those of the overlap in a cell."""
+    second = left.overlap + (1 / 3) * left.rise
+    third = right.overlap - (1 / 3) * right.rise
+    if min(min(left.overlap, right.overlap), min(second, third)) > 0.0:
+        return with_part(left, right, 1.0, place.width, a4, sums)
+    if max(max(left.overlap, right.overlap), max(second, third)) + abs(a4) > 0.0:
+        return add_parts(surfaces, place, node, left, right, sums)
+    return sums
 
 
 @compiled
@@ -421,6 +475,8 @@ def integrate_overlap(
     surfaces: Array, joint: Records, place: Place, angle: float
 ) -> tuple[float, float, ArcIntegrals]:
     """Return the greatest overlap of a pin and its bearing, its place, and the integrals.
+
+    Cells in which the pin can neither overlap nor come nearer than elsewhere are skipped.
 
     Parameters
     ----------
@@ -430,39 +486,32 @@ def integrate_overlap(
     angle : float
         Angle of the bearing's map, rad, near which the overlap was greatest before.
     """
-    half_turn = joint.surface_nodes // 2
-    direction = cell_of_eccentricity(surfaces, joint.surface_nodes, place, angle)
-    reach = reach_of_peaks(joint, place)
-    centre = int(direction)
-    node = max(int(direction - reach), centre - half_turn)
-    last = min(int(direction + reach), centre + half_turn)
-    left = node_at(surfaces, place, node)
-    while left.overlap > 0.0 and node > centre - half_turn:
-        node -= 1
-        left = node_at(surfaces, place, node)
-    greatest, peak = left.overlap, float(node)
+    nodes, half_turn = joint.surface_nodes, joint.surface_nodes // 2
+    reached = nodes + cell_of(angle, nodes)[0]
+    right = node_at(surfaces, place, reached)
+    greatest, peak = right.overlap, float(reached)
     sums = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
-    while (node <= last or left.overlap > 0.0) and node <= centre + half_turn:
+    # Between two nodes the pin reaches farther than at both by less than this.
+    bulge = 0.125 * place.width * place.width * place.eccentricity
+    direction = cell_of_eccentricity(surfaces, nodes, place, angle)
+    reach = reach_of_overlap(joint, place, min(greatest, 0.0) - bulge)
+    centre = int(direction)
+    first = max(int(direction - reach), centre - half_turn)
+    last = min(int(direction + reach), centre + half_turn)
+    following = place.dx * surfaces[COSINE, first] + place.dy * surfaces[SINE, first]
+    for node in range(first, last + 1):
+        along = following
+        following = place.dx * surfaces[COSINE, node + 1] + place.dy * surfaces[SINE, node + 1]
+        least = surfaces[BEARING + LEAST, node] + surfaces[PIN + LEAST, node + place.lag]
+        most = max(along, following) + bulge - place.clearance - least
+        if most <= min(greatest, 0.0):
+            continue
+        left = right if node == reached else node_at(surfaces, place, node)
         right = node_at(surfaces, place, node + 1)
+        reached = node + 1
         p = overlap_between(left, right, place.width)
-        # A cubic lies within its Bezier points.
-        second = left.overlap + (1 / 3) * left.rise
-        third = right.overlap - (1 / 3) * right.rise
-        highest = max(max(left.overlap, right.overlap), max(second, third)) + abs(p.a4)
-        lowest = min(min(left.overlap, right.overlap), min(second, third))
-        if lowest > 0.0:
-            sums = with_part(left, right, 1.0, place.width, p.a4, sums)
-        elif highest > 0.0:
-            sums = add_parts(surfaces, place, node, left, right, sums)
-        if highest > greatest and not is_monotone(left, right):
-            x, _ = turning_points(p)
-            x -= slope_at(p, x) / (2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4))
-            if 0.0 < x < 1.0 and value_at(p, x) > greatest:
-                greatest, peak = value_at(p, x), node + x
-        node += 1
-        if right.overlap > greatest:
-            greatest, peak = right.overlap, float(node)
-        left = right
+        greatest, peak = greatest_within(left, right, p, node, greatest, peak)
+        sums = with_cell(surfaces, place, node, left, right, p.a4, sums)
     surfaces[ARC_PLACE, 0] = place.dx
     surfaces[ARC_PLACE, 1] = place.dy
     surfaces[ARC_PLACE, 2] = place.lag + place.offset

@@ -17,9 +17,9 @@ from presswear.physics.foundation import (
     ROWS,
     TURNS,
     foundation_stiffness,
+    least_depth,
     pack_rows,
     parts_of,
-    steepest_of,
 )
 from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
 from presswear.physics.loads import Loads, pack_loads
@@ -41,7 +41,7 @@ JOINT = np.dtype(
         ("map_bins", np.int64),  # of the wear maps of a cycle
         ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
         ("surface_nodes", np.int64),  # of the same maps, as ``foundation.pack_rows`` divides them
-        ("steepest", np.float64),  # bound on the slopes of both surfaces together, m per cell
+        ("least_depth", np.float64),  # lower bound of the depths of both surfaces together, m
         ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
         ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
         ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
@@ -188,5 +188,5 @@ def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> 
     rows = pack_rows(*surfaces, count)
     packed.surfaces[k, :, : rows.shape[1]] = rows
     depths = [surface.depth for surface in surfaces if surface.is_worn]
-    packed.joints[k]["steepest"] = steepest_of(rows)
+    packed.joints[k]["least_depth"] = least_depth(rows)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)

@@ -18,9 +18,12 @@ from presswear.linkage.elements import WearLaw
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.contact import CONTACT
 from presswear.physics.foundation import (
+    LEAST,
+    PIN,
     ArcIntegrals,
     foundation_stiffness,
     integrate_overlap,
+    pack_rows,
     place_of,
 )
 from presswear.physics.friction_and_normal import round_foundation
@@ -146,6 +149,19 @@ def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) ->
     assert (result.along, result.across) == pytest.approx((along, across), abs=allowed)
     assert result.pin_slope == pytest.approx(slope, abs=2e-3 * allowed)
     assert result.square == pytest.approx(square, rel=1e-9, abs=1e-26)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3, 0.7])
+def test_no_cubic_of_the_pin_is_below_its_least_depth(offset: float) -> None:
+    pin = rough(3)
+    rows = pack_rows(Surface(np.zeros(BINS)), pin, BINS)
+    nodes = np.arange(BINS + 1)
+    spline = periodic(pin)
+    at = bin_centres(BINS)[0] + TURN / BINS * (nodes + offset)
+    through = CubicHermiteSpline(nodes, spline(at), spline(at, 1) * TURN / BINS)
+    x = np.linspace(0.0, 1.0, 101)
+    least = np.array([through(node + x).min() for node in nodes[:-1]])
+    assert (least >= rows[PIN + LEAST, :BINS] - 1e-18).all()
 
 
 @pytest.mark.parametrize("bins", [9, 63, 90, 720])
