@@ -176,8 +176,8 @@ def with_cause(
     """Return a finding on a state that is not finite with the element whose force is not.
 
     The forces are evaluated at the last finite state and close to it: along the motion and, for
-    what depends on the speed, to both sides of it. Without such an element, or a finite state, the
-    finding stays.
+    what depends on the speed, to both sides of it. Without such an element viscous damping of
+    joints is the cause. Without both, or without a finite state, the finding stays.
     """
     if finding.kind != "state" or not (np.isfinite(q).all() and np.isfinite(v).all()):
         return finding
@@ -191,6 +191,10 @@ def with_cause(
                     what = f"the force of {element.name} is not finite"
                     remedy = "its law must give a number everywhere"
                     return replace(finding, what=what, remedy=remedy)
+    damped = [joint.name for joint in linkage.clearances if joint.normal.viscosity > 0.0]
+    if damped and not finding.joint:
+        # The steps follow the damper, whatever their tolerance.
+        return replace(finding, remedy=f"less viscous_damping at {', '.join(damped)} may help")
     return finding
 
 

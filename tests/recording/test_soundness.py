@@ -13,12 +13,13 @@ from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.laws import KELVIN_VOIGT
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ledger import Ledger, made_energy, made_remedy
 from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Condition, Finding, Progress, examine
+from presswear.recording.soundness import Condition, Finding, Progress, examine, with_cause
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import scene_named
 from presswear.scene.scene import Scene
@@ -227,3 +228,18 @@ def test_every_engine_ends_a_run_whose_time_stands_still(
     run = engine.simulate(*twins(), Plan(1.0, 1, recorded_cycles=1))
     assert run.status == "failed"
     assert run.message.startswith("the time stands still")
+
+
+@pytest.mark.parametrize(("damping", "expected"), [(1e8, "less viscous_damping at C"), (0.0, "x")])
+def test_steps_that_vanish_by_viscous_damping_do_not_advise_a_tolerance(
+    damping: float, expected: str
+) -> None:
+    """No tolerance makes the steps of a damper longer: D / m of the press is up to 4e9 1/s."""
+    settings = {"normal_law": KELVIN_VOIGT, "C.viscous_damping": damping}
+    linkage = changed(SCENE, settings).linkage()
+    recorder = recorder_of(linkage, START, Plan(SCENE.mechanism.period, 1, 1))
+    finding = Finding("state", "the step vanished", 0.0, "", "x")
+    q, v = START.position, START.velocity
+    assert with_cause(finding, linkage, recorder, q, v).remedy.startswith(expected)
+    at_joint = replace(finding, joint="E")  # a singular position, whatever the damping
+    assert with_cause(at_joint, linkage, recorder, q, v).remedy == "x"
