@@ -16,6 +16,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from types import FrameType, ModuleType
@@ -286,6 +287,9 @@ def starting_processes() -> Iterator[None]:
     leaves a worker that fails with a traceback.
     """
     main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
+    if mask:
+        # It starts with the first process and then admits SIGINT, which that would inherit.
+        resource_tracker.ensure_running()
     blocked = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
     late: list[int] = []
     try:

@@ -223,6 +223,14 @@ try:
 except KeyboardInterrupt:
     print("stopped")
 """
+# Ctrl-C reaches the server of the workers while it imports their modules.
+_IMPORTS = """
+from presswear.tools.processes import Workers
+if __name__ == "__main__":
+    with Workers(2, ["interrupts_itself"]) as workers:
+        workers.run({0: str, 1: str}, lambda key, outcome: {}, print)
+    print("completed")
+"""
 _SPAWNED = """
 import multiprocessing, sys
 for name in ("fcntl", "resource", "multiprocessing.forkserver"):
@@ -246,7 +254,7 @@ def forever() -> None:
 
 def started(tmp_path: Path, text: str) -> "subprocess.Popen[str]":
     (tmp_path / "script.py").write_text(text)
-    places = Path(presswear.__path__[0]).parent, Path(__file__).parent
+    places = Path(presswear.__path__[0]).parent, Path(__file__).parent, tmp_path
     path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
     options: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     options |= {"env": {**os.environ, "PYTHONPATH": path}, "start_new_session": True}
@@ -282,9 +290,14 @@ def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
     assert errors.strip().endswith("KeyboardInterrupt")
 
 
-@pytest.mark.parametrize(("text", "end"), [(_SPAWNED, "completed\n"), (_SIGNALLED, "stopped\n")])
+@pytest.mark.parametrize(
+    ("text", "end"),
+    [(_SPAWNED, "completed\n"), (_SIGNALLED, "stopped\n"), (_IMPORTS, "completed\n")],
+)
 def test_a_script_ends_without_an_error(tmp_path: Path, text: str, end: str) -> None:
     """Where processes can only be spawned, and where a signal comes while workers start."""
+    module = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n"
+    (tmp_path / "interrupts_itself.py").write_text(module)
     process = started(tmp_path, text)
     out, errors = process.communicate(timeout=5 * PATIENCE)
     assert out.endswith(end)
