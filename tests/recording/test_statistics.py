@@ -326,11 +326,23 @@ def test_quantiles_and_variances_are_those_of_scipy() -> None:
         low, high = stats.t.interval(0.95, count - 1, some.mean(), stats.sem(some))
         assert statistics.half_width(some) == pytest.approx(0.5 * (high - low), rel=1e-12)
     found = set()
-    for shift in np.linspace(0.0, 2.0, 41):
-        groups = [draw.normal(shift * (k == 0), 1.0, 4 + 3 * k) for k in range(4)]
+    for shift in np.linspace(0.0, 6.0, 41):
+        # Successive samples of negative correlation count as independent.
+        groups = [shift * (k == 0) + np.diff(draw.normal(size=5 + 3 * k)) for k in range(4)]
         assert statistics.differ(groups) == (stats.f_oneway(*groups).pvalue < 0.01)
         found.add(statistics.differ(groups))
     assert found == {True, False}
+
+
+def test_runs_of_correlated_cycles_seldom_seem_to_differ() -> None:
+    draw = np.random.default_rng(8)
+    alarms = sum(statistics.differ([*autoregressive(draw, 0.3, 4, 50)]) for _ in range(400))
+    assert alarms < 0.05 * 400  # 0.1 where cycles count as independent, 0.02 here
+
+
+def test_an_estimate_without_interval_says_so() -> None:
+    assert f"{statistics.Estimate(21.0, samples=100)}" == "21.0 (no interval)"
+    assert f"{statistics.Estimate(21.0, samples=2)}" == "21.0 (too few cycles)"
 
 
 def test_an_interval_over_a_factor_of_a_hundred_is_not_written() -> None:
