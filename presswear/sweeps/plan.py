@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, SWEEP, read_toml, scene_from
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, setting_of, settings_of
+from presswear.scene.settings import SET, changed, setting_of, settings_of
 from presswear.sweeps.parameters import (
     Column,
     Display,
@@ -147,7 +147,7 @@ class Plan:
 
     def scene_of(self, row: int) -> Scene:
         """Return the scene of a row; `InputError` if its settings do not fit together."""
-        scene = changed(self.scene, self.settings(row))
+        scene = _with_requested_wear(changed(self.scene, self.settings(row)))
         if scene.purpose == "auto" and scene.wear_updates == 0:
             scene = replace(scene, purpose="forces")  # rows are compared by peaks and means
         if scene.wear_updates > 0 and scene.life is None and scene.cycles_per_update is None:
@@ -155,6 +155,13 @@ class Plan:
             raise InputError(f"cycles_per_update = none: {advice}, or wear_updates=0")
         scene.check()
         return scene
+
+    @property
+    def remark(self) -> str:
+        """Reason why the rows have no wear updates although the scene has some; else nothing."""
+        if self.scene.wear_updates == self.example.wear_updates or self.example.wear_updates > 0:
+            return ""
+        return "no wear updates: set cycles_per_update, so that all rows wear by equal strokes"
 
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
@@ -191,6 +198,18 @@ def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
     """Return the scene with the first word of each parameter that is not a number."""
     columns = [column for group in groups for column in group.columns if column.choices]
     return changed(scene, {column.key: column.choices[0] for column in columns})
+
+
+def _with_requested_wear(scene: Scene) -> Scene:
+    """Return a scene without the default number of wear updates if their strokes are not set.
+
+    A new file contains this number.
+    """
+    is_default = scene.wear_updates == Scene.wear_updates
+    is_default = is_default and scene.origins.get("wear_updates") != SET
+    if is_default and scene.life is None and scene.cycles_per_update is None:
+        return replace(scene, wear_updates=0)
+    return scene
 
 
 @dataclass(frozen=True)

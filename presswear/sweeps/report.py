@@ -125,6 +125,7 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
     write_bytes(folder / ROWS_FILE, table.csv().encode())
     count, failed = whole(len(table.errors)), sum(map(bool, table.errors))
     status = f"{count} runs at {whole(len(plan.points))} points"
+    status += f", {plan.remark}" if plan.remark else ""
     html = page.render_page(
         f"Sweep: {title_of(plan.scene)}",
         page.FirstScreen(

@@ -190,6 +190,8 @@ def run_sweep(
     sweep = replace(sweep, program=program_digest())
     rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
     scenes = {sweep.name(row): partial(sweep.plan.scene_of, row) for row in rows}
+    if sweep.plan.remark:
+        notify(sweep.plan.remark)
     with runner.open_executor(on, jobs, notify) as (executor, slots):
         # Parts of a sweep share its folder; one process at a time runs each part.
         part = sweep.path / PARTS / "-of-".join(map(str, shard))

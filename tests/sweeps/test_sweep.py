@@ -173,6 +173,18 @@ def test_a_sweep_may_be_a_file(tmp_path: Path, command: Callable[..., str]) -> N
     assert options.vary == ("clearance=0.1mm,0.2mm",)
 
 
+def test_a_new_file_is_swept_at_once(tmp_path: Path, command: Callable[..., str]) -> None:
+    """Without the wear update of the file; other numbers of wear updates need strokes."""
+    file, folder = tmp_path / "my.toml", tmp_path / "sweep"
+    file.write_text(example_file("slider-crank"))
+    options = "--vary clearance=0.1mm,0.2mm --cycles 1 --jobs 1"
+    shown = command(f"sweep {file} {options} --out {folder} --response B.force_max")
+    assert "no wear updates: set cycles_per_update" in shown
+    assert "failed" not in shown
+    assert "no wear updates" in load_sweep(folder).report().read_text()
+    assert "cycles_per_update = none" in command(f"sweep {file} {options} --wear-updates 2", code=2)
+
+
 def test_without_dask_one_line_names_the_package(
     tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
