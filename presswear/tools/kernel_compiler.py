@@ -9,6 +9,7 @@ that numba finds again for each sum and product; both are left out here.
 import operator
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from numba.extending import lower_builtin
 
 from presswear.tools.files import digest
 
-_FILES = Path(__file__), Path(__file__).with_name("packing.py")
+_FILES = Path(__file__), *map(Path(__file__).with_name, ("packing.py", "constant_places.py"))
 COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))  # machine code depends on it
 
 # Those of numba but for closures, ``with``, generators and formulas with arrays
@@ -38,7 +39,6 @@ _PASSES = (
     untyped.DeadBranchPrune,
     typed.NopythonTypeInference,
     typed.PreLowerStripPhis,
-    typed.IRLegalization,
     typed.AnnotateTypes,
     typed.NativeLowering,
     typed.NoPythonBackend,
@@ -92,6 +92,7 @@ class KernelCompiler(Compiler):
         return [manager]
 
     def _compile_core(self) -> Any:
+        import_module("presswear.tools.constant_places")  # slow: only where something is compiled
         with _types_found_once():
             return super()._compile_core()
 

@@ -11,6 +11,7 @@ from functools import cache, partial
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from llvmlite import ir
 from numba.core import config, types
 from numba.core.datamodel.models import OpaqueModel
@@ -100,16 +101,31 @@ def _stored(kind: Any, value: Any) -> Any:
     return value
 
 
+def _key(argument: Any) -> Any:
+    """Return what is equal for arguments of one type; numba takes 100 times as long to find it."""
+    if isinstance(argument, tuple):
+        return type(argument), *map(_key, argument)
+    if isinstance(argument, np.ndarray):
+        return argument.dtype, argument.ndim, argument.flags.num
+    return getattr(argument, "kind", type(argument))
+
+
+_references: dict[Any, _Reference] = {}  # by key of the arguments
+
+
 def pack_arguments(*arguments: Any) -> PackedArguments:
     """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
     if config.DISABLE_JIT:
         packed = PackedArguments()
         packed.arguments = readable(arguments)
         return packed
-    kind = numba.typeof(arguments)
-    memory = _stored(kind, arguments)
+    key = _key(arguments)
+    if key not in _references:
+        _references[key] = _Reference(numba.typeof(arguments))
+    reference = _references[key]
+    memory = _stored(reference.kind, arguments)
     packed = PackedArguments(ctypes.addressof(memory))
-    packed.arguments, packed.kind, packed.memory = arguments, _Reference(kind), memory
+    packed.arguments, packed.kind, packed.memory = arguments, reference, memory
     return packed
 
 

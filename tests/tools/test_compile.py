@@ -567,7 +567,7 @@ class Spring(NamedTuple):
 class Springs(NamedTuple):
     """Parts of all types."""
 
-    count: int
+    number: int
     nothing: None
     spring: Spring
     pair: tuple[float, Array]
@@ -584,7 +584,7 @@ def _sum_springs(packed: PackedArguments, x: float) -> float:
     first, others = springs.pair
     total = x + first + others[0] + rest
     if springs.nothing is None:
-        for i in range(springs.count):
+        for i in range(springs.number):
             total += _spring_force(springs.spring, i)
     return total
 
@@ -643,3 +643,20 @@ def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
     others = [np.full(2, 1e9) for _ in range(1000)]  # would take the place of what is freed
     assert call(0.0) == out[0] == pytest.approx(expected + count, abs=1e-12)
     assert len(others) == 1000
+
+
+@compiled
+def _exchange(numbers: Array, pairs: Any) -> float:
+    last = numbers[-1]
+    numbers[-1] = 2.0 * numbers[0]
+    numbers[0] = last
+    numbers[1] = pairs[1].calls
+    return pairs[1].factor + numbers[2]
+
+
+@pytest.mark.parametrize("step", [1, 2])
+def test_elements_at_constant_places(step: int) -> None:
+    numbers, pairs = np.arange(4.0 * step)[::step], np.zeros(2 * step, PAIR)[::step]
+    pairs["calls"][1], pairs["factor"][1] = 7, 0.5
+    assert _exchange(numbers, pairs) == 2.0 * step + 0.5
+    assert numbers.tolist() == [3.0 * step, 7.0, 2.0 * step, 0.0]
