@@ -125,7 +125,7 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
     reference = _references[key]
     memory = _stored(reference.kind, arguments)
     packed = PackedArguments(ctypes.addressof(memory))
-    packed.arguments, packed.kind, packed.memory = arguments, reference, memory
+    packed.arguments, packed.kind, packed.memory = readable(arguments), reference, memory
     return packed
 
 
