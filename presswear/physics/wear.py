@@ -123,7 +123,7 @@ def deposit_round_arc(
         deposit_round(eccentricity, clearance, place, half, part * added, depth[side])
 
 
-@compiled
+@lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 0, 0, 2)
 def deposit_worn_arc(
     depth: Array,
     joint: Records,
