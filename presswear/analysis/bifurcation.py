@@ -15,19 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.analysis.contact_modes import resonance_frequency
 from presswear.analysis.lyapunov import largest_exponent
 from presswear.analysis.periods import TOLERANCE, Periodicity, periodicity
 from presswear.analysis.pins import capped, eccentricities, move_pins
-from presswear.analysis.spectra import MAX_ORDER, power_spectrum
 from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.columns import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, values_of
-from presswear.tools.arrays import Array, read_arrays, write_arrays
+from presswear.tools.arrays import read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import only_writer
 from presswear.tools.processes import Report, Workers, cores
@@ -39,10 +36,9 @@ InitialState = Callable[[Scene], Start]
 
 ENGINE = InHouse("dopri5", 1e-6)  # periodic pins within 6e-4 of the clearance of those at 1e-9
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
-SETTLING_CYCLES = 1  # before a spectrum: contacts begin anew
 DIRECTIONS = ("up", "down")
 FILE = "diagram.json"
-SCHEMA = 4
+SCHEMA = 5
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,6 @@ class Cycles:
     total: int
     stored: int  # last cycles, whose states are stored
     exponent: int  # further cycles for the exponent; 0: none
-    orders: int  # further cycles for the amplitudes at orders; 0: none
 
     def __post_init__(self) -> None:
         if not 2 <= self.stored < self.total:
@@ -110,9 +105,9 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     """Return the row of one value on unworn surfaces, a record with these fields.
 
     ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``, shape (2,):
-    largest Lyapunov exponent and half width of its interval, 1/s; ``amplitude`` and ``resonance``:
-    see ``order_amplitudes``; ``end``, shape (2, 3 bodies): positions and velocities at the end. If
-    the run fails, all numbers are NaN and the end is ``ideal``. So are numbers not computed.
+    largest Lyapunov exponent and half width of its interval, 1/s; ``end``, shape (2, 3 bodies):
+    positions and velocities at the end. If the run fails, all numbers are NaN and the end is
+    ``ideal``. So are numbers not computed.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
     joints = len(linkage.clearances)
@@ -120,8 +115,6 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
         ("value", float),
         ("pins", float, (cycles.stored, len(PHASES), joints, 2)),
         ("exponent", float, 2),
-        ("amplitude", float, (1 + joints, MAX_ORDER if cycles.orders else 0)),
-        ("resonance", float, joints),
         ("end", float, (2, len(start.position))),
     ]
     row = np.full(1, math.nan, fields)
@@ -137,45 +130,12 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
         for name in ("eccentricity_x", "eccentricity_y")
     ]
     row["pins"] = run.recorder.sections[-cycles.stored :, :, columns].reshape(row["pins"].shape)
-    further = continued(linkage, linkage, run.end, start)
     if cycles.exponent:
+        further = continued(linkage, linkage, run.end, start)
         with suppress(RunFailed):
             exponent = largest_exponent(linkage, further, period, cycles.exponent)
             row["exponent"] = exponent.mean, exponent.half_width or math.nan
-    if cycles.orders:
-        with suppress(RunFailed):
-            orders = order_amplitudes(linkage, further, period, cycles.orders, ENGINE)
-            row["amplitude"], row["resonance"] = orders
     return row
-
-
-def order_amplitudes(
-    linkage: Linkage, start: Start, period: float, cycles: int, engine: InHouse
-) -> tuple[Array, Array]:
-    """Return amplitudes at the orders of the crank and the orders of contact resonance.
-
-    The spectra are of ``cycles`` cycles, each of which lasts ``period``, s. Amplitudes, shape
-    (1 + joints, MAX_ORDER), are those within half an order of 1, 2, ...: of the acceleration of the
-    output point, m/s^2, and of the normal force of each joint, N. Resonances have the shape
-    (joints,), NaN without an impact. RunFailed if the run fails.
-    """
-    joints, length = range(len(linkage.clearances)), SETTLING_CYCLES + cycles
-    run = engine.simulate(linkage, start, Plan(period, length, length, torques=False))
-    if run.status == "failed":
-        raise RunFailed(run.message)
-    recorder, amplitudes, resonances = run.recorder, [], []
-    time = recorder.series("time")
-    rows = time >= SETTLING_CYCLES * period
-    series = recorder.series("acceleration"), *(recorder.series("normal", k) for k in joints)
-    for values in series:
-        spectrum = power_spectrum(time[rows], values[rows], period, (MAX_ORDER + 1) / period)
-        amplitudes.append([spectrum.amplitude(order) for order in range(1, MAX_ORDER + 1)])
-    for k in joints:
-        contacts = dict(zip(CONTACT_COLUMNS, recorder.stored_contacts(k).T, strict=True))
-        duration = contacts["separation"] - contacts["touchdown"]
-        frequency = resonance_frequency(duration, contacts["closing_speed"])
-        resonances.append(math.nan if frequency is None else frequency * period)
-    return np.array(amplitudes), np.array(resonances)
 
 
 def run_branch(

@@ -16,7 +16,7 @@ def dynamics(arguments: argparse.Namespace, console: Console) -> int:
     """Print contact modes and periods, or an exponent, or draw a bifurcation diagram."""
     folder = Path(arguments.scene)
     if arguments.over is None:
-        for name in ("cycles", "stored", "orders", "out", "resume"):
+        for name in ("cycles", "stored", "out", "resume"):
             if getattr(arguments, name):
                 raise InputError(f"--{name} needs --over")
     if folder.is_dir() and arguments.over is None:
@@ -60,12 +60,12 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     from presswear.analysis.bifurcation import DIRECTIONS, Cycles, Parameter, compute
     from presswear.campaign.replicates import start_of
     from presswear.show.figures import save
-    from presswear.show.figures.dynamics import draw_diagram, draw_orders
+    from presswear.show.figures.dynamics import draw_diagram
 
     parameter = Parameter.parse(arguments.over, scene)
     count = arguments.cycles or CYCLES
     stored = arguments.stored or max(2 * count // 5, 2)
-    cycles = Cycles(count, stored, arguments.exponent, arguments.orders)
+    cycles = Cycles(count, stored, arguments.exponent)
     folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
     shares = dict.fromkeys(DIRECTIONS, 0.0)
     name, stored_text = "bifurcation diagram", "finished values are stored"
@@ -77,8 +77,7 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
 
         diagram = compute(scene, parameter, cycles, folder, start_of, arguments.jobs, show)
     terminal.print_lines(console, *diagram.summary())
-    for drawing in [draw_diagram(diagram), *([draw_orders(diagram)] if cycles.orders else [])]:
-        terminal.print_lines(console, f"picture in {save(drawing, folder)}")
+    terminal.print_lines(console, f"picture in {save(draw_diagram(diagram), folder)}")
     return 0
 
 

@@ -64,7 +64,6 @@ NORMAL_PARAMETERS = (
 
 FRICTIONS: Mapping[str, str] = {
     "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
-    "smooth": "tanh(v_t / v_1) of Coulomb's",
     "threlfall": "(1 - exp(-3 v_t / v_1)) of Coulomb's up to v_1, 1 - exp(-3) above (Threlfall)",
     "lugre": "bristles that hold and slip, with a state (Canudas de Wit and others)",
 }

@@ -221,14 +221,6 @@ def corner_ahead(sliding: float, sense: float, law: Records) -> float:
 
 
 @compiled
-def smooth_friction(
-    sliding: float, normal: float, coefficient: float, lower: float, upper: float
-) -> float:
-    """Return the friction force along t, N: -c_f F_n tanh(v_t / v_1)."""
-    return -coefficient * normal * math.tanh(sliding / upper)
-
-
-@compiled
 def threlfall_friction(
     sliding: float, normal: float, coefficient: float, lower: float, upper: float
 ) -> float:
@@ -253,7 +245,6 @@ def ramp_friction(
 # Friction forces of FRICTION_PARAMETERS by name, but for the one with bristles
 FRICTION_FORCES: dict[str, Any] = {
     "ramp": ramp_friction,
-    "smooth": smooth_friction,
     "threlfall": threlfall_friction,
 }
 

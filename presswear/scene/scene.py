@@ -19,9 +19,8 @@ from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_moti
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
 from presswear.scene.options import LIVES, Life, Numerics, Recording
-from presswear.scene.servo import servo_fault
 from presswear.tools.arrays import Array
-from presswear.tools.errors import AssemblyError, InputError, shown, unknown
+from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity, written
 from presswear.tools.serialize import Checked, check_type, converted, from_plain, make, plain
 from presswear.tools.user_function import UserFunction
@@ -181,12 +180,7 @@ class Scene(Checked):
         if heavy.mass > MAX_MASS_RATIO * light.mass:
             masses = f"{heavy.name} = {heavy.mass:g} kg, mass of {light.name} = {light.mass:g} kg"
             raise InputError(f"mass of {masses}: allowed is a ratio of up to {MAX_MASS_RATIO:g}")
-        try:
-            _ = self.ideal
-        except AssemblyError as error:
-            if not isinstance(self.mechanism, Press) or self.mechanism.servo is None:
-                raise
-            raise servo_fault(self.mechanism) or error from None
+        _ = self.ideal  # raises where the linkage cannot follow its drives
         if self.base_linkage.springs:
             # Imported here, because it loads numba.
             springs = import_module("presswear.physics.interactions.spring")

@@ -45,7 +45,6 @@ def run_of_bar(engine: Any, law: FrictionLaw, radius: float) -> Run:
     ("engine", "law", "error"),
     [
         (InHouse(), "ramp", 1e-12),
-        (InHouse(), "smooth", 1e-12),
         (ExudynJoints(), "ramp", 2e-8),
         (ExudynJoints(free_steps=40_000), "ramp", 2e-9),
     ],

@@ -52,7 +52,7 @@ SETTINGS = [
     {"contact": "foundation"},
     *({"friction_law": name} for name in FRICTIONS),
     {"normal_law": "push", "friction_law": "rub"},
-    {"A.normal_law": "push", "C.friction_law": "smooth", "C.friction": 0.2},
+    {"A.normal_law": "push", "C.friction_law": "threlfall", "C.friction": 0.2},
 ]
 
 

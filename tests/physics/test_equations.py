@@ -205,7 +205,6 @@ CASES: dict[str, tuple[Linkage, str, dict[str, Any]]] = {
     "press, loose crank": (PRESS, "A C O7", {}),
     "eight four-bars": (four_bars(8), " ".join(f"B{k}" for k in range(8)), {}),
     "lugre": (FOUR_BAR, "B", {"friction": BRISTLES}),
-    "smooth": (FOUR_BAR, "B", {"friction": FrictionLaw(0.1, name="smooth")}),
     "threlfall": (FOUR_BAR, "B", {"friction": FrictionLaw(0.1, name="threlfall")}),
     "no friction, no damping": (
         FOUR_BAR,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 import presswear
 from presswear.physics.friction_and_normal import (
     liu_force,
-    smooth_friction,
+    ramp_friction,
     threlfall_friction,
 )
 from presswear.tools.arrays import Array
@@ -277,11 +277,11 @@ def test_cache_belongs_to_the_user_alone(
 
 
 def test_entry_of_another_kernel_is_not_used(stored: Path) -> None:
-    kernels = smooth_friction, threlfall_friction
+    kernels = ramp_friction, threlfall_friction
     arguments = 5e-4, 100.0, 0.1, 1e-4, 1e-3
     forces = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
-    smooth, threlfall = sorted(stored.iterdir(), key=lambda file: file.stat().st_mtime_ns)[-2:]
-    shutil.copy(threlfall, smooth)
+    ramp, threlfall = sorted(stored.iterdir(), key=lambda file: file.stat().st_mtime_ns)[-2:]
+    shutil.copy(threlfall, ramp)
     again = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
     assert again == forces
     assert forces[0] != forces[1]

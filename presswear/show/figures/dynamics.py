@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
-from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
 from presswear.analysis.contact_modes import MODES, resonance, timeline_of
@@ -27,7 +26,6 @@ _MODE_WORDS = ("free", "impact", "sustained", "sticking")
 _HARMONICS = 10  # harmonics of the crank that are marked
 BRANCHES = {"up": ("increasing", "^"), "down": ("decreasing", "v")}  # word and marker
 NO_PERIOD = 0.0  # ordinate of a motion without period
-DYNAMIC_RANGE = 1e-4  # smallest amplitude shown, relative to the largest
 DOT_AREA = 4000.0  # area of all dots of a branch, square points
 MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 
@@ -208,45 +206,3 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     column[-1].set_xlabel(label)
     content = {"parameter": parameter, "cycles": cycles, "summary": diagram.summary()}
     return style.finished("diagram", sheet, pens, has_exponent=has_exponent, **content)[0]
-
-
-@matplotlib.rc_context(style.SETTINGS)
-def draw_orders(diagram: "Diagram") -> Drawing:
-    """Return the amplitudes at the orders of the crank, one column for each branch."""
-    joints, branches = diagram.scene.clearance_joints, diagram.branches
-    names = [f"acceleration of\n{diagram.scene.output} (m/s²)"]
-    names += [f"force at {joint} (N)" for joint in joints]
-    height = 0.9 + 2.2 * len(names)
-    sheet, grid = style.panels(
-        len(names), len(branches), height, is_measured=True, sharex=True, sharey=True
-    )
-    factor, label = _axis(diagram)
-    ring = Pen("contact resonance", style.REFERENCE, (0.0, (6.0, 1.2, 1.5, 1.2)), 0.9)
-    for k, (row, name) in enumerate(zip(grid, names, strict=True)):
-        amplitudes = [branch.amplitude[:, k] for branch in branches.values()]
-        largest = max(float(np.nanmax(each, initial=0.0)) for each in amplitudes) or 1.0
-        for axes, branch, amplitude in zip(row, branches.values(), amplitudes, strict=True):
-            order = np.argsort(branch.value)
-            image = axes.pcolormesh(
-                factor * branch.value[order],
-                np.arange(1, amplitude.shape[1] + 1),
-                np.maximum(amplitude[order].T, DYNAMIC_RANGE * largest),
-                norm=LogNorm(DYNAMIC_RANGE * largest, largest),
-                cmap="cividis",
-                shading="nearest",
-                rasterized=True,
-            )
-            if k > 0:
-                ring.draw(axes, factor * branch.value[order], branch.resonance[order, k - 1])
-            axes.set_yscale("log", subs=style.SUBTICKS)
-            axes.set_ylim(0.5, amplitude.shape[1])
-            axes.grid(False)
-        row[0].set_ylabel("order (multiples of\nthe crank frequency)")
-        sheet.colorbar(image, ax=row.tolist(), label=f"amplitude:\n{name}", pad=0.01)
-    for axes, direction in zip(grid[0], branches, strict=True):
-        axes.set_title(f"{BRANCHES[direction][0]} {diagram.parameter.key}")
-    for axes in grid[-1]:
-        axes.set_xlabel(label)
-    sheet.align_ylabels()
-    content = {"parameter": diagram.parameter, "cycles": diagram.cycles}
-    return style.finished("orders", sheet, [ring], **content)[0]
