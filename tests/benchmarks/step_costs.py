@@ -42,8 +42,9 @@ WEAR_CYCLES = 12  # whose wear makes the worn surfaces
 LOOP = "hand-written loop"
 START = """
 import presswear as pw
-pw.run(pw.scenes.wear_times(engine="dae", wear_updates=0, cycles=1, replicates=1, seed=1))
+pw.run(pw.scenes.wear_times(engine="%s", wear_updates=0, cycles=1, replicates=1, seed=1))
 """
+ENGINES = "dae", "exudyn-tree", "exudyn-joints"
 
 
 class Cost(NamedTuple):
@@ -94,14 +95,14 @@ def worn_surfaces(scene: Scene) -> Array:
     return np.asarray(cycles_of_update(scene, ensemble) * mean_map(ensemble.maps))
 
 
-def start_times() -> list[float]:
-    """Return the CPU times of a first and a second start, s."""
+def start_times(engine: str) -> list[float]:
+    """Return the CPU times of a first and a second start of an engine, s."""
     times = []
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(2):
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
             environment = {**os.environ, "XDG_CACHE_HOME": folder}
-            subprocess.run([sys.executable, "-c", START], env=environment, check=True)
+            subprocess.run([sys.executable, "-c", START % engine], env=environment, check=True)
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
     return times
@@ -139,9 +140,9 @@ def main() -> None:
             1e3 * median(cost.cpu for cost in costs) / cycles,
         )
         print(f"{name:22}" + "".join(f"{number:10.4g}" for number in numbers))
-    if not arguments.no_start:
-        first, second = start_times()
-        print(f"first start: {first:.1f} s of CPU time, second start: {second:.1f} s")
+    for engine in () if arguments.no_start else ENGINES:
+        first, second = start_times(engine)
+        print(f"first start of {engine}: {first:.1f} s of CPU time, second start: {second:.1f} s")
 
 
 if __name__ == "__main__":
