@@ -248,6 +248,8 @@ def _do_jobs(pipe: "Connection[Any, Any]") -> None:
 def end_with_parent() -> None:
     """Leave Ctrl-C to the parent; end this process when the parent has ended or was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if mask := getattr(signal, "pthread_sigmask", None):
+        mask(signal.SIG_UNBLOCK, {signal.SIGTERM})  # blocked by ``starting_processes``
     parent = multiprocessing.parent_process()
     assert parent is not None, "a worker has a parent"
 
@@ -284,13 +286,14 @@ def starting_processes() -> Iterator[None]:
 
     With the main module they would run a script a second time that lacks
     ``if __name__ == "__main__":``. A signal is delivered at the end: a start that is interrupted
-    leaves a worker that fails with a traceback.
+    leaves a worker that fails with a traceback, and a process that is ended before it has read its
+    arguments leaves the parent waiting. The processes call ``end_with_parent`` first.
     """
     main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
     if mask:
         # It starts with the first process and then admits SIGINT, which that would inherit.
         resource_tracker.ensure_running()
-    blocked = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if mask else None
+    blocked = mask(signal.SIG_BLOCK, _SIGNALS) if mask else None
     late: list[int] = []
     try:
         with _handling(lambda number, _: late.append(number)):

@@ -19,7 +19,7 @@ import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.processes import GRACE, Job, Report, Stopped, Workers
+from presswear.tools.processes import GRACE, Job, Report, Stopped, Workers, end_with_parent
 
 PATIENCE = 60.0  # s, for a busy machine
 
@@ -231,6 +231,23 @@ if __name__ == "__main__":
         workers.run({0: str, 1: str}, lambda key, outcome: {}, print)
     print("completed")
 """
+# SIGTERM to all processes: it reaches one that has not read its arguments. They exceed a pipe.
+_ENDS = """
+import os, signal, sys
+if "--multiprocessing-fork" in sys.orig_argv:
+    os.kill(os.getpid(), signal.SIGTERM)
+"""
+_TERMINATED = """
+import multiprocessing
+import test_workers
+from presswear.tools.processes import starting_processes
+context = multiprocessing.get_context("spawn")
+process = context.Process(target=test_workers.ends, args=(bytes(1_000_000),), daemon=True)
+with starting_processes():
+    process.start()
+process.join()
+print(process.exitcode)
+"""
 _SPAWNED = """
 import multiprocessing, sys
 for name in ("fcntl", "resource", "multiprocessing.forkserver"):
@@ -250,6 +267,11 @@ def forever() -> None:
 
     with Workers(2) as workers:
         workers.run({0: Waits(), 1: Waits()}, nothing, on_progress)
+
+
+def ends(data: bytes) -> None:
+    end_with_parent()
+    time.sleep(PATIENCE)
 
 
 def started(tmp_path: Path, text: str) -> "subprocess.Popen[str]":
@@ -288,6 +310,15 @@ def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
     errors = process.communicate(timeout=PATIENCE)[1]
     assert errors.count("Traceback") == 1
     assert errors.strip().endswith("KeyboardInterrupt")
+
+
+def test_a_process_that_is_ended_as_it_starts_does_not_keep_its_parent(tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(_ENDS)
+    process = started(tmp_path, _TERMINATED)
+    try:
+        assert process.communicate(timeout=PATIENCE) == (f"-{signal.SIGTERM:d}\n", "")
+    finally:
+        process.kill()
 
 
 @pytest.mark.parametrize(

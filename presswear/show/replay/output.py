@@ -267,6 +267,7 @@ def play(clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
 def _play(
     caller: Connection, clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
 ) -> None:
+    end_with_parent()
     first = clips[0]
     # All clips have frames up to the phase at which the shortest ends.
     last = first.period * min(clip.span[1] / clip.period for clip in clips)
@@ -341,6 +342,7 @@ class Live(Observer):
 
 def _show_live(run: Connection, size: tuple[int, int], clip: Clip) -> None:
     """Show snapshots, and clips with other surfaces, until the run ends or the window is closed."""
+    end_with_parent()
 
     def opened(clip: Clip) -> Window:
         picture = Picture([clip], size)
