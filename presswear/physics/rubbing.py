@@ -8,8 +8,9 @@ import math
 
 from presswear.physics.constraints import Held, multipliers_of
 from presswear.physics.friction_and_normal import friction_force
+from presswear.physics.packed import RUBBING
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 FRICTION_TOL = 1e-12  # change of friction moments in the last iteration, part of the greatest
 MAX_ITERATIONS = 100
@@ -26,7 +27,7 @@ def relative_spin(joint: Records, v: Array) -> float:
     return spin
 
 
-@inlined
+@lazily_compiled(0, RUBBING, 1, 0)
 def friction_moment(joint: Records, v: Array, joint_force: float) -> float:
     """Return the friction moment on the pin, N m, under a joint force, N."""
     radius = joint.bearing_radius
