@@ -75,10 +75,14 @@ class Plan:
     # first may be negative.  None: start and end of the cycle.
     stroke: tuple[float, float] | None = None
 
+    def time_of(self, cycles: float) -> float:
+        """Return the time at which so many cycles have been made, s."""
+        return self.run_up + self.cycle * cycles
+
     @property
     def duration(self) -> float:
         """Time of the most cycles, s."""
-        return self.run_up + self.cycle * self.cycles
+        return self.time_of(self.cycles)
 
     @property
     def settled(self) -> float:

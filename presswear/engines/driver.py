@@ -65,7 +65,7 @@ def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
         stored = plan.resume["sums"].tolist()
         running.sums.update(zip(sorted(running.sums), stored, strict=True))
         recorder.load(part(plan.resume, "recorder"))
-    status, finding = _cycles(linkage, recorder, plan, running)
+    status, finding = _Cycles(linkage, recorder, plan, running).run()
     time, position, velocity = running.state()
     if finding is not None:
         finding = with_cause(finding, linkage, recorder, position, velocity)
@@ -82,23 +82,72 @@ def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
     return run
 
 
-def _cycles(
-    linkage: Linkage, recorder: Recorder, plan: Plan, running: Simulation
-) -> tuple[Status, Finding | None]:
-    """Run cycle by cycle; returns how it ended and what went wrong, if anything.
+class _Cycles:
+    """The cycles of a run.
 
     Every cycle begins in the same way from the state that the last one left, whether this
     process computed that or read it: a run that was killed and goes on gives the same numbers.
     """
 
-    def state() -> State:
-        return {
-            **{name: array.copy() for name, array in running.arrays.items()},
-            "sums": np.array([running.sums[name] for name in sorted(running.sums)]),
-            **named("recorder", recorder.save()),
-        }
+    def __init__(
+        self, linkage: Linkage, recorder: Recorder, plan: Plan, running: Simulation
+    ) -> None:
+        self.linkage, self.recorder, self.plan, self.running = linkage, recorder, plan, running
 
-    def advanced(end: float) -> Finding | None:
+    def run(self) -> tuple[Status, Finding | None]:
+        """Run to the end; return how the run ended and what went wrong, if anything."""
+        finding = self._run_up()
+        while finding is None:
+            if status := self._ended():
+                return status, None
+            finding = self._cycle()
+        return "failed", finding
+
+    def _run_up(self) -> Finding | None:
+        """Run up from rest, where the first cycle follows that."""
+        if self.plan.run_up == 0.0 or len(self.recorder.cycles):
+            return None
+        finding = self._advance(self.plan.run_up)
+        if finding is None:
+            self.recorder.start_cycle()
+        return finding
+
+    def _ended(self) -> Status | None:
+        """Return how the run ended with the last cycle, if it did.
+
+        Every observer is notified of the cycle, whichever ends the run.
+        """
+        done = len(self.recorder.cycles)
+        if done == 0:
+            return None
+        answers = [one.on_cycle(self.recorder, self._state) for one in self.plan.observers]
+        if done >= self.plan.cycles:
+            return "completed"
+        return "enough" if any(answers) else None
+
+    def _cycle(self) -> Finding | None:
+        """Run one cycle; return what went wrong, if anything."""
+        plan, recorder = self.plan, self.recorder
+        done = len(recorder.cycles)
+        for phase in plan.sections:
+            if phase < 1.0:
+                if finding := self.running.advance(plan.time_of(done + phase)):
+                    return finding
+                recorder.note_section()
+        if finding := self._advance(plan.time_of(done + 1)):
+            return finding
+        if 1.0 in plan.sections:
+            recorder.note_section()
+        added = recorder.end_cycle()
+        if plan.wear is not None:
+            self._wear(plan.wear(done + 1, added))
+        if done + 1 == plan.recorded_cycles:
+            recorder.stop_recording()
+        return None
+
+    def _advance(self, end: float) -> Finding | None:
+        """Integrate up to a time, s, and account for the energies; return what went wrong."""
+        running, recorder = self.running, self.recorder
         finding = running.advance(end)
         if finding is not None:
             return finding
@@ -109,38 +158,20 @@ def _cycles(
             recorder.records.cycle[column] = energy - running.sums[name]
             running.sums[name] = energy
         now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
-        return examine(linkage, recorder, now)
+        return examine(self.linkage, recorder, now)
 
-    if plan.run_up > 0.0 and not len(recorder.cycles):
-        finding = advanced(plan.run_up)
-        if finding:
-            return "failed", finding
-        recorder.start_cycle()
-    inner = [phase for phase in plan.sections if phase < 1.0]
-    while True:
-        done = len(recorder.cycles)
-        if done > 0:
-            # Every observer hears of the cycle, whichever ends the run.
-            answers = [observer.on_cycle(recorder, state) for observer in plan.observers]
-            if done >= plan.cycles:
-                return "completed", None
-            if any(answers):
-                return "enough", None
-        cycle_start = plan.run_up + plan.cycle * done
-        for phase in inner:
-            finding = running.advance(cycle_start + phase * plan.cycle)
-            if finding:
-                return "failed", finding
-            recorder.note_section()
-        finding = advanced(plan.run_up + plan.cycle * (done + 1))
-        if finding:
-            return "failed", finding
-        if len(inner) < len(plan.sections):
-            recorder.note_section()
-        added = recorder.end_cycle()
-        if plan.wear is not None:
-            before = running.ledger().residual
-            recorder.wear(plan.wear(done + 1, added), running.worn)
-            running.sums[_WORN_OFF] += running.ledger().residual - before
-        if done + 1 == plan.recorded_cycles:
-            recorder.stop_recording()
+    def _wear(self, lost: Array) -> None:
+        """Wear the surfaces; the elastic energy of what is worn off under load goes with it."""
+        running = self.running
+        before = running.ledger().residual
+        self.recorder.wear(lost, running.worn)
+        running.sums[_WORN_OFF] += running.ledger().residual - before
+
+    def _state(self) -> State:
+        """Return the state between two cycles."""
+        running = self.running
+        return {
+            **{name: array.copy() for name, array in running.arrays.items()},
+            "sums": np.array([running.sums[name] for name in sorted(running.sums)]),
+            **named("recorder", self.recorder.save()),
+        }
