@@ -258,84 +258,115 @@ def assemble(
     tables = rows, joints, drives, springs, loads
     convert: Any = _Parts  # takes texts for numbers
     parts: _Parts = convert(end, name, direction, dict(guess), cycle, run_up, gravity, *tables)
-    by_name = {body.name: body for body in parts.bodies}
-    guides = {one.body: one.direction for one in parts.joints if isinstance(one, Guide)}
+    placing = _Placing(parts)
+    for body in parts.guess:
+        placing.check_body(body, "guess")
+    linkage = Linkage(
+        bodies=tuple(parts.bodies),
+        joints=tuple(map(placing.joint, parts.joints)),
+        drives=tuple(map(placing.drive, parts.drives)),
+        output=placing.output(parts.output, "output", parts.direction),
+        guess=tuple(parts.guess.items()),
+        cycle=parts.cycle,
+        run_up=parts.run_up,
+        name=parts.name,
+        gravity=parts.gravity,
+        springs=tuple(map(placing.spring, parts.springs)),
+        loads=tuple(map(placing.load, parts.loads)),
+        clearances=tuple(clearances),
+    )
+    _check(linkage)
+    _check_drawing(linkage)
+    return linkage
 
-    def check_body(body: str, where: str) -> None:
-        if body not in by_name:
-            raise unknown(f"body in {where}", body, by_name)
 
-    def point(end: End, where: str) -> Attachment:
+class _Placing:
+    """Bodies by name, on which joints, drives, springs and loads get their points."""
+
+    def __init__(self, parts: _Parts) -> None:
+        self.bodies = {body.name: body for body in parts.bodies}
+        guides = (joint for joint in parts.joints if isinstance(joint, Guide))
+        self.guide_directions = {guide.body: guide.direction for guide in guides}
+
+    def check_body(self, body: str, where: str) -> None:
+        """Raise InputError where no body has a name."""
+        if body not in self.bodies:
+            raise unknown(f"body in {where}", body, self.bodies)
+
+    def point(self, end: End, where: str) -> Attachment:
+        """Return a point by its name or its place."""
         if isinstance(end, tuple):
             return Attachment(GROUND, *end)
         if isinstance(end, Attachment):
             if end.body != GROUND:
-                check_body(end.body, where)
+                self.check_body(end.body, where)
             return end
         body, dot, name = end.partition(".")
-        check_body(body, where)
-        points = dict(by_name[body].points) | {"centre": (0.0, 0.0)}
+        self.check_body(body, where)
+        points = dict(self.bodies[body].points) | {"centre": (0.0, 0.0)}
         name = name if dot else "centre"
         if name not in points:
             raise unknown(f"point of {body} in {where}", name, points)
         return Attachment(body, *points[name])
 
-    def output_point(end: OutputPoint | End, where: str, direction: float | None) -> OutputPoint:
-        at = end if isinstance(end, OutputPoint) else point(end, where)
-        check_body(at.body, where)
+    def output(self, end: OutputPoint | End, where: str, direction: float | None) -> OutputPoint:
+        """Return a point that is observed along a direction, by default that of its guide."""
+        at = end if isinstance(end, OutputPoint) else self.point(end, where)
+        self.check_body(at.body, where)
         if isinstance(at, OutputPoint):
             return at
-        default = guides.get(at.body, 0.0)
-        return OutputPoint(at.body, default if direction is None else direction, at.x, at.y)
+        if direction is None:
+            direction = self.guide_directions.get(at.body, 0.0)
+        return OutputPoint(at.body, direction, at.x, at.y)
 
-    def placed(part: Any, where: str) -> Any:
-        """Return a joint, drive, spring or load with its points as attachments."""
-        where = f"{where} {part.name}" if where in ("joint", "guide", "spring") else where
-        if hasattr(part, "body"):
-            check_body(part.body, where)
-        if isinstance(part, Guide):
-            x, y = by_name[part.body].drawn_at or (0.0, 0.0)
-            return replace(
-                part, x=x if part.x is None else part.x, y=y if part.y is None else part.y
-            )
-        if isinstance(part, Pin | Revolute):
-            ends = point(part.first, where), point(part.second, where)
-            if isinstance(part, Revolute):
-                return replace(part, first=ends[0], second=ends[1])
-            pin = Revolute(part.name, *ends)
-            return replace(pin, stiffness=part.stiffness, damping_ratio=part.damping_ratio)
-        if isinstance(part, Spring):
-            first, second = point(part.first, where), point(part.second, where)
-            if first.body == second.body:
-                raise InputError(f"{where}: both ends are on {first.body}, allowed are two bodies")
-            return replace(part, first=first, second=second)
-        if isinstance(part, Force):
-            return replace(part, point=point(part.point, where))
-        if isinstance(part, Drive) and part.follow is not None:
-            follow = part.follow
-            at = output_point(follow.point, f"follow of {part.body}", follow.direction)
-            return replace(part, follow=replace(follow, point=at, direction=at.direction))
-        return part
+    def joint(self, joint: Pin | Revolute | Guide) -> Joint:
+        """Return a joint between two points, or a guide through the slide as it is drawn."""
+        if isinstance(joint, Guide):
+            return self._guide(joint)
+        where = f"joint {joint.name}"
+        first, second = self.point(joint.first, where), self.point(joint.second, where)
+        if isinstance(joint, Revolute):
+            return replace(joint, first=first, second=second)
+        return Revolute(
+            joint.name,
+            first,
+            second,
+            stiffness=joint.stiffness,
+            damping_ratio=joint.damping_ratio,
+        )
 
-    for body in parts.guess:
-        check_body(body, "guess")
-    linkage = Linkage(
-        tuple(parts.bodies),
-        tuple(placed(one, "guide" if isinstance(one, Guide) else "joint") for one in parts.joints),
-        tuple(placed(drive, "drives") for drive in parts.drives),
-        output_point(parts.output, "output", parts.direction),
-        tuple(parts.guess.items()),
-        parts.cycle,
-        parts.run_up,
-        parts.name,
-        parts.gravity,
-        tuple(placed(spring, "spring") for spring in parts.springs),
-        tuple(placed(load, "loads") for load in parts.loads),
-        tuple(clearances),
-    )
-    _check(linkage)
-    _check_drawing(linkage)
-    return linkage
+    def _guide(self, guide: Guide) -> Guide:
+        self.check_body(guide.body, f"guide {guide.name}")
+        x, y = self.bodies[guide.body].drawn_at or (0.0, 0.0)
+        if guide.x is not None:
+            x = guide.x
+        if guide.y is not None:
+            y = guide.y
+        return replace(guide, x=x, y=y)
+
+    def drive(self, drive: Drive) -> Drive:
+        """Return a drive; the point that follows a curve has a direction."""
+        self.check_body(drive.body, "drives")
+        follow = drive.follow
+        if follow is None:
+            return drive
+        at = self.output(follow.point, f"follow of {drive.body}", follow.direction)
+        return replace(drive, follow=replace(follow, point=at, direction=at.direction))
+
+    def spring(self, spring: Spring) -> Spring:
+        """Return a spring between points of two bodies."""
+        where = f"spring {spring.name}"
+        first, second = self.point(spring.first, where), self.point(spring.second, where)
+        if first.body == second.body:
+            raise InputError(f"{where}: both ends are on {first.body}, allowed are two bodies")
+        return replace(spring, first=first, second=second)
+
+    def load(self, load: AnyLoad) -> AnyLoad:
+        """Return a load; a force acts on a point, the others on a body."""
+        if isinstance(load, Force):
+            return replace(load, point=self.point(load.point, "loads"))
+        self.check_body(load.body, "loads")
+        return load
 
 
 def _check(linkage: Linkage) -> None:
