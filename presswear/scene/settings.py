@@ -235,8 +235,8 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
     names = [name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints]
     if first in scene.bearing_joints:
-        names = [f"{first}.{name}" for name in inner]
-    hint = nearest(key, [*names, *SYMBOLS])
+        names = [f"{first}.{name}" for name in (*inner, DIAMETRAL)]
+    hint = nearest(key, [*names, DIAMETRAL, *SYMBOLS])
     return InputError(f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}")
 
 

@@ -37,9 +37,9 @@ _LOG = logging.getLogger(__name__)
 
 
 @cache
-def _warn(message: str) -> None:
-    """Log a warning once, in the process that started the others."""
-    if multiprocessing.parent_process() is None:
+def _warn(message: str, in_worker: bool = False) -> None:
+    """Log a warning once, in a worker only if no other process may notice it."""
+    if multiprocessing.parent_process() is None or in_worker:
         _LOG.warning(message)
 
 
@@ -218,7 +218,8 @@ def _wait(opened: IO[str]) -> bool:
             opened.seek(0)
             _warn(
                 f"{opened.readline() or 'another process'} compiles kernels and stands still (is "
-                "it suspended?): they are compiled in this process, too"
+                "it suspended?): they are compiled in this process, too",
+                in_worker=True,
             )
             KernelCache.patience = 0.0
             return False

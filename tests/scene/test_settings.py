@@ -393,5 +393,12 @@ def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
     ):
         with pytest.raises(pw.InputError, match=message):
             pw.changed(scene, settings)
+    # A word that resembles it does not advise the radial one, half of it.
+    for key, meant in (
+        ("diameter_clearance", "diametral_clearance"),
+        ("A.diametral_clearence", r"A\.diametral_clearance"),
+    ):
+        with pytest.raises(pw.InputError, match=rf"did you mean {meant}\?"):
+            pw.changed(pw.scenes.wear_times(), {key: "0.4 mm"})
     with pytest.raises(pw.InputError, match=r"use A\.clearance, which is half the diametral"):
         setting_of(scene, "A.diametral_clearance")

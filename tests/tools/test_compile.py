@@ -1,6 +1,7 @@
 """Compiled kernels: lazy compilation, cache, bound arguments."""
 
 import gc
+import multiprocessing
 import os
 import pickle
 import shutil
@@ -343,16 +344,23 @@ def test_code_that_another_process_compiles_is_awaited(stored: Path, is_killed: 
     assert list(stored.iterdir()) == [file]
 
 
+@pytest.mark.parametrize("parent", [None, "a process"])
 def test_process_that_stands_still_while_it_compiles_is_not_awaited(
-    stored: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    stored: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    parent: str | None,
 ) -> None:
+    """A worker says so as well: its parent compiles other kernels."""
+    monkeypatch.setattr(multiprocessing, "parent_process", lambda: parent)
+    holder = f"process {123 if parent else 122}"  # a warning is given once
     (file,) = stored.iterdir()
     file.unlink()
     monkeypatch.setattr(KernelCache, "patience", 1.0)
     kernel = Kernel(cast(Kernel, all_finite).py_func)
     with file.with_suffix(".lock").open("w") as other:
         assert not lock(other)
-        other.write("process 123")
+        other.write(holder)
         other.flush()
         waiting = Thread(target=kernel, args=(ONES, ONES))
         waiting.start()
@@ -363,7 +371,7 @@ def test_process_that_stands_still_while_it_compiles_is_not_awaited(
         waiting.join(60.0)
         assert not waiting.is_alive()
         assert [one.message.split(" (")[0] for one in caplog.records] == [
-            "process 123 compiles kernels and stands still"
+            f"{holder} compiles kernels and stands still"
         ]
         assert file.with_suffix(".lock").exists()  # of the other process
     assert not _compiles()
