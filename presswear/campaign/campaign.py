@@ -396,9 +396,11 @@ class _Campaign:
         )
         report(life)
         self.unconverged += unknown_life(scene, life)
-        self.at, self.strokes = replace(self.at, life=LifeState(refinements)), life.strokes
+        self.at = replace(self.at, life=LifeState(refinements))
+        # The life is a mean over the refinements; the surfaces are those of the last one.
+        self.strokes = min(life.strokes, float(refinements[-1].strokes[-1]))
         # The wear update after a stage is for the part of the life up to the next stage.
-        part = max(life.strokes / scene.wear_updates, 1.0)
+        part = max(self.strokes / scene.wear_updates, 1.0)
         runner.scene = replace(scene, cycles_per_update=part)
 
     def _run_stage(self, index: int) -> Outcome | None:

@@ -22,7 +22,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.statistics import STARTUP_CYCLES, half_width
+from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.scene.options import Limit, Service
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
@@ -39,8 +39,10 @@ BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
 MIN_BLOCKS_FOR_REFUSAL = 16  # after which a limit that seems exceeded when new is taken to be so
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
 MIN_REFINEMENT = 1.5  # ratio of cycles of two refinements that show the error of the step
-SAFE_REFINEMENT, STEP_SAFETY = 2.5, 2.0  # factor on this error below a larger ratio
-MAX_STEP_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # from block to block, from refinement to refinement
+SAFE_REFINEMENT, STEP_SAFETY = 3.5, 1.5  # factor on this error below a larger ratio
+MAX_STEP_GROWTH = 2.0  # from block to block
+SECOND_GROWTH = 2.6  # of the cycles, in the second refinement
+MIN_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # of the cycles, from refinement to refinement
 FIRST_DISTANCE = 0.3  # of the tolerance, expected distance of the first two refinements, or
 FIRST_SCATTER = 0.4  # of the half width over the histories: the mean for equal distributions
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
@@ -325,25 +327,35 @@ def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinemen
         raise _exceeded_when_new(limit, last)
     if has_coarser and (life.error <= problem.tolerance or math.isinf(life.strokes)):
         return None
-    finished = last.cycles_until(min(life.strokes, last.blocks[-1].strokes))
-    cycles = _next_cycles(problem, life.sampling, finished)
+    each = _finished_cycles(refinements, problem.limits)
+    finished = each[-1]
+    cycles = _next_cycles(problem, life.sampling, each)
     if has_coarser and cycles * last.histories > problem.max_cycles:
         return None
     block = max(round(BLOCK_GROWTH * math.sqrt(cycles)), MIN_BLOCK)
     # The first cycles of a life stand for few strokes, however fine the steps; the others scale.
     rates = np.array([block.rate for block in last.blocks[1:]])
-    change = float(rates @ np.diff(np.minimum(last.strokes, life.strokes)))
+    change = float(rates @ np.diff(np.minimum(last.strokes, last.crossing(problem.limits))))
     scaled = min(max(change / last.change, 1.0), max(finished, 1.0))
     return Refinement(last.change * scaled / (cycles - finished + scaled), block)
 
 
-def _next_cycles(problem: LifeProblem, sampling: float, finished: float) -> float:
-    """Return the cycles of the refinement after one with a sampling error and finished cycles."""
-    growth = MAX_STEP_GROWTH
+def _finished_cycles(refinements: Refinements, limits: Sequence[Limit]) -> list[float]:
+    """Return the cycles of each history up to the life, or to the end, in each refinement."""
+    return [max(each.cycles_until(each.crossing(limits)), 1.0) for each in refinements]
+
+
+def _next_cycles(problem: LifeProblem, sampling: float, finished: Sequence[float]) -> float:
+    """Return the cycles of the refinement after some with finished cycles.
+
+    The sampling error is that of the cycles of all of them.
+    """
+    cycles = max(SECOND_GROWTH * finished[0], MIN_GROWTH * finished[-1])
     if math.isfinite(sampling):
         needed = (sampling / (SCATTER_FRACTION * problem.tolerance)) ** 2
-        growth = min(max(needed, growth), MAX_CYCLE_GROWTH)
-    return max(growth * finished, MIN_CYCLES)
+        lacking = (needed - 1.0) * sum(finished)
+        cycles = min(max(lacking, cycles), MAX_CYCLE_GROWTH * finished[-1])
+    return max(cycles, MIN_CYCLES)
 
 
 def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> float:
@@ -357,7 +369,7 @@ def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> floa
         for limit in problem.limits
     ]
     first = max(min(parts), MIN_BLOCK)
-    second = max(MAX_STEP_GROWTH * first, MIN_CYCLES)
+    second = max(SECOND_GROWTH * first, MIN_CYCLES)
     return 2 * (STARTUP_CYCLES + MIN_BLOCK) + first + second
 
 
@@ -365,39 +377,40 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     """Return the cycles of each history that are expected until the life is known.
 
     After the last refinement others follow by the rule of ``next_refinement``. The error of the
-    scatter falls with the root of the cycles. That of the step follows from the distance of the
-    first life and the last one. In the first refinement the scatter follows from the depths worn
-    so far.
+    scatter falls with the root of the cycles of all refinements. That of the step follows from the
+    distance of the first life and the last one. In the first refinement the scatter follows from
+    the depths worn so far.
     """
     *coarser, last = refinements
     limits = problem.limits
-    ends = [max(each.cycles_until(each.crossing(limits)), 1.0) for each in coarser]
+    ends = _finished_cycles(coarser, limits)
     histories = refinements[0].histories if refinements[0].blocks else 1
     completed = sum(block.cycles for block in last.blocks[1:])
     left = _left_in_last(problem, refinements, completed)
     ends.append(max(completed + left, 1.0))
     left += last.block + (0 if last.blocks else STARTUP_CYCLES + MIN_BLOCK)
     if coarser:
-        sampling = coarser[-1].sampling_error(limits)
+        sampling, pooled = estimate_life(coarser, limits).sampling, sum(ends[:-1])
     else:
-        sampling = _expected_sampling(problem, last, ends[-1])
+        sampling, pooled = _expected_sampling(problem, last, ends[-1]), ends[-1]
     if math.isinf(sampling):
         return left
     distance = max(FIRST_DISTANCE * problem.tolerance, FIRST_SCATTER * sampling)
     if coarser:
         change = abs(math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits)))
         distance = change if 0.0 < change < math.inf else distance
-        sampling *= math.sqrt(ends[-2] / ends[-1])
     while True:
+        sampling *= math.sqrt(pooled / sum(ends))
+        pooled = sum(ends)
         ratio = max(ends[-1] / ends[0], MIN_REFINEMENT)
-        step = distance / (ratio - 1.0) * (1.0 if ratio >= SAFE_REFINEMENT else STEP_SAFETY)
-        cycles = _next_cycles(problem, sampling, ends[-1])
+        slope = distance * ends[0] * ratio / (ratio - 1.0)
+        step = slope * len(ends) / pooled * (1.0 if ratio >= SAFE_REFINEMENT else STEP_SAFETY)
+        cycles = _next_cycles(problem, sampling, ends)
         is_known = math.hypot(sampling, step) <= problem.tolerance
         is_used_up = cycles * histories > problem.max_cycles
         if len(ends) > 1 and (is_known or is_used_up):
             return left
         left += STARTUP_CYCLES + MIN_BLOCK + cycles
-        sampling *= math.sqrt(ends[-1] / cycles)
         ends.append(cycles)
 
 
@@ -427,8 +440,9 @@ def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int
     whole = float(MIN_CYCLES)
     if coarser:
         before, life = coarser[-1], coarser[-1].crossing(limits)
-        finished = before.cycles_until(life)
-        whole = _next_cycles(problem, before.sampling_error(limits), finished)
+        each = _finished_cycles(coarser, limits)
+        finished = each[-1]
+        whole = _next_cycles(problem, estimate_life(coarser, limits).sampling, each)
     if not blocks:
         return whole
     strokes, first = blocks[-1].strokes, blocks[0]
@@ -452,21 +466,49 @@ def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int
 def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEstimate:
     """Return the strokes after which the first of some limits is exceeded, with their errors.
 
-    The error of the step goes as one over the cycles, or faster: by each coarser refinement, that
-    of the last one is their distance over the ratio of the cycles less one.  The largest is taken,
-    and doubled if even the coarsest has more than 1 / 2.5 of the cycles.
+    The logarithm of the life is the mean over the refinements, each weighted by its cycles.  The
+    error of the step of a refinement goes as one over its cycles, or faster.  Where it is larger
+    than the scatter in the last refinement, that refinement alone is taken.
     """
-    last = refinements[-1]
-    ends = [item.crossing(limits) for item in refinements]
-    cycles = [
-        item.cycles_until(end) if 0.0 < end < math.inf else math.inf
-        for item, end in zip(refinements, ends, strict=True)
-    ]
-    steps = [
-        abs(math.log(ends[-1] / end)) / (cycles[-1] / count - 1.0)
-        for end, count in zip(ends[:-1], cycles[:-1], strict=True)
-        if 0.0 < MIN_REFINEMENT * count <= cycles[-1] < math.inf
-    ]
-    is_safe = SAFE_REFINEMENT * cycles[0] <= cycles[-1]
-    step = max(steps, default=math.inf) * (1.0 if is_safe else STEP_SAFETY)
-    return LifeEstimate(ends[-1], last.sampling_error(limits), step)
+    end = refinements[-1].crossing(limits)
+    if not 0.0 < end < math.inf:
+        return LifeEstimate(end, math.inf, math.inf)
+    ended = [item for item in refinements if 0.0 < item.crossing(limits) < math.inf]
+    logarithms = np.log([item.crossing(limits) for item in ended])
+    cycles = np.array([item.cycles_until(item.crossing(limits)) for item in ended])
+    halves = np.array([item.sampling_error(limits) for item in ended])
+    freedom = np.array([item.histories - 1 for item in ended])
+    slope = _step_slope(cycles, logarithms)
+    last = LifeEstimate(end, float(halves[-1]), slope / float(cycles[-1]))
+    if not last.step < last.sampling < math.inf:
+        return last
+    weights = cycles / cycles.sum()
+    strokes = math.exp(float(weights @ logarithms))
+    step = slope * len(ended) / float(cycles.sum())
+    return LifeEstimate(strokes, _pooled_half_width(weights, halves, freedom), step)
+
+
+def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:
+    """Return the half width of a weighted mean of independent estimates.
+
+    Its degrees of freedom are those of Welch and Satterthwaite.
+    """
+    if np.isinf(halves).any():
+        return math.inf
+    variances = (weights * halves / [quantile(each) for each in freedom]) ** 2
+    variance = float(variances.sum())
+    return quantile(variance**2 / float((variances**2 / freedom).sum())) * math.sqrt(variance)
+
+
+def _step_slope(cycles: Array, logarithms: Array) -> float:
+    """Return the error of the step of a refinement times its cycles; infinite if it is unknown.
+
+    It is the slope of the logarithms over one over the cycles, by least squares with the cycles as
+    weights, times STEP_SAFETY where the coarsest refinement has more than 1 / 3.5 of the cycles of
+    the finest.
+    """
+    if cycles.min() * MIN_REFINEMENT > cycles.max():
+        return math.inf
+    slope = np.polyfit(1.0 / cycles, logarithms, 1, w=np.sqrt(cycles))[0]
+    is_safe = SAFE_REFINEMENT * cycles.min() <= cycles.max()
+    return abs(float(slope)) * (1.0 if is_safe else STEP_SAFETY)

@@ -361,7 +361,7 @@ def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) ->
     limits = []
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])
-        if item.strokes == life.strokes:
+        if last.crossing([limit]) == last.crossing(problem.limits):
             item = life  # here coarser refinements that another limit ended count too
         errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
         reached = (float(values[-1]) for values in last.band(limit.key))
@@ -381,7 +381,8 @@ def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) ->
     errors = _finite(life.sampling), _finite(life.step), scatter
     phases = tuple(phase for name in joints for phase in wear_phases(last, name))
     words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
-    strokes, details = min(life.strokes, end.strokes), (tuple(limits), tuple(stored), phases)
+    strokes = life.strokes if math.isfinite(life.strokes) else end.strokes
+    details = tuple(limits), tuple(stored), phases
     settled = tuple(block.settled for block in last.blocks if block.cycles)
     result = LifeResult(ended, message, strokes, *errors, *details, words, curves)
     return replace(result, settled=settled)
