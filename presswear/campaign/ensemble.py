@@ -383,7 +383,8 @@ class _Rounds:
         ]
         cycles = sum(map(len, rows))
         steps = sum(float(each[:, cycle_column("steps")].sum()) for each in rows)
-        seconds = steps * self.runner.scene.solver.step_time / cycles
+        solver, is_worn = self.runner.scene.solver, self.depth[members.start].any()
+        seconds = steps * (solver.worn_step_time if is_worn else solver.step_time) / cycles
         watched = self._size * min(WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size)))
         if cycles < watched:
             return watched - cycles

@@ -44,6 +44,7 @@ class _Engine(Named):
     tolerance_name: ClassVar[str] = ""  # of its setting; none where steps are not error-controlled
     tolerances: ClassVar[dict[Purpose, float]]  # where none is specified
     step_time: ClassVar[float]  # typical computing time of a step with one or two contacts, s
+    worn_step_time: ClassVar[float]  # the same on worn surfaces, s
     free_step: float | None  # longest step between contacts, s; None: a part of the cycle
 
     def resolved(self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR) -> Self:
@@ -111,6 +112,7 @@ class ExudynTree(_Engine):
     tolerance_name: ClassVar[str] = "tree_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
     step_time: ClassVar[float] = 3.5e-5
+    worn_step_time: ClassVar[float] = 4.5e-5
 
     tree_tolerance: float | None = quantity(
         *(None, "", FINEST, 1e-3, "chosen"),
@@ -131,6 +133,7 @@ class ExudynJoints(_Engine):
 
     word: ClassVar[str] = "exudyn-joints"
     step_time: ClassVar[float] = 2e-4
+    worn_step_time: ClassVar[float] = 2.1e-4
 
     steps_per_contact: int = count(
         200, 20, 10_000, "chosen", "of exudyn-joints: steps in one impact"
@@ -161,6 +164,7 @@ class InHouse(_Engine):
     tolerance_name: ClassVar[str] = "integration_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-9, "forces": 1e-7, "wear": 1e-6}
     step_time: ClassVar[float] = 2.5e-6
+    worn_step_time: ClassVar[float] = 1e-5
 
     integrator: Integrator = choice(
         "auto",
