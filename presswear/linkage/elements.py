@@ -201,6 +201,16 @@ class Guide(Checked):
     angle: float = angle("fixed angle of the body")
 
 
+Joint = Revolute | Guide
+
+
+def ends_of(joint: Joint) -> tuple[Attachment, Attachment]:
+    """Return the two points that a joint holds together; of a guide a point and the mass centre."""
+    if isinstance(joint, Guide):
+        return Attachment(GROUND, joint.x, joint.y), Attachment(joint.body, 0.0, 0.0)
+    return joint.first, joint.second
+
+
 @dataclass(frozen=True)
 class WearLaw:
     """Archard wear dh = K_d p ds of a clearance joint.

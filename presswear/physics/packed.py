@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment, Revolute
-from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Spring
 from presswear.linkage.surface import Surface
+from presswear.linkage.topology import prescribed_of
 from presswear.physics.foundation import (
     BEARING,
     PIN,

@@ -12,9 +12,10 @@ import numpy as np
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage import loads
 from presswear.linkage.elements import Revolute
-from presswear.linkage.linkage import Linkage, branches_of, linkage_from
+from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
+from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces

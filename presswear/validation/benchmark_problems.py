@@ -26,7 +26,8 @@ from presswear.engines.settings import (
 )
 from presswear.linkage.elements import Guide
 from presswear.linkage.laws import delivered_restitution
-from presswear.linkage.linkage import Linkage, branches_of
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import Motion, followed
 from presswear.recording.statistics import STARTUP_CYCLES, after_startup

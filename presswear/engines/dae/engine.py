@@ -19,7 +19,8 @@ from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
-from presswear.linkage.linkage import Linkage, prescribed_of
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.topology import prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of

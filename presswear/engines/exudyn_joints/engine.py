@@ -40,8 +40,9 @@ from presswear.engines.exudyn_joints.kernels import (
 )
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import GROUND, Attachment
-from presswear.linkage.linkage import Linkage, bodies_of, prescribed_of
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import OverPosition
+from presswear.linkage.topology import bodies_of, prescribed_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady

@@ -28,7 +28,8 @@ from presswear.engines.exudyn_tree.kernels import (
 )
 from presswear.engines.exudyn_tree.model import add_tree
 from presswear.engines.settings import FINEST, ExudynTree
-from presswear.linkage.linkage import Linkage, branches_of, prescribed_of
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.equations.function import Model, model_of, written
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ledger import Ledger, stored_energy

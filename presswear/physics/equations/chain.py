@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswear.linkage.elements import GROUND, Attachment, Body, Guide
-from presswear.linkage.linkage import Branch, Linkage, chain_of, free_branches, prescribed_of
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.topology import Branch, chain_of, free_branches, prescribed_of
 from presswear.physics.equations.text import ONE, ZERO, Text, Vector, difference, product, total
 from presswear.tools.arrays import Array
 

@@ -10,8 +10,9 @@ from four_bar_linkage import FOUR_BAR
 from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
-from presswear.linkage.linkage import Linkage, branches_of, prescribed_of
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.closed_loops import place_prescribed
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import motion_of
