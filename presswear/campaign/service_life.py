@@ -39,7 +39,7 @@ BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
 MIN_BLOCKS_FOR_REFUSAL = 16  # after which a limit that seems exceeded when new is taken to be so
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
 MIN_REFINEMENT = 1.5  # ratio of cycles of two refinements that show the error of the step
-SAFE_REFINEMENT, STEP_SAFETY = 3.5, 1.5  # factor on this error below a larger ratio
+STEP_SAFETY = 2.0  # factor on this error: it is that of two or three chaotic lives
 MAX_STEP_GROWTH = 2.0  # from block to block
 SECOND_GROWTH = 2.6  # of the cycles, in the second refinement
 MIN_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # of the cycles, from refinement to refinement
@@ -404,7 +404,7 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         pooled = sum(ends)
         ratio = max(ends[-1] / ends[0], MIN_REFINEMENT)
         slope = distance * ends[0] * ratio / (ratio - 1.0)
-        step = slope * len(ends) / pooled * (1.0 if ratio >= SAFE_REFINEMENT else STEP_SAFETY)
+        step = STEP_SAFETY * slope * len(ends) / pooled
         cycles = _next_cycles(problem, sampling, ends)
         is_known = math.hypot(sampling, step) <= problem.tolerance
         is_used_up = cycles * histories > problem.max_cycles
@@ -503,12 +503,10 @@ def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:
 def _step_slope(cycles: Array, logarithms: Array) -> float:
     """Return the error of the step of a refinement times its cycles; infinite if it is unknown.
 
-    It is the slope of the logarithms over one over the cycles, by least squares with the cycles as
-    weights, times STEP_SAFETY where the coarsest refinement has more than 1 / 3.5 of the cycles of
-    the finest.
+    It is twice the slope of the logarithms over one over the cycles, by least squares with the
+    cycles as weights.
     """
     if cycles.min() * MIN_REFINEMENT > cycles.max():
         return math.inf
     slope = np.polyfit(1.0 / cycles, logarithms, 1, w=np.sqrt(cycles))[0]
-    is_safe = SAFE_REFINEMENT * cycles.min() <= cycles.max()
-    return abs(float(slope)) * (1.0 if is_safe else STEP_SAFETY)
+    return STEP_SAFETY * abs(float(slope))
