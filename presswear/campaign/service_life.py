@@ -449,11 +449,11 @@ def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int
     for limit in limits:
         if limit.key in first.levels:
             values = last.curve(limit.key)
-            each = float(np.diff(values).clip(0.0).sum()) / max(completed, 1)
+            per_cycle = float(np.diff(values).clip(0.0).sum()) / max(completed, 1)
             if not completed and first.rate > 0.0:
-                each = float(values[0]) / first.strokes * last.change / first.rate
-            if each > 0.0:
-                lefts.append(float(limit.value - values[-1]) / each)
+                per_cycle = float(values[0]) / first.strokes * last.change / first.rate
+            if per_cycle > 0.0:
+                lefts.append(float(limit.value - values[-1]) / per_cycle)
         elif coarser and before.crossing([limit]) == life:
             part = before.cycles_until(strokes) / max(finished, 1.0)
             lefts.append((1.0 + MARGIN) * whole * (1.0 - part))
